@@ -61,15 +61,18 @@ def windowed_sinc(share: float, window: Float) -> Float:
 def first_order(signal: NDArray[Any], pole: complex, before: complex) -> NDArray[Any]:
     """Return y_k = pole y_(k-1) + (1 - pole) x_k of a signal x, as real as the pole, from a value before it on.
 
-    A banded triangular system; scipy.signal, which has the filter, takes 0.5 s to load.
+    scipy.signal, which has the filter, takes 0.5 s to load.
     """
-    from scipy.linalg.lapack import dtbtrs, ztbtrs
-
     driven = (1.0 - pole) * signal
     driven[0] += pole * before
-    solve = ztbtrs if np.iscomplexobj(driven) else dtbtrs
-    band = np.stack([np.ones(len(driven), driven.dtype), np.full(len(driven), -pole, driven.dtype)])
-    return np.asarray(solve(band, driven[:, None], uplo="L")[0][:, 0])
+    return _remembered(driven, pole)
+
+
+@compiled()
+def _remembered(driven: NDArray[Any], pole: complex) -> NDArray[Any]:
+    for k in range(1, len(driven)):
+        driven[k] += pole * driven[k - 1]
+    return driven
 
 
 @compiled(any_order=True)
