@@ -13,7 +13,7 @@ these samples effects_stiction_16001, 16002, 16003 and 16005 are adequate.
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,6 +85,7 @@ class Samples:
         return out[0] if columns.ndim == 1 else out.T
 
 
+@lru_cache(maxsize=1)  # of a joint they are needed to count its cycles, then to build its problem
 def make_samples(data: JointData, corner_hz: float = CORNER_HZ) -> Samples:
     """Take the samples in which the direction of motion is certain, and those at which the joint breaks away.
 
@@ -99,7 +100,7 @@ def make_samples(data: JointData, corner_hz: float = CORNER_HZ) -> Samples:
     kernel = kaiser_low_pass(corner, 1.0 / data.step_s)
     whole = ~maximum_filter1d(~data.valid, len(kernel))[::every] & (data.cycle[::every] >= 0)
     doubt = (~(data.moving & data.valid)).astype(np.float64)[None]
-    uncertain = filtered(doubt, np.abs(kernel), np.arange(len(whole)) * every)[0]
+    uncertain = filtered(doubt, np.abs(kernel), np.arange(0, len(data.t), every))[0]
     breakaways = breakaways_of(data)
     breakaways = breakaways.take(torque_known(data.torque, breakaways, data.step_s))
     breakaways = breakaways.take(whole[breakaways.onset // every])
