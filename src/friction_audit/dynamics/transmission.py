@@ -12,7 +12,7 @@ Here the measured side moves as recorded, and many far sides are followed at onc
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import ceil, copysign, pi, sqrt
 
 import numpy as np
@@ -87,11 +87,6 @@ def far_side(motion: Motion) -> FarSide:
     gram = np.linalg.pinv(columns @ columns.T, rcond=1e-12, hermitian=True)
     numbers = np.maximum(gram @ (columns @ simple_torque(motion)[::every]), 0.0).tolist()
     return FarSide(inertia_kg_m2=numbers[0], coulomb_nm=numbers[1], viscous_nms_per_rad=numbers[2])
-
-
-def part_of(far: FarSide, share: float) -> FarSide:
-    """Return the far side with this share of the inertia."""
-    return replace(far, inertia_kg_m2=share * far.inertia_kg_m2)
 
 
 def simple_torque(motion: Motion) -> Float:
