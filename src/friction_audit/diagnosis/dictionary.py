@@ -114,7 +114,7 @@ class Dictionary:
         varying = [k for k in {name for s in shapes for name in s} if len({s.get(k) for s in shapes}) > 1]
         out: list[Block | None] = [None] * len(shapes)
         for place, columns in self._built(effect, shapes, baseline or self.baseline, self.problem.y):
-            there = columns.any(axis=1)
+            there = np.asarray(columns.any(axis=1), bool)
             if there.any():
                 out[place] = Block(
                     effect=effect,
