@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,6 +65,8 @@ class Block:
 
     def whole(self, coefficients: Float) -> Float:
         """Coefficients of all the effect's columns, shape (q,), zero for columns of zeros."""
+        if len(coefficients) == len(self.there):
+            return coefficients
         out = np.zeros(len(self.there))
         out[self.there] = coefficients
         return out
@@ -113,7 +114,7 @@ class Dictionary:
         varying = [k for k in {name for s in shapes for name in s} if len({s.get(k) for s in shapes}) > 1]
         out: list[Block | None] = [None] * len(shapes)
         for place, columns in self._built(effect, shapes, baseline or self.baseline, self.problem.y):
-            there = np.abs(columns).max(axis=1) > 0
+            there = np.asarray(columns.any(axis=1), bool)
             if there.any():
                 out[place] = Block(
                     effect=effect,
@@ -141,24 +142,25 @@ class Dictionary:
         """
         data, nominals, again = self.problem.data, [baseline] * len(shapes), list(range(len(shapes)))
         if effect.transmits:
-            X, names, again = self.problem.X, self.problem.nominal.names, []
-            fit = np.linalg.pinv(X @ X.T, rcond=1e-12, hermitian=True) @ X
-            own: dict[str, float] = {name: getattr(baseline, name) for name in names if hasattr(baseline, name)}
-            most = TOO_LARGE * float(y @ y - (X @ y) @ (fit @ y))
+            X, again = self.problem.X, []
+            inverse = np.linalg.pinv(X @ X.T, rcond=1e-12, hermitian=True)
+            names = [name for name in self.problem.nominal.names if hasattr(baseline, name)]
+            at = [self.problem.nominal.names.index(name) for name in names]
+            own = np.array([getattr(baseline, name) for name in names])
+            Xy = X @ y
+            most = TOO_LARGE * float(y @ y - Xy @ inverse @ Xy)
             for place, fine in effect.regressors(data, baseline, shapes):
                 columns = self.problem.columns(fine)
                 torque = effect.coefficient_of(shapes[place]) * columns[0]
-                fitted = dict(zip(names, (fit @ (y - torque)).tolist(), strict=True))
-                changes: dict[str, float] = {
-                    name: float(np.clip(fitted[name] - value, -FARTHEST * abs(value), FARTHEST * abs(value)))
-                    for name, value in own.items()
-                }
-                small = all(abs(change) <= CHANGED * abs(own[name]) for name, change in changes.items())
-                if small or torque @ torque - (X @ torque) @ (fit @ torque) > most:
+                along = X @ torque
+                away = (inverse @ (Xy - along))[at] - own
+                small = np.all(np.abs(away) <= CHANGED * np.abs(own))
+                if small or torque @ torque - along @ inverse @ along > most:
                     yield place, columns
                 else:
-                    changed: dict[str, Any] = {name: own[name] + change for name, change in changes.items()}
-                    nominals[place] = replace(baseline, **changed)
+                    farthest = FARTHEST * np.abs(own)
+                    changed = own + np.minimum(np.maximum(away, -farthest), farthest)
+                    nominals[place] = replace(baseline, **dict(zip(names, changed.tolist(), strict=True)))
                     again.append(place)
         found = effect.regressors_of(data, [nominals[k] for k in again], [shapes[k] for k in again])
         yield from ((again[k], self.problem.columns(fine)) for k, fine in found)

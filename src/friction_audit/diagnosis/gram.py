@@ -34,17 +34,16 @@ class Gram:
         self.sorted_noise = replace(noise, age=noise.age[self.order], weight=noise.weight[self.order])
         self.base_raw = np.vstack([problem.X, *(one.column[None] for one in nuisances)])
         self.precision = np.append(np.zeros(len(problem.X)), [1.0 / one.sd**2 for one in nuisances])
-        self.y, self.base = self.whiten(problem.y)[0], self.whiten(self.base_raw)
-        self.yy = np.array([self.y[f] @ self.y[f] for f in self.slices])
-        self.by = np.stack([self.base[:, f] @ self.y[f] for f in self.slices])
-        self.bb = np.stack([self.base[:, f] @ self.base[:, f].T for f in self.slices])
+        white = self.whiten(np.vstack([problem.y, self.base_raw]))
+        self.y, self.base = white[0], white[1:]
+        products = np.stack([white[:, f] @ white[:, f].T for f in self.slices])
+        self.yy, self.by, self.bb = products[:, 0, 0], products[:, 1:, 0], products[:, 1:, 1:]
         self.blocks: list[Block] = []
         self.used = 0
         self.own: dict[int, Float] = {}
-        self._left: dict[object, Float] = {"y": self.transposed(self.y), "base": self.transposed(self.base)}
-        self.cross: dict[object, Float] = {
-            key: np.empty((problem.folds, len(one), 0)) for key, one in self._left.items()
-        }
+        # By block; of None: the response, then the base.
+        self._left: dict[int | None, Float] = {None: self.transposed(white)}
+        self.cross: dict[int | None, Float] = {None: np.empty((problem.folds, len(white), 0))}
         self.version = 0
         self.add(blocks)
 
@@ -56,7 +55,7 @@ class Gram:
     @property
     def zy(self) -> Float:
         """Products of all blocks with the response within each fold, shape (folds, columns)."""
-        return self.cross["y"][:, 0]
+        return self.cross[None][:, 0]
 
     @property
     def squares(self) -> Float:
@@ -81,12 +80,14 @@ class Gram:
         for block in blocks:
             block.start = self.used
             self.used += block.p
-        found = [own for some, rows in self.chunks(blocks) for own in self._own(some, self.sorted_noise.whiten(rows))]
+        found: list[Float] = []
+        products = self._products(np.vstack(list(self._left.values())), blocks, found)
         for p in {one.shape[1] for one in found}:
             more = np.stack([one for one in found if one.shape[1] == p], axis=1)
             self.own[p] = np.concatenate([self.own[p], more], axis=1) if p in self.own else more
-        for key, known in self.cross.items():
-            self.cross[key] = np.concatenate([known, self._products(self._left[key], blocks)], axis=2)
+        ends = np.cumsum([len(left) for left in self._left.values()])
+        for (key, known), more in zip(self.cross.items(), np.split(products, ends[:-1], axis=1), strict=True):
+            self.cross[key] = np.concatenate([known, more], axis=2)
         self.blocks += blocks
         self.names = np.array([b.name for b in self.blocks])
         self.starts = np.array([b.start for b in self.blocks], int)
@@ -118,10 +119,13 @@ class Gram:
                 some.append(block)
                 columns += block.p
 
-    def _products(self, left: Float, blocks: Sequence[Block]) -> Float:
+    def _products(self, left: Float, blocks: Sequence[Block], own: list[Float] | None = None) -> Float:
+        """Products within each fold; those of each block with itself are added to a list, where there is one."""
         out = np.empty((self.problem.folds, len(left), sum(b.p for b in blocks)))
         first = 0
-        for _, rows in self.chunks(blocks):
+        for some, rows in self.chunks(blocks):
+            if own is not None:
+                own += self._own(some, self.sorted_noise.whiten(rows))
             for k, f in enumerate(self.slices):
                 out[k, :, first : first + len(rows)] = left[:, f] @ rows[:, f].T
             first += len(rows)
@@ -171,7 +175,7 @@ class Training:
 
     gram: Gram
     folds: tuple[int, ...] = ()
-    _sums: dict[object, tuple[int, Float]] = field(default_factory=dict)
+    _sums: dict[int | None, tuple[int, Float]] = field(default_factory=dict)
     _fits: dict[tuple[object, ...], Fit] = field(default_factory=dict)
     _own: dict[tuple[str, int], tuple[int, list[tuple[NDArray[np.int64], NDArray[np.int64], Float]]]] = field(
         default_factory=dict
@@ -188,7 +192,7 @@ class Training:
         share = sum(gram.ends[k + 1] - gram.ends[k] for k in self.folds) / max(len(gram.y), 1)
         return float(gram.noise.effective_samples * share) - len(gram.problem.X)
 
-    def _sum(self, key: object, by_fold: Float) -> Float:
+    def _sum(self, key: int | None, by_fold: Float) -> Float:
         version, total = self._sums.get(key, (-1, np.zeros(0)))
         if version != self.gram.version:
             total = by_fold[list(self.folds)].sum(axis=0)
@@ -197,7 +201,7 @@ class Training:
 
     def _cross(self, block: Block | None) -> Float:
         if block is None:
-            return self._sum("base", self.gram.cross["base"])
+            return self._sum(None, self.gram.cross[None][:, 1:])
         return self._sum(id(block), self.gram.products(block))
 
     def cross(self, active: Sequence[Block], fit: Fit) -> Float:

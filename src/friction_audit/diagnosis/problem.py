@@ -164,7 +164,7 @@ class RegressionProblem:
 
     def at_samples(self, fine: Float) -> Float:
         """A quantity of the fine grid at the samples, not filtered."""
-        return fine[self.samples.place * self.samples.every]
+        return fine[self.samples.fine]
 
     def columns(self, fine: Float) -> Float:
         """Columns of the fine grid, shape (n, p), on the samples, shape (p, m)."""
@@ -201,12 +201,11 @@ class RegressionProblem:
 
     def _smoothed_sign(self) -> list[Float]:
         """What a smoothed sign differs from the sign by, at the width that fits best, and its change with the width."""
-        from scipy.linalg import lstsq
-
-        data, X = self.data, self.X.T
+        data, inside = self.data, np.linalg.qr(self.X.T)[0].T
         signs = self.columns(np.column_stack([np.tanh(data.dq / w) - data.way for w in SIGN_WIDTHS_RAD_S]))
-        left = [float(np.sum((self.y - (A := np.column_stack([X, c])) @ lstsq(A, self.y)[0]) ** 2)) for c in signs]
-        k = int(np.clip(np.argmin(left), 1, len(left) - 2))
+        free = signs - (signs @ inside.T) @ inside
+        gain = (free @ self.y) ** 2 / np.maximum(np.sum(free**2, axis=1), 1e-300)
+        k = int(np.clip(np.argmax(gain), 1, len(gain) - 2))
         low, best, high = (np.tanh(data.dq / SIGN_WIDTHS_RAD_S[j]) for j in (k - 1, k, k + 1))
         return [best - data.way, 0.5 * (high - low)]
 
@@ -250,7 +249,7 @@ def _curves(data: JointData, samples: Samples) -> tuple[Curve, ...]:
         if values is None or len(knots) < 2:  # noqa: PLR2004 - a constant
             continue
         columns = np.ascontiguousarray(samples.of(curve(values, knots, data.dq)).T)
-        found.append(Curve(axis=axis, columns=columns, values=values[samples.place * samples.every]))
+        found.append(Curve(axis=axis, columns=columns, values=values[samples.fine]))
     return tuple(found)
 
 

@@ -98,18 +98,17 @@ def bin_means(
 
     NaN where hardly any of the samples that count are in a bin, the error also where one cycle is.
     """
-    mean, error = np.full(count, np.nan), np.full(count, np.nan)
-    for k in range(count):
-        at = which & (bins == k)
-        if at.sum() < FEWEST_ROWS:
-            continue
-        _, place = np.unique(cycle[at], return_inverse=True)
-        number = np.bincount(place).astype(float)
-        mean[k] = float(residual[at].mean())
-        if len(number) > 1:  # of one cycle the sum of squares is rounding
-            deviation = np.bincount(place, weights=residual[at] - mean[k])
-            error[k] = float(np.sqrt(np.sum(deviation**2) * len(number) / (len(number) - 1)) / at.sum())
-    return mean, error
+    bins, left, cycle = bins[which], residual[which], cycle[which] - cycle.min()
+    cycles = int(cycle.max(initial=0)) + 1
+    samples = np.bincount(bins, minlength=count)
+    enough = samples >= FEWEST_ROWS
+    mean = np.where(enough, np.bincount(bins, left, count) / np.maximum(samples, 1), np.nan)
+    cell = bins * cycles + cycle
+    deviation = np.bincount(cell, left - mean[bins], count * cycles).reshape(count, cycles)
+    number = np.count_nonzero(np.bincount(cell, minlength=count * cycles).reshape(count, cycles), axis=1)
+    several = enough & (number > 1)  # of one cycle the sum of squares is rounding
+    spread = np.sum(deviation**2, axis=1) * number / np.where(several, number - 1, 1)
+    return mean, np.where(several, np.sqrt(spread) / np.maximum(samples, 1), np.nan)
 
 
 def _share(residual: Float, columns: Float, cycle: NDArray[np.int64]) -> float:

@@ -13,6 +13,7 @@ these samples effects_stiction_16001, 16002, 16003 and 16005 are adequate.
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +40,7 @@ QUIET_SHARE = 0.5
 MOST_UNCERTAIN = 0.02  # share of the filter's weight that may come from samples without a certain direction
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Samples:
     """The samples of one joint that a model is fitted to, m of them, from n on the fine grid."""
 
@@ -60,6 +61,15 @@ class Samples:
         """Spacing of samples that follow each other. [s]"""
         return float(np.min(np.diff(self.t))) if len(self.t) > 1 else 0.0
 
+    @cached_property
+    def fine(self) -> Index:
+        """Place of each sample on the fine grid, shape (m,)."""
+        return self.place * self.every
+
+    @cached_property
+    def _onset(self) -> Index:
+        return np.flatnonzero(self.breakaway)
+
     def keep(self, kept: NDArray[np.bool_]) -> "Samples":
         """Some of the samples, shape (m,)."""
         names = ("place", "breakaway", "weight", "t", "y", "cycle")
@@ -69,12 +79,13 @@ class Samples:
     def of(self, columns: Float) -> Float:
         """Filter and thin out columns of the fine grid, shape (n,) or (n, p), to shape (m,) or (m, p)."""
         rows = np.ascontiguousarray(np.atleast_2d(columns.T), np.float64)
-        out = filtered(rows, self.kernel, self.place * self.every)
-        if len(self.onsets.onset):
-            out[:, self.breakaway] = self.onsets.of(rows.T).T
+        out = filtered(rows, self.kernel, self.fine)
+        if len(self._onset):
+            out[:, self._onset] = self.onsets.of(rows.T).T
         return out[0] if columns.ndim == 1 else out.T
 
 
+@lru_cache(maxsize=1)  # of a joint they are needed to count its cycles, then to build its problem
 def make_samples(data: JointData, corner_hz: float = CORNER_HZ) -> Samples:
     """Take the samples in which the direction of motion is certain, and those at which the joint breaks away.
 
@@ -89,7 +100,7 @@ def make_samples(data: JointData, corner_hz: float = CORNER_HZ) -> Samples:
     kernel = kaiser_low_pass(corner, 1.0 / data.step_s)
     whole = ~maximum_filter1d(~data.valid, len(kernel))[::every] & (data.cycle[::every] >= 0)
     doubt = (~(data.moving & data.valid)).astype(np.float64)[None]
-    uncertain = filtered(doubt, np.abs(kernel), np.arange(len(whole)) * every)[0]
+    uncertain = filtered(doubt, np.abs(kernel), np.arange(0, len(data.t), every))[0]
     breakaways = breakaways_of(data)
     breakaways = breakaways.take(torque_known(data.torque, breakaways, data.step_s))
     breakaways = breakaways.take(whole[breakaways.onset // every])

@@ -7,6 +7,7 @@ over all columns controls the family-wise error (J. P. Romano, M. Wolf, Economet
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,29 +49,50 @@ def held_out(
         extra: More columns, shape (k, m), with a slight ridge.
         replaced: Effects whose nuisances are left out as well: what stands for an effect must not hide it.
     """
+    model = _model(gram, active, [] if extra is None else [extra], replaced)
+    residual, innovation = model.predict(gram, np.arange(len(model.prior)))
+    out = np.empty((2, len(gram.y)))
+    out[:, gram.order] = residual, innovation
+    return HeldOut(residual=out[0], innovation=out[1], rms=float(np.sqrt(np.mean(residual**2))))
+
+
+class _Model(NamedTuple):
+    """Columns of a model in the order of the folds, shape (k, m), whitened too, with their products in each fold."""
+
+    raw: Float
+    white: Float
+    prior: Float  # precision of each coefficient, shape (k,)
+    grams: Float
+    rights: Float
+
+    def predict(self, gram: Gram, which: Index) -> tuple[Float, Float]:
+        """What some of the columns, fitted to the other folds, leave of each sample, and of its innovation."""
+        grams, rights = self.grams[:, which[:, None], which], self.rights[:, which]
+        total, right = grams.sum(axis=0) + np.diag(self.prior[which]), rights.sum(axis=0)
+        scale = np.sqrt(np.maximum(np.diag(grams.sum(axis=0)), 1e-300))
+        coefficients = np.zeros((len(grams), len(self.prior)))
+        for k in range(len(grams)):
+            whole = (total - grams[k]) / scale[:, None] / scale
+            coefficients[k, which] = np.linalg.lstsq(whole, (right - rights[k]) / scale, rcond=1e-11)[0] / scale
+        residual, innovation = gram.problem.y[gram.order], gram.y.copy()
+        for own, part in zip(coefficients, gram.slices, strict=True):
+            residual[part] -= own @ self.raw[:, part]
+            innovation[part] -= own @ self.white[:, part]
+        return residual, innovation
+
+
+def _model(gram: Gram, active: Sequence[Block], extra: Sequence[Float], replaced: Sequence[Block] = ()) -> _Model:
     kept = Training(gram).fit(active, [b.name for b in replaced]).kept
-    raw = np.vstack([gram.base_raw[kept], *(b.columns for b in active)])
-    white = np.vstack([gram.base[kept], *(gram.of(b) for b in active)])
-    prior = np.append(gram.precision[kept], np.zeros(len(white) - len(kept)))
-    if extra is not None:
-        more = gram.whiten(extra)
-        raw, white = np.vstack([raw, extra]), np.vstack([white, more])
-        prior = np.append(prior, RIDGE * np.sum(more**2, axis=1))
+    added = [gram.whiten(one) for one in extra]
+    raw = np.vstack(
+        [gram.base_raw[kept][:, gram.order], *(b.stored for b in active), *(e[:, gram.order] for e in extra)]
+    )
+    white = np.vstack([gram.base[kept], *(gram.of(b) for b in active), *added])
+    free = np.zeros(sum(b.p for b in active))
+    prior = np.concatenate([gram.precision[kept], free, *(RIDGE * np.sum(one**2, axis=1) for one in added)])
     grams = np.stack([white[:, f] @ white[:, f].T for f in gram.slices])
     rights = np.stack([white[:, f] @ gram.y[f] for f in gram.slices])
-    scale = np.sqrt(np.maximum(np.diag(grams.sum(axis=0)), 1e-300))
-    residual, innovation = np.empty(len(gram.y)), np.empty(len(gram.y))
-    y = gram.problem.y[gram.order]
-    for k, part in enumerate(gram.slices):
-        whole = (grams.sum(axis=0) - grams[k] + np.diag(prior)) / scale[:, None] / scale
-        coefficients = np.linalg.lstsq(whole, (rights.sum(axis=0) - rights[k]) / scale, rcond=1e-11)[0] / scale
-        residual[part] = y[part] - coefficients @ raw[:, gram.order[part]]
-        innovation[part] = gram.y[part] - coefficients @ white[:, part]
-    back = np.empty(len(gram.y))
-    back[gram.order] = residual
-    innovations = np.empty(len(gram.y))
-    innovations[gram.order] = innovation
-    return HeldOut(residual=back, innovation=innovations, rms=float(np.sqrt(np.mean(back**2))))
+    return _Model(raw, white, prior, grams, rights)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -115,17 +137,19 @@ def gains(gram: Gram, active: Sequence[Block]) -> list[Gain]:
     return [Gain(z=z, p_value=min(float(p), 1.0), shrinks=s) for (z, _, s), p in zip(found, adjusted, strict=True)]
 
 
-def noise_floor(gram: Gram, active: Sequence[Block]) -> float:
-    """Held-out rms of the best of the model, the model with a curve over one quantity, and with all. [N m]"""
-    curves = [c.columns for c in gram.problem.curves]
-    tried = [None, *curves, *([np.vstack(curves)] if curves else [])]
-    return min(held_out(gram, active, one).rms for one in tried)
+def noise_floor(gram: Gram, active: Sequence[Block], plain: float) -> float:
+    """Held-out rms of the best of the plain model, that with a curve over one quantity, and that with all. [N m]"""
+    model = _model(gram, active, [c.columns for c in gram.problem.curves])
+    every, wide = np.arange(len(model.prior)), [len(c.columns) for c in gram.problem.curves]
+    base, *curves = np.split(every, len(every) - sum(wide) + np.cumsum([0, *wide[:-1]]))
+    tried = [every, *(np.append(base, one) for one in curves)] if wide else []
+    return min([plain, *(float(np.sqrt(np.mean(model.predict(gram, one)[0] ** 2))) for one in tried)])
 
 
 def gap(gram: Gram, active: Sequence[Block]) -> tuple[Gap, HeldOut, HeldOut]:
     """The gap in torque, and what the nominal and the augmented model leave."""
     before, after = held_out(gram, (), replaced=active), held_out(gram, active)
-    floor = noise_floor(gram, active)
+    floor = noise_floor(gram, active, after.rms)
     return measure_gap(before.residual, after.residual, floor, gram.problem.samples.cycle), before, after
 
 

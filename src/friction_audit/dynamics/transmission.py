@@ -12,7 +12,7 @@ Here the measured side moves as recorded, and many far sides are followed at onc
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import ceil, copysign, pi, sqrt
 
 import numpy as np
@@ -89,11 +89,6 @@ def far_side(motion: Motion) -> FarSide:
     return FarSide(inertia_kg_m2=numbers[0], coulomb_nm=numbers[1], viscous_nms_per_rad=numbers[2])
 
 
-def part_of(far: FarSide, share: float) -> FarSide:
-    """Return the far side with this share of the inertia."""
-    return replace(far, inertia_kg_m2=share * far.inertia_kg_m2)
-
-
 def simple_torque(motion: Motion) -> Float:
     """Return the torque of inertia, Coulomb and viscous friction, which the motion has to have."""
     if motion.rest is None:
@@ -122,35 +117,27 @@ def added_torques(motion: Motion, far: Sequence[FarSide], links: Sequence[Transm
     load = np.zeros(len(motion.t)) if motion.load is None else motion.load
     q, dq, ddq, way, load = map(read_only, (motion.q, motion.dq, motion.ddq, motion.direction, load))
     alike: dict[tuple[int, bool], list[int]] = {}  # those that take as many steps and are of one kind
-    heavy, rates = [part_of(own, link.far_share) for own, link in zip(far, links, strict=True)], [0.0] * len(far)
-    for place, link in enumerate(links):
-        if far[place].inertia_kg_m2 == 0.0:
+    numbers: dict[int, tuple[float, ...]] = {}  # of each far side, then of each transmission
+    for place, (own, link) in enumerate(zip(far, links, strict=True)):
+        if own.inertia_kg_m2 == 0.0:
             yield place, np.zeros(len(motion.t))
             continue
-        inertia = max(heavy[place].inertia_kg_m2, link.stiffness_nm_per_rad / (2.0 * pi * HIGHEST_HZ) ** 2)
-        heavy[place] = replace(heavy[place], inertia_kg_m2=inertia)
-        rates[place] = sqrt(link.stiffness_nm_per_rad / inertia)
-        steps = 2 * min(max(ceil(0.5 * step * rates[place] / PHASE), 1), MOST_STEPS)
+        stiffness = link.stiffness_nm_per_rad
+        inertia = max(link.far_share * own.inertia_kg_m2, stiffness / (2.0 * pi * HIGHEST_HZ) ** 2)
+        rate = sqrt(stiffness / inertia)
+        driven = (inertia, own.coulomb_nm, own.viscous_nms_per_rad)
+        damping = 2.0 * link.damping_ratio * inertia * rate
+        numbers[place] = (*driven, stiffness, damping, 0.5 * link.gap_rad, *bend_of(link.soft_nm))
+        steps = 2 * min(max(ceil(0.5 * step * rate / PHASE), 1), MOST_STEPS)
         alike.setdefault((steps, link.gap_rad > 0.0), []).append(place)
     for (steps, gap), those in alike.items():
         for first in range(0, len(those), LANES):
             places = those[first : first + LANES]
             # One or LANES side by side; the last one stands in for those that are lacking.
             filled = places + places[-1:] * (LANES - len(places) if len(places) > 1 else 0)
-            driven = [(heavy[k].inertia_kg_m2, heavy[k].coulomb_nm, heavy[k].viscous_nms_per_rad) for k in filled]
-            between = [
-                (
-                    links[k].stiffness_nm_per_rad,
-                    2.0 * links[k].damping_ratio * heavy[k].inertia_kg_m2 * rates[k],
-                    0.5 * links[k].gap_rad,
-                    *bend_of(links[k].soft_nm),
-                )
-                for k in filled
-            ]
-            far_sides, flexible = (np.ascontiguousarray(np.array(numbers).T) for numbers in (driven, between))
-            lanes = (0.0,) * len(filled)
-            weights = between_samples(step, steps)
-            torque = _follow(q, dq, ddq, way, load, step, weights, far_sides, flexible, gap, lanes)
+            table = np.ascontiguousarray(np.array([numbers[k] for k in filled]).T)
+            lanes, weights = (0.0,) * len(filled), between_samples(step, steps)
+            torque = _follow(q, dq, ddq, way, load, step, weights, table[:3], table[3:], gap, lanes)
             yield from ((k, torque[lane]) for lane, k in enumerate(places))
             del torque  # the next ones shall take its place
 

@@ -28,13 +28,22 @@ class PositionDependentFriction(Effect):
 
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield sgn(dq) exp(-((q - c) / w)^2 / 2) times cos and sin of k (q - c), two columns; equal bells are one."""
+        known, phasor = 0.0, np.ones(0, complex)
         for centre, width in dict.fromkeys((centre, width) for _, centre, width in many):
             off = motion.q - centre
             bell = motion.direction if width >= EVERYWHERE else motion.direction * np.exp(-0.5 * (off / width) ** 2)
             for place, (order, *own) in enumerate(many):
-                if own == [centre, width]:
-                    wave = (np.cos(order * off), np.sin(order * off)) if order else (1.0, 0.0)
-                    yield place, np.stack([bell * wave[0], bell * wave[1]]).T
+                if own != [centre, width]:
+                    continue
+                columns = np.zeros((2, len(bell)))
+                if order == 0.0:
+                    columns[0] = bell
+                else:
+                    if order != known:  # neighbours under bells of one width have one order
+                        known, phasor = order, np.exp(1j * order * motion.q)
+                    wave = phasor * np.exp(-1j * order * centre)
+                    columns[0], columns[1] = bell * wave.real, bell * wave.imag
+                yield place, columns.T
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """Waves from half a period over the range on, half a period apart; patches a width and a half apart.

@@ -19,7 +19,6 @@ from friction_audit.dynamics.transmission import (
     added_torques,
     far_side,
     flank_stiffness,
-    part_of,
     simple_torque,
 )
 from friction_audit.effects.effect import Effect, Nonlinear, Trait
@@ -210,9 +209,8 @@ class Backlash(Link):
 
     def link(self, far: FarSide, usual_nm: float, values: Sequence[float]) -> Transmission:
         gap, contact_hz, damping_ratio, share = values
-        inertia = part_of(far, share).inertia_kg_m2
         return Transmission(
-            stiffness_nm_per_rad=flank_stiffness(inertia, contact_hz, gap, usual_nm),
+            stiffness_nm_per_rad=flank_stiffness(share * far.inertia_kg_m2, contact_hz, gap, usual_nm),
             damping_ratio=damping_ratio,
             gap_rad=gap,
             far_share=share,

@@ -59,37 +59,49 @@ def windowed_sinc(share: float, window: Float) -> Float:
 def first_order(signal: NDArray[Any], pole: complex, before: complex) -> NDArray[Any]:
     """Return y_k = pole y_(k-1) + (1 - pole) x_k of a signal x, as real as the pole, from a value before it on.
 
-    A banded triangular system; scipy.signal, which has the filter, takes 0.5 s to load.
+    scipy.signal, which has the filter, takes 0.5 s to load.
     """
-    from scipy.linalg.lapack import dtbtrs, ztbtrs
-
     driven = (1.0 - pole) * signal
     driven[0] += pole * before
-    solve = ztbtrs if np.iscomplexobj(driven) else dtbtrs
-    band = np.stack([np.ones(len(driven), driven.dtype), np.full(len(driven), -pole, driven.dtype)])
-    return np.asarray(solve(band, driven[:, None], uplo="L")[0][:, 0])
+    return _remembered(driven, pole)
+
+
+@compiled()
+def _remembered(driven: NDArray[Any], pole: complex) -> NDArray[Any]:
+    for k in range(1, len(driven)):
+        driven[k] += pole * driven[k - 1]
+    return driven
 
 
 @compiled(any_order=True)
 def filtered(rows: Float, kernel: Float, centre: NDArray[np.int64]) -> Float:
-    """Weighted sums of an odd number of samples about some of them, shape (m,), the ends held; rows (p, n): (p, m)."""
+    """Weighted sums of an odd number of samples about some, ascending, (m,), the ends held; rows (p, n): (p, m)."""
     half, n = len(kernel) // 2, rows.shape[1]
     out = np.zeros((len(rows), len(centre)))
     for k in range(len(rows)):
-        start = 0
-        while start < n and rows[k, start] == 0.0:
-            start += 1
-        if start == n:  # of effects with many columns most are zero
+        row, i = rows[k], 0
+        if not row.any():  # of effects with many columns most are zero
             continue
-        for i in range(len(centre)):
-            first, total = centre[i] - half, 0.0
-            if first >= 0 and first + len(kernel) <= n:
+        while i < len(centre):
+            if i + 3 < len(centre) and centre[i] >= half and centre[i + 3] + half < n:
+                # Four at a time read each weight once, which takes two thirds of the time.
+                one, two = row[centre[i] - half :], row[centre[i + 1] - half :]
+                three, four = row[centre[i + 2] - half :], row[centre[i + 3] - half :]
+                a, b, c, d = 0.0, 0.0, 0.0, 0.0
                 for j in range(len(kernel)):
-                    total += kernel[j] * rows[k, first + j]
+                    weight = kernel[j]
+                    a += weight * one[j]
+                    b += weight * two[j]
+                    c += weight * three[j]
+                    d += weight * four[j]
+                out[k, i], out[k, i + 1], out[k, i + 2], out[k, i + 3] = a, b, c, d
+                i += 4
             else:
+                total, first = 0.0, centre[i] - half
                 for j in range(len(kernel)):
-                    total += kernel[j] * rows[k, min(max(first + j, 0), n - 1)]
-            out[k, i] = total
+                    total += kernel[j] * row[min(max(first + j, 0), n - 1)]
+                out[k, i] = total
+                i += 1
     return out
 
 
