@@ -66,7 +66,7 @@ class Shown:
         return str(first.to_html(index=False, float_format="{:.4g}".format))
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+@dataclass(frozen=True, eq=False, slots=True)
 class Estimate(Shown):
     """The result of ``estimate``: every step of the chain and the settings that made it."""
 
@@ -105,7 +105,7 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
         interaction = extract_interaction(log, settings.torque, joints=settings.joints, hand=True)
         cycles = segment_cycles(interaction, settings.cycles)
         friction = estimate_friction(interaction, cycles, settings.friction, dead_torque)
-        return Estimate(log=log, interaction=interaction, cycles=cycles, friction=friction, settings=settings)
+        return Estimate(log, interaction, cycles, friction, settings)
     if isinstance(log, LogInBlocks):  # what the checks needed
         release_memory()
     port = choose_torque(log, settings.torque, joints=settings.joints)
@@ -132,14 +132,7 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
     friction = friction_of(part, [one.gathered for one in joints], cycles_of, settings.friction, dead_torque)
     interaction = part.rows(part.first, part.first) if in_blocks else part
     cycles = join_cycles([found[column] for column in range(len(joints))])
-    return Estimate(
-        log=log,
-        interaction=interaction,
-        cycles=cycles,
-        friction=friction,
-        settings=settings,
-        port=port if in_blocks else None,
-    )
+    return Estimate(log, interaction, cycles, friction, settings, port if in_blocks else None)
 
 
 def while_read(settings: AuditSettings) -> "Callable[[JointLog], Take | None]":
@@ -261,16 +254,8 @@ def replay_estimate(
         release_memory()
     if settings.needs_whole and isinstance(log, LogInBlocks):
         return replay_estimate(estimate_log(log.read_whole(), estimate.settings), settings, joints=joints)
-    found = replay(
-        log,
-        estimate.interaction,
-        estimate.parts(),
-        estimate.cycles,
-        estimate.friction,
-        settings,
-        joints=joints,
-        hand_speed=hand_speed,
-    )
+    parts = estimate.interaction, estimate.parts(), estimate.cycles, estimate.friction
+    found = replay(log, *parts, settings, joints=joints, hand_speed=hand_speed)
     return LogReplay(estimate=estimate, replay=found, settings=settings)
 
 

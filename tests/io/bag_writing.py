@@ -37,7 +37,8 @@ def samples(n: int, joints: int = 7, seed: int = 0) -> Samples:
 
 
 def read(path: Path, **options: Any) -> Recording:
-    return choose_reader(path).loaded.read(path, ReadOptions(**options))
+    recording: Recording = choose_reader(path).loaded.read(path, ReadOptions(**options))
+    return recording
 
 
 def damage(recording: Recording) -> list[Finding]:

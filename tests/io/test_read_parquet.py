@@ -130,6 +130,7 @@ def test_stamps_of_any_unit_and_single_precision(tmp_path: Path, unit: str) -> N
     [
         ({"joint_names": '["fr3_joint1", "fr3_joint2", "fr3_joint3"]'}, "fr3_joint1", "fr3"),
         ({"joint_names": '["a", "b", "c"]', "robot": "panda"}, "a", "panda"),
+        ({"joint_names": '["a", "b", "c"]', "robot": "gen3"}, "a", "gen3"),
         ({"joint_names": '["a", "b"]', "robot": "toaster"}, "joint1", "unknown"),
         ({"joint_names": "[1, 2, 3]"}, "joint1", "unknown"),
         ({"joint_names": "no JSON"}, "joint1", "unknown"),

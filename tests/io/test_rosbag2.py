@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import zstandard
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers import list_topics, read_log, rosbag2
@@ -208,6 +209,16 @@ def test_database_that_is_cut_off_is_salvaged(
     codes = [finding.code for finding in damage(recording)]
     assert codes[0] == "truncated"
     assert alone or codes[1:] == ["missing_messages"]
+
+
+def test_packed_file_that_is_cut_off_is_salvaged(tmp_path: Path, long_bag: tuple[Path, Samples]) -> None:
+    packed = zstandard.ZstdCompressor().compress(storage_file(long_bag[0]).read_bytes())
+    (tmp_path / "a.db3.zstd").write_bytes(packed[: len(packed) // 2])
+    recording = read(tmp_path / "a.db3.zstd")
+    saved = len(recording.t)
+    assert 0.4 < saved / ROWS < 0.6
+    assert_read(recording, {name: array[:saved] for name, array in long_bag[1].items()})
+    assert "truncated" in [finding.code for finding in damage(recording)]
 
 
 def test_part_of_a_cut_file(tmp_path: Path, long_bag: tuple[Path, Samples], monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,7 +18,6 @@ class JointRows:
     columns: Mapping[str, Column]  # by name, all of one length
 
     def __len__(self) -> int:
-        """Return how many rows there are."""
         return len(next(iter(self.columns.values())))
 
 
@@ -31,7 +30,3 @@ class TidyTable:
     types: Mapping[str, type]  # what is in each column: str, int, float or bool
     time: str | None  # the column that says when a row was known [s], None for what the whole log says
     rows: tuple[JointRows, ...]  # joint after joint
-
-    def __len__(self) -> int:
-        """Return how many rows there are."""
-        return sum(map(len, self.rows))

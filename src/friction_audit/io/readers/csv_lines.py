@@ -23,8 +23,8 @@ _HEAD_BYTES, _LONGEST_HEAD = 1 << 20, 1 << 23
 _BLOCK_BYTES = 8 << 20
 
 
-def open_unpacked(path: Path) -> io.BufferedReader:
-    """Open a file, decompressed; reading raises InputError if a compressed one is damaged or a bomb."""
+def open_table(path: Path) -> io.BufferedReader:
+    """Open a text table, decompressed; reading raises InputError if a compressed one is damaged or a bomb."""
     codec = next((codec for magic, codec in PACKED.items() if starts_with(path, magic)), None)
     return io.BufferedReader(_Unpacked(path, codec) if codec else path.open("rb", buffering=0), _HEAD_BYTES)
 
@@ -47,7 +47,7 @@ class _Unpacked(io.RawIOBase):
         except OSError as error:
             raise InputError(
                 f"{self._path}: the {self._codec} stream breaks off or is damaged ({error}); expected a whole one; "
-                f"copy it again, or read the part that there is: `{self._codec} -dc {self._path} > part`"
+                f"copy it again, or read the part that there is: `{self._codec} -dc {self._path} > part.csv`"
             ) from error
         self._size += size
         refuse_bomb(self._path, self._size, self._packed)
@@ -86,7 +86,7 @@ class Dialect:
 
     def _chunks(self) -> Iterator[bytes]:
         """Yield the bytes of the values, up to the size that the file had when it was first looked at."""
-        with open_unpacked(self.path) as stream:
+        with open_table(self.path) as stream:
             stream.read(self.offset)
             left = self.size - self.offset
             while chunk := stream.read(min(_BLOCK_BYTES, left)):
@@ -150,7 +150,7 @@ def split_line(line: str, separator: str) -> tuple[str, ...]:
 def sniff_csv(path: Path) -> Dialect:
     """Find out how a text table is written, from its first lines; InputError if it holds no line of numbers."""
     skipped, begin, last = 0, 0, b""
-    with open_unpacked(path) as stream:
+    with open_table(path) as stream:
         _refuse_no_text(path, stream.peek(_HEAD_BYTES))
         # The last of the comments and blank lines at the start: numpy.savetxt writes its header as a comment.
         while (line := stream.readline(_HEAD_BYTES)).startswith(b"#") or (line and not line.strip()):
@@ -198,7 +198,7 @@ def sniff_csv(path: Path) -> Dialect:
 def recognises(path: Path) -> bool:
     """Return True if the file is text whose first line has at least two fields; never raises."""
     try:
-        with open_unpacked(path) as stream:
+        with open_table(path) as stream:
             head = stream.read(_PEEK_BYTES)
     except OSError:
         return False

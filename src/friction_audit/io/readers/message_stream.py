@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from friction_audit.errors import InputError
 
 # Joint states that are all zero are packed 36 times (7 joints, zstd) to 1 000 times (1 000 joints), bombs 25 000 times.
-_MOST_TIMES_PACKED = 4000
+MOST_TIMES_PACKED = 4000
 _SMALLEST_BOUND = 1 << 20  # below it the ratio is not checked [byte]
 # Recorders close a chunk after 0.75 to 16 MB; a larger one would have to lie in memory as a whole. [byte]
 LARGEST_CHUNK = 256 << 20
@@ -30,7 +30,7 @@ class BrokenError(Exception):
 
 def bound_of(packed_bytes: int) -> int:
     """Return how large data can be at most that were packed into so many bytes."""
-    return max(_SMALLEST_BOUND, _MOST_TIMES_PACKED * packed_bytes)
+    return max(_SMALLEST_BOUND, MOST_TIMES_PACKED * packed_bytes)
 
 
 def unpack(compression: str, packed: bytes, claimed: int, *, cut: bool = False) -> bytes:

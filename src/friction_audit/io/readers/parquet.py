@@ -2,7 +2,7 @@
 
 import json
 from collections import Counter, defaultdict
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -17,11 +17,12 @@ from friction_audit.io.readers import arrow
 from friction_audit.io.readers.channel_names import is_label, labels_of
 from friction_audit.io.readers.columns import ColumnMap
 from friction_audit.io.readers.reader import ReadOptions, Topic, serial_in
-from friction_audit.io.readers.table import ColumnTable, Part, read_table
-from friction_audit.io.readers.time_column import Clock, TimeColumn, to_clock
-from friction_audit.io.recording import Block, Blocks, Recording, WholeLogError
+from friction_audit.io.readers.table import ColumnTable, Part, part_in_blocks, read_table
+from friction_audit.io.readers.time_column import Clock, TimeColumn, stamps_of, to_clock
+from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Finding
 from friction_audit.parallel import per_joint
+from friction_audit.presets import PRESETS
 
 _BATCH_ROWS, _BATCH_BYTES = 1 << 16, 8 << 20  # of which several are in memory; of fewer rows, calls take the time
 _BUFFER_BYTES = 1 << 17
@@ -86,7 +87,7 @@ class ParquetTable(ColumnTable):
     def _read_notes(self, notes: dict[str, str]) -> None:
         """Take what this program's own writer puts into the key-value metadata."""
         self.serial = serial_in(notes)
-        self.robot = notes["robot"] if notes.get("robot") in ("panda", "fr3") else "unknown"
+        self.robot = notes["robot"] if notes.get("robot") in PRESETS else "unknown"
         try:
             self.start_s = float(notes["start_s"])
         except (KeyError, ValueError):
@@ -98,7 +99,6 @@ class ParquetTable(ColumnTable):
         self.joint_names = joints if isinstance(joints, list) and all(isinstance(one, str) for one in joints) else ()
 
     def size(self, columns: ColumnMap) -> tuple[int, int]:
-        """Return the number of rows and the bytes of the file."""
         if self.labels and columns.joint is None:
             self._refuse_moving_joints()
         return self._file.metadata.num_rows, self.path.stat().st_size
@@ -132,8 +132,8 @@ class ParquetTable(ColumnTable):
         found: list[NDArray[Any]] = []
         unit, path, (_, stop) = self._unit(time), str(self.path), options.window_of_clock()
         try:
-            for parts in self._batches(time.cells):
-                found.append(self._stamps(parts, time))
+            for piece in self._batches(time, time.cells):
+                found.append(stamps_of([piece[cell] for cell in time.cells]))
                 clock = to_clock(found[-1].copy(), unit, path=path, origin=found[0][0].item())
                 unit = clock.unit
                 if clock.t[-1] > stop:
@@ -143,7 +143,6 @@ class ParquetTable(ColumnTable):
         return self.read_clock(time)  # which leaves out what is damaged
 
     def read_rows(self, columns: ColumnMap, clock: Clock, rows: NDArray[np.bool_] | None) -> Part:
-        """Read the channels, in the rows of a mask or in all."""
         channels, pairs = self._channel_arrays(columns, len(clock.t))
         self._read_cells(pairs, rows)
         joint = None if columns.joint is None else self._read_texts(self._cells[columns.joint][0], rows)
@@ -158,46 +157,29 @@ class ParquetTable(ColumnTable):
         return Part(clock=self._to_clock(parts, columns.time), channels=channels, joint=joint)
 
     def in_blocks(self, columns: ColumnMap) -> Part | None:
-        """Read the first stamps, which say what the clock is; None if they are damaged."""
-        time, path = columns.time, str(self.path)
+        pieces = partial(self._batches, columns.time)
+        edges = np.cumsum([0, *self._sizes]).tolist()
         try:
-            stamps = next((self._stamps(parts, time) for parts in self._batches(time.cells)), np.empty(0))
-            origin = stamps[np.isfinite(stamps).argmax() :][:1].tolist()
-            clock = to_clock(stamps, self._unit(time), path=path)
+            return part_in_blocks(columns, self._unit(columns.time), edges[-1], pieces, str(self.path), edges)
         except InputError:  # damaged row groups are left out where all is read at once, or refused
             return None
-        edges = np.cumsum([0, *self._sizes])
 
-        def read(names: Collection[str], group: int = 0) -> Iterator[Block]:
-            wanted = {channel: cells for channel, cells in columns.channels.items() if channel in names}
-            every = [*time.cells, *(cell for cells in wanted.values() for cell in cells)]
-            try:
-                for parts in self._batches(every, group):
-                    raw, values = self._stamps(parts[: len(time.cells)], time), iter(parts[len(time.cells) :])
-                    arrays = {channel: np.array([next(values) for _ in cells]).T for channel, cells in wanted.items()}
-                    yield to_clock(raw, clock.unit, path=path, origin=origin[0]).t, arrays
-            except InputError as error:  # damaged row groups are left out where all is read at once
-                raise WholeLogError from error
-
-        def since(row: int) -> tuple[int, Callable[[Collection[str]], Iterator[Block]]]:
-            group = int(np.searchsorted(edges, row, side="right")) - 1
-            return int(edges[group]), partial(read, group=group)
-
-        nothing = {channel: np.empty((0, len(cells))) for channel, cells in columns.channels.items()}
-        blocks = Blocks(rows=self._file.metadata.num_rows, read=read, since=since)
-        return Part(clock=Clock(np.empty(0), clock.start_s, clock.unit), channels=nothing, blocks=blocks)
-
-    def _batches(self, cells: Sequence[int], group: int = 0) -> Iterator[list[NDArray[Any]]]:
+    def _batches(self, time: TimeColumn, cells: Sequence[int], group: int = 0) -> Iterator[dict[int, NDArray[Any]]]:
         """Yield the numbers of some cells, one batch of rows after the other, from a row group on."""
-        names = list(dict.fromkeys(self._cells[cell][0] for cell in cells))
+        names, kind = list(dict.fromkeys(self._cells[cell][0] for cell in cells)), self._stamp_type(time)
         groups, rows = range(group, len(self._sizes)), min(_BATCH_ROWS, _BATCH_BYTES // (8 * len(cells)))
         try:
             with _open(self.path, self._file.metadata) as file:
                 for batch in file.iter_batches(rows, groups, columns=names, use_threads=False):
-                    table = arrow.flat(batch)
+                    table, found = arrow.flat(batch), dict[int, NDArray[Any]]()
                     values = {name: self._values(arrow.whole(table[name]), name, 0) for name in names}
-                    pairs = (self._cells[cell] for cell in cells)
-                    yield [values[name] if place is None else values[name][:, place] for name, place in pairs]
+                    for cell in cells:
+                        name, place = self._cells[cell]
+                        found[cell] = values[name] if place is None else values[name][:, place]
+                        if cell in time.cells:
+                            self._refuse_missing_stamps(name, found[cell], np.empty(0, kind))
+                            found[cell] = found[cell].astype(kind)
+                    yield found
         except (pa.ArrowException, OSError) as error:
             raise InputError(f"{self.path}: {error}; the file is damaged or has changed; read it again") from error
 
@@ -216,20 +198,12 @@ class ParquetTable(ColumnTable):
         kind = self._types[self._cells[time.cells[0]][0]]
         return np.int64 if len(time.cells) > 1 or arrow.has_unit(kind) or pa.types.is_integer(kind) else np.float64
 
-    def _stamps(self, parts: Sequence[NDArray[Any]], time: TimeColumn) -> NDArray[Any]:
-        """Return the stamps of one column, or of seconds and nanoseconds."""
-        kind = self._stamp_type(time)
-        for cell, part in zip(time.cells, parts, strict=True):
-            self._refuse_missing_stamps(self._cells[cell][0], part, np.empty(0, kind))
-        own = [np.require(part, kind, "W") for part in parts]
-        return own[0] if len(own) == 1 else own[0] * _NANOSECONDS + own[1]
-
     def _unit(self, time: TimeColumn) -> str | None:
         kind = self._types[self._cells[time.cells[0]][0]]
         return str(kind.unit) if arrow.has_unit(kind) else time.unit
 
     def _to_clock(self, parts: list[NDArray[Any]], time: TimeColumn) -> Clock:
-        stamps = self._stamps(parts, time)
+        stamps = parts[0] if len(parts) == 1 else stamps_of(parts)
         names = {self._cells[cell][0] for cell in time.cells}
         edges, lost = np.cumsum([0, *self._sizes]), np.zeros(len(stamps), dtype=np.bool_)
         for name, group in self._damage:
@@ -244,7 +218,6 @@ class ParquetTable(ColumnTable):
         return clock
 
     def findings(self) -> tuple[Finding, ...]:
-        """Return the damaged row groups; their numbers are missing values."""
         return tuple(
             Finding(
                 code="damaged_numbers",

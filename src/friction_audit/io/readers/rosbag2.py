@@ -6,14 +6,12 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from shutil import copyfileobj
 from tempfile import TemporaryDirectory
 
 from friction_audit.errors import InputError
 from friction_audit.io.files import METADATA, STORAGES, starts_with
-from friction_audit.io.readers.csv_lines import open_unpacked
 from friction_audit.io.readers.mcap import MAGIC, McapStream
-from friction_audit.io.readers.message_stream import Block, Damage, MessageStream, Window
+from friction_audit.io.readers.message_stream import MOST_TIMES_PACKED, Block, Damage, MessageStream, Window, bound_of
 from friction_audit.io.readers.messages import read_messages, topics_of
 from friction_audit.io.readers.rosbag2_sqlite import SQLITE_MAGIC, Sqlite3Stream
 
@@ -102,13 +100,27 @@ def _storage_files(path: Path, metadata: str) -> list[Path]:
 
 
 def _decompress_file(path: Path, folder: Path) -> Path:
+    """Decompress a storage file, one that is cut off as far as it goes."""
+    import zstandard
+
     target = folder / path.stem
+    left = bound_of(path.stat().st_size)
     try:
-        with open_unpacked(path) as packed, target.open("wb") as file:
-            copyfileobj(packed, file, _COPIED_BYTES)
-    except OSError as error:
+        with (
+            path.open("rb") as packed,
+            target.open("wb") as file,
+            zstandard.ZstdDecompressor().stream_reader(packed, read_across_frames=True) as stream,
+        ):
+            while block := stream.read(_COPIED_BYTES):
+                left -= file.write(block)
+                if left < 0:
+                    raise InputError(
+                        f"{path}: holds more than {file.tell()} bytes when decompressed; expected at most "
+                        f"{MOST_TIMES_PACKED} times its size, which no recording exceeds; record it again"
+                    )
+    except (zstandard.ZstdError, OSError) as error:
         raise InputError(
-            f"{path}: cannot be decompressed into {folder} ({error}); set TMPDIR to a larger place"
+            f"{path}: cannot be decompressed into {folder} ({error}); copy it again, or set TMPDIR to a larger place"
         ) from error
     return target
 

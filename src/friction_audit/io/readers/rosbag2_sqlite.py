@@ -73,7 +73,7 @@ class _Leaves:
             trunk, listed, *numbers = struct.unpack(f">{self._size // 4}I", self._page(file, trunk))
             free.update(numbers[:listed])
         pages = ((number, _messages_on(self._page(file, number))) for number in range(1, self._pages + 1))
-        ids = [([_number(cell[2]) for cell in cells], number) for number, cells in pages if number not in free]
+        ids = (([_number(cell[2]) for cell in cells], number) for number, cells in pages if number not in free)
         sound = [(own[-1], own[0], n) for own, n in ids if own and all(one < other for one, other in pairwise(own))]
         before = -1
         for last, first, number in sorted(sound):  # by last ids, so that a page with wrong ids displaces one at most

@@ -15,9 +15,9 @@ from friction_audit.errors import InputError
 from friction_audit.io.readers.channel_names import choose_arm, robot_of
 from friction_audit.io.readers.columns import MOST_JOINTS, REQUIRED, ColumnMap, absent, doubt_torque, map_columns
 from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, ReadOptions, refuse_bomb, refuse_too_large
-from friction_audit.io.readers.time_column import Clock, TimeColumn, stamps_of, take_part, to_clock
-from friction_audit.io.recording import Blocks, Recording, WholeLogError
-from friction_audit.joint_log import Finding, Float
+from friction_audit.io.readers.time_column import Clock, TimeColumn, stamps_of, to_clock
+from friction_audit.io.recording import Block, Blocks, Recording, WholeLogError
+from friction_audit.joint_log import Finding, Float, find_window
 
 _RADIANS_PER_DEGREE = np.pi / 180.0
 _WHOLE = re.compile(r"^(\d+)\.0+$")  # a joint's number in a column that was written as floats
@@ -76,7 +76,13 @@ class ColumnTable(Table):
             return self.read_all(columns)
         whole = options.hashed or options.in_blocks
         clock = self.read_clock(columns.time) if whole else self.first_stamps(columns.time, options)
-        clock, kept, first_s = take_part(clock, options, path=str(self.path))
+        first_s, (start, stop) = float(np.nanmin(clock.t)), options.window_of_clock()
+        since = clock.t - first_s
+        kept = (since >= start) & (since < stop)
+        if not kept.any():
+            times = np.sort(since[np.isfinite(since)]) * options.time_scale
+            find_window(times, options.t_start_s, options.t_end_s, str(self.path))
+        clock = replace(clock, t=clock.t[kept])
         refuse_too_large(self.path, len(clock.t) * row_bytes, packed)
         return replace(self.read_rows(columns, clock, kept), first_s=first_s)
 
@@ -105,22 +111,27 @@ class ColumnTable(Table):
         return self.read_rows(columns, self.read_clock(columns.time), None)
 
 
-Pieces = Callable[[Sequence[int]], Iterator[dict[int, NDArray[Any]]]]
+Pieces = Callable[..., Iterator[dict[int, NDArray[Any]]]]
 """Yields some columns of a table, by position, in one piece after the other; the first stamps come first."""
 
 
-def part_in_blocks(columns: ColumnMap, unit: str | None, rows: int, pieces: Pieces, path: str) -> Part:
-    """Read the first stamps, which say what the clock is, and return how blocks are read."""
+def part_in_blocks(
+    columns: ColumnMap, unit: str | None, rows: int, pieces: Pieces, path: str, groups: Sequence[int] = ()
+) -> Part:
+    """Read the first stamps, which say what the clock is, and return how blocks are read.
+
+    ``groups`` are the first rows of groups of rows, from the number of which on pieces may be asked for.
+    """
     time = columns.time
     first = next(stamps_of([piece[cell] for cell in time.cells]) for piece in pieces(time.cells))
     origin = first[np.isfinite(first).argmax()].item()
     clock, is_sound = to_clock(first, unit, path=path), False
 
-    def read(names: Collection[str]) -> Iterator[tuple[Float, dict[str, Float]]]:
+    def read(names: Collection[str], *group: int) -> Iterator[Block]:
         nonlocal is_sound
         wanted = {channel: cells for channel, cells in columns.channels.items() if channel in names}
         try:
-            for piece in pieces([*time.cells, *(cell for cells in wanted.values() for cell in cells)]):
+            for piece in pieces([*time.cells, *(cell for cells in wanted.values() for cell in cells)], *group):
                 t = to_clock(stamps_of([piece[cell] for cell in time.cells]), clock.unit, path=path, origin=origin).t
                 yield t, {c: np.array([piece[cell] for cell in cells], np.float64).T for c, cells in wanted.items()}
         except (InputError, WholeLogError, OSError) as error:
@@ -129,8 +140,12 @@ def part_in_blocks(columns: ColumnMap, unit: str | None, rows: int, pieces: Piec
             raise WholeLogError from error  # where all is read at once, it says what is wrong, or leaves it out
         is_sound |= len(wanted) == len(columns.channels)
 
+    def since(row: int) -> tuple[int, Callable[[Collection[str]], Iterator[Block]]]:
+        group = int(np.searchsorted(groups, row, side="right")) - 1
+        return groups[group], lambda names: read(names, group)
+
     nothing = {channel: np.empty((0, len(cells))) for channel, cells in columns.channels.items()}
-    blocks = Blocks(rows=rows, read=read)
+    blocks = Blocks(rows=rows, read=read, since=since if groups else None)
     return Part(clock=replace(clock, t=np.empty(0)), channels=nothing, blocks=blocks)
 
 

@@ -2,15 +2,14 @@
 
 import re
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
-from friction_audit.io.readers.reader import ReadOptions
-from friction_audit.joint_log import Float, find_window
+from friction_audit.joint_log import Float
 
 UNITS = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}  # units per second
 # Name, unit if the name says it, clock; the better clock first: robot, header, log.
@@ -50,18 +49,6 @@ class Clock:
     start_s: float | None  # unix time of the first sample, or None [s]
     unit: str  # the unit found
     origin_s: float = 0.0  # reading of the clock at t = 0 [s]
-
-
-def take_part(clock: Clock, options: ReadOptions, *, path: str) -> tuple[Clock, NDArray[np.bool_], float]:
-    """Return the part of a clock that was asked for, with margins, the mask of its rows, and the first stamp of all."""
-    first_s = float(np.nanmin(clock.t))
-    since_first = clock.t - first_s
-    start, stop = options.window_of_clock()
-    rows = (since_first >= start) & (since_first < stop)
-    if not rows.any():
-        scale = options.time_scale
-        find_window(np.sort(since_first[np.isfinite(since_first)]) * scale, options.t_start_s, options.t_end_s, path)
-    return replace(clock, t=clock.t[rows]), rows, first_s
 
 
 def find_time(names: Sequence[str], constant: Collection[int] = ()) -> TimeColumn | None:

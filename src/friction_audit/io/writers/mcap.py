@@ -13,7 +13,7 @@ from friction_audit.io.writers.tables import NANOSECONDS, Writer, logged_channel
 from friction_audit.joint_log import JointLog
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, slots=True)
 class Channel:
     """A channel, its schema, and how its messages are written."""
 
@@ -49,14 +49,8 @@ def write_channels(path: Path, channels: Sequence[Channel], messages: Iterable[t
 def ros_channel(message: ros.MessageType, types: ros.Typestore) -> Channel:
     """Return the channel of a topic of ROS 1 or ROS 2 messages, with their definition."""
     definition, _ = types.generate_msgdef(message.name, ros_version=1 if message.ros == 1 else 2)
-    return Channel(
-        topic=message.topic,
-        schema=message.name.replace("/msg/", "/") if message.ros == 1 else message.name,
-        schema_encoding=f"ros{message.ros}msg",
-        schema_data=definition.encode(),
-        encoding=message.encoding,
-        profile=f"ros{message.ros}",
-    )
+    name, profile = message.name.replace("/msg/", "/") if message.ros == 1 else message.name, f"ros{message.ros}"
+    return Channel(message.topic, name, f"{profile}msg", definition.encode(), message.encoding, profile)
 
 
 def _write_ros(message: ros.MessageType, log: JointLog, path: Path) -> None:
@@ -137,13 +131,8 @@ def _write_foxglove(log: JointLog, path: Path, *, encoding: str) -> None:
                 filled = joint_states(timestamp={"seconds": sec, "nanos": nsec}, joints=joints)
                 yield stamp, 0, filled.SerializeToString()
 
-    channel = Channel(
-        topic="/joint_states",
-        schema=_SCHEMA,
-        schema_encoding="jsonschema" if is_json else encoding,
-        schema_data=json.dumps(_JSON_SCHEMA).encode() if is_json else descriptors.SerializeToString(),
-        encoding=encoding,
-    )
+    schema = json.dumps(_JSON_SCHEMA).encode() if is_json else descriptors.SerializeToString()
+    channel = Channel("/joint_states", _SCHEMA, "jsonschema" if is_json else encoding, schema, encoding)
     write_channels(path, (channel,), messages())
 
 

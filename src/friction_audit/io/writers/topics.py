@@ -55,20 +55,11 @@ def write_topics(tables: Sequence[TidyTable], span: Span, path: Path) -> None:
 
 def _channel(table: TidyTable, rows: JointRows) -> Channel:
     """Return the topic of a table's rows of one joint; a number that there is not is left out of the message."""
-    schema = {
-        "title": f"friction_audit.{table.name}",
-        "description": table.summary,
-        "type": "object",
-        "properties": {name: {"type": _JSON_TYPES[kind]} for name, kind in table.types.items()},
-    }
-    return Channel(
-        topic=f"/friction_audit/joint_{rows.joint}/{table.name}",
-        schema=f"friction_audit.{table.name}",
-        schema_encoding="jsonschema",
-        schema_data=json.dumps(schema).encode(),
-        encoding="json",
-        notes={"joint": str(rows.joint), "joint_name": encodable(rows.name)},
-    )
+    title, properties = f"friction_audit.{table.name}", {n: {"type": _JSON_TYPES[k]} for n, k in table.types.items()}
+    schema = {"title": title, "description": table.summary, "type": "object", "properties": properties}
+    topic, notes = f"/friction_audit/joint_{rows.joint}/{table.name}", {"joint": str(rows.joint)}
+    notes["joint_name"] = encodable(rows.name)
+    return Channel(topic, title, "jsonschema", json.dumps(schema).encode(), "json", notes=notes)
 
 
 def _messages(table: TidyTable, rows: JointRows, span: Span, place: int) -> Iterator[tuple[int, int, bytes]]:
