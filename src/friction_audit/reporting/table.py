@@ -228,10 +228,10 @@ class Table:
         """Return the text of a cell."""
         return in_unit(column.text(row), self.unit)
 
-    def filled(self) -> "Table":
-        """Return the table without the columns that hold nothing in any row."""
-        kept = [column for column in self.columns if any(column.text(row) != NOTHING for row in self.rows)]
-        return replace(self, columns=kept)
+    def filled(self, *, without: str = "") -> "Table":
+        """Return the table without the columns that hold nothing in any row, and without those of a name."""
+        named = (column for column in self.columns if column.name != without)
+        return replace(self, columns=[one for one in named if any(one.text(row) != NOTHING for row in self.rows)])
 
     def lines(self, marked: Collection[int] = ()) -> list[str]:
         """Return it as text, without spaces at the ends of its lines; the first cell of ``marked`` rows gets a mark.

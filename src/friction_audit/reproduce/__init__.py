@@ -1,5 +1,6 @@
 """The paper's simulated figures: simulated, drawn, and each of their claims held against a number."""
 
+from friction_audit.compensation.comparison.methods import FULL, PAPER
 from friction_audit.reporting.figures import paper
 from friction_audit.reporting.figures.comparison import draw_comparison
 from friction_audit.reproduce import arm, one_joint, viscous
@@ -51,12 +52,14 @@ REPRODUCTIONS = (
         lambda done: paper.draw_whole_arm([make_course(done["fig12"][0], j) for j in range(len(PANDA_JOINTS))]), FEW,
     ),
     Reproduction(
-        "13", "Net energy of a Panda guided by a hand, with five compensation methods", ("fig13",), arm.check_13,
+        "13", "Net energy of a Panda guided by a hand, with five compensation methods", ("fig13",),
+        lambda done: (arm.order(done["fig13"], PAPER), arm.keeps(done["fig13"]), arm.order(done["fig13"], FULL)),
         lambda done: draw_comparison(done["fig13"])["energy"], FEW, arm.compare_methods,
     ),
     Reproduction(
         "14", "Velocity and interaction torque of a joint of a Panda, with five compensation methods", ("fig13",),
-        arm.check_14, lambda done: draw_comparison(done["fig13"])["velocity-torque"], FEW, arm.compare_methods,
+        lambda done: (arm.peaks(done["fig13"]), *(arm.plateaus(done["fig13"], role) for role in (PAPER, FULL))),
+        lambda done: draw_comparison(done["fig13"])["velocity-torque"], FEW, arm.compare_methods,
     ),
 )  # fmt: skip
 """The figures, in the paper's order."""

@@ -70,6 +70,10 @@ def check_9(simulations: Simulations) -> tuple[Claim, ...]:
     speed = np.abs(before.dq)
     slow = float(speed[speed < NEAR_ZERO * speed.max()].mean())
     plateau = plateau_nm(before)
+    # While the compensator is silent, friction holds the joint. It then moves slower than intended by a dt, to which
+    # the hand's damper b adds b a dt, of which the share B / (m + B) passes the sensor; the inertia's own is B a.
+    hand, own = (one.inertia_kg_m2 for one in (aided.truth.settings.operator, aided.truth.settings.joints[0]))
+    silence = float(aided.truth.settings.operator.damping_nms_per_rad / CONTROL_RATE_HZ / (hand + own))
     cost, alone = (float(course.energy_j[-1] - course.energy_j[0]) for course in (after, before))
     return (
         within(
@@ -84,7 +88,7 @@ def check_9(simulations: Simulations) -> tuple[Claim, ...]:
         ),
         within(
             "9", "and the curve is an ellipse", "elliptical profile", "within * of one with these half axes",
-            off_ellipse(after), one_tick_of_silence(aided),
+            off_ellipse(after), silence,
             "at each turn the joint rests for a tick, in which the sign of its velocity is zero and the compensator "
             "silent; the bound is what the hand's damper makes of that, b dt / (m + B)",
         ),
@@ -97,16 +101,6 @@ def off_ellipse(course: Course) -> float:
     moving = (direction != 0.0) & (np.diff(direction, prepend=direction[0]) == 0.0)
     dq, torque = (signal[moving] / np.abs(signal[moving]).max() for signal in (course.dq, course.interaction_nm))
     return float(np.abs(np.hypot(dq, torque) - 1.0).max())
-
-
-def one_tick_of_silence(simulation: Simulation) -> float:
-    """Return the torque of a joint that lags by one tick of its acceleration, over that of its inertia.
-
-    While the compensator is silent, friction holds the joint. It then moves slower than intended by a dt, to which the
-    hand's damper b adds b a dt, of which the share B / (m + B) passes the sensor; the inertia's own torque is B a.
-    """
-    operator, joint = simulation.truth.settings.operator, simulation.truth.settings.joints[0]
-    return float(operator.damping_nms_per_rad / CONTROL_RATE_HZ / (operator.inertia_kg_m2 + joint.inertia_kg_m2))
 
 
 FIG_10 = ("fig10", "fig10-published", "fig10-slow-noise")
@@ -123,7 +117,8 @@ def check_10(simulations: Simulations) -> tuple[Claim, ...]:
     last_s = np.median([course.ends_s[-1] - course.ends_s[SECOND] for course in courses])
 
     def band(which: int, claim: str, note: str = "", *, own: bool = False) -> Claim:
-        leaves = np.array([leaves_by(course) for course in all_courses[which]])
+        ends = (course.ends_j[SECOND:] for course in all_courses[which])
+        leaves = np.array([np.abs(one[1:] / one[0] - 1.0).max() for one in ends])
         inside, near = leaves < BAND, leaves < NEAR
         ours = f"over {last_s:.0f} s within {NEAR:.0%} in {share(near)}, within {BAND:.0%} in {share(inside)}"
         text, holds = "-" if own else "vicinity of E_cyclic^2, no number", bool(inside.mean() >= PERSONS)
@@ -149,11 +144,6 @@ def check_10(simulations: Simulations) -> tuple[Claim, ...]:
             own=True,
         ),
     )  # fmt: skip
-
-
-def leaves_by(course: Course) -> float:
-    """Return how far the energy at later ends of cycles is from that of the second, over that."""
-    return float(np.abs(course.ends_j[SECOND + 1 :] / course.ends_j[SECOND] - 1.0).max())
 
 
 LOW_PEAK_NM = 0.5

@@ -192,8 +192,7 @@ def drawings_of(arms: Sequence[ArmDrift], prefixes: Mapping[str, str], formats: 
 
 def as_drawn(arm: ArmDrift) -> ArmDrift:
     """Return an arm with no more of its sessions than figures show: it goes to another process."""
-    first, reference, last = phrases.curve_sessions(arm)
-    shown = {first, *reference, last}
+    shown = {k for sessions in phrases.curve_sessions(arm) for k in sessions}
     for found in (found for one in arm.joints for found in one.coefficients if found.sessions):
         shown.update(set(range(len(arm.sessions))).difference(found.sessions))  # not compared: drawn as they are
     bare = (replace(one, joints=one.joints if k in shown else (), warnings=()) for k, one in enumerate(arm.sessions))
