@@ -19,15 +19,8 @@ import friction_audit
 from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_model
 from friction_audit.effects.registry import terms
 from friction_audit.errors import InputError, UsageError
-from friction_audit.export.export import (
-    TARGETS,
-    Export,
-    ExportSettings,
-    Target,
-    choose_target,
-    export_friction,
-    read_into,
-)
+from friction_audit.export import export as made
+from friction_audit.export.export import TARGETS, Export, ExportSettings, Target
 from friction_audit.export.friction_law import FrictionLaw, even_speeds, friction_law
 from friction_audit.export.robot_xml import XmlText
 from friction_audit.export.source import Joints
@@ -64,9 +57,9 @@ def law(model: JointModel) -> FrictionLaw:
 
 
 def export(source: Joints, out: Path, into: Path | None = None, settings: ExportSettings | None = None) -> Export:
-    target = choose_target(out)
+    target = made.choose_target(out)
     chosen = settings or ExportSettings(speeds=(0.0, 2.0))
-    return export_friction(source, target, out, chosen, into=None if into is None else read_into(target, into))
+    return made.export_friction(source, target, out, chosen, into=into and made.read_into(target, into))
 
 
 def friction_in(model: mujoco.MjModel, name: str, dq: np.ndarray) -> np.ndarray:
