@@ -11,8 +11,7 @@ from friction_audit.compensation.comparison import METHODS, SCENES, Comparison, 
 from friction_audit.reporting.figures.paper import Course
 from friction_audit.reproduce import REPRODUCTIONS, Claim, Reproduction, Simulations, simulate_figures
 from friction_audit.reproduce.arm import KEPT, ORDER, SLOPE_BOUND
-from friction_audit.reproduce.one_joint import off_ellipse, plateau_nm
-from friction_audit.reproduce.viscous import minima, tolerance_j
+from friction_audit.reproduce.one_joint import minima, off_ellipse, plateau_nm, tolerance_j
 
 SEEDS = 3
 COMPARED = [one for one in REPRODUCTIONS if one.compare is not None]

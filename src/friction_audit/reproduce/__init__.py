@@ -3,7 +3,7 @@
 from friction_audit.compensation.comparison.methods import FULL, PAPER
 from friction_audit.reporting.figures import paper
 from friction_audit.reporting.figures.comparison import draw_comparison
-from friction_audit.reproduce import arm, one_joint, viscous
+from friction_audit.reproduce import arm, one_joint
 from friction_audit.reproduce.one_joint import FIG_10, compensated, last_period
 from friction_audit.reproduce.reproduction import Claim, Reproduction, Simulations, make_course, simulate_figures
 from friction_audit.simulation.panda_joint import PANDA_JOINTS
@@ -15,15 +15,15 @@ FEW = 5  # of an arm; ``compare --arm panda`` takes more
 REPRODUCTIONS = (
     Reproduction(
         "3", "Net energy, kinetic and dissipated energy of a joint with viscous friction", ("fig3",),
-        viscous.check_3, lambda done: paper.draw_exchange(*viscous.energies(done)),
+        one_joint.check_3, lambda done: paper.draw_exchange(*one_joint.energies(done)),
     ),
     Reproduction(
         "6", "Viscous friction that doubles at 6 s, compensated by its estimate", ("fig6",),
-        viscous.check_6, viscous.draw_6,
+        one_joint.check_6, one_joint.draw_6,
     ),
     Reproduction(
         "7", "Viscous friction compensated by half as much again, without and with the passivity controller",
-        ("fig7-unprotected", "fig7"), viscous.check_7,
+        ("fig7-unprotected", "fig7"), one_joint.check_7,
         lambda done: paper.draw_overcompensation(make_course(*done["fig7-unprotected"]), make_course(*done["fig7"])),
     ),
     Reproduction(

@@ -38,7 +38,7 @@ def _verdict(found: CoefficientDrift) -> str:
 
 
 def _draw_both(draw: Any, panels: Sequence[Axes], arm: ArmDrift, joint: JointDrift) -> None:
-    """Draw Coulomb above or left of viscous friction over the sessions, or say why there is nothing."""
+    """Draw Coulomb above or left of viscous friction over the sessions, or why there is nothing."""
     known = {found.coefficient: found for found in joint.coefficients}
     for axes, coefficient in zip(panels, COEFFICIENTS, strict=True):
         if not parts.is_narrow(axes):
