@@ -1,10 +1,14 @@
 """A page in a headless browser that notes every request and every complaint."""
 
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+import pytest
+
 if TYPE_CHECKING:
-    from playwright.sync_api import BrowserContext, Page
+    from playwright.sync_api import Browser, Page
 
 
 @dataclass
@@ -19,11 +23,25 @@ class Opened:
         return self.page.evaluate(expression, argument)
 
 
-def open_in(context: "BrowserContext", address: str) -> Opened:
-    """Open an address; what it asks for and complains of is noted from the beginning."""
-    found = Opened(page=context.new_page())
-    found.page.on("console", lambda message: found.complaints.append(message.text))
-    found.page.on("pageerror", lambda error: found.complaints.append(str(error)))
-    found.page.on("request", lambda request: found.requests.append(request.url))
-    found.page.goto(address)
-    return found
+Open = Callable[..., Opened]
+
+
+@pytest.fixture
+def open_address(browser: "Browser") -> Iterator[Open]:
+    """Return what opens an address at a width, in a colour scheme, with scripts or without.
+
+    What the page asks for and complains of is noted from the beginning.
+    """
+    with ExitStack() as stack:
+
+        def opened(address: str, *, width: int = 1280, scheme: Any = "light", scripts: bool = True) -> Opened:
+            window: Any = {"width": width, "height": 900}
+            context = browser.new_context(viewport=window, color_scheme=scheme, java_script_enabled=scripts)
+            found = Opened(page=stack.enter_context(context).new_page())
+            found.page.on("console", lambda message: found.complaints.append(message.text))
+            found.page.on("pageerror", lambda error: found.complaints.append(str(error)))
+            found.page.on("request", lambda request: found.requests.append(request.url))
+            found.page.goto(address)
+            return found
+
+        yield opened

@@ -113,8 +113,8 @@ def test_settings_and_effects_are_what_was_asked_for(run: Run) -> None:
     ("step", "error", "code"),
     [
         ("simulation.scenarios.simulate", KeyboardInterrupt, 130),
-        ("reporting.documents.truth_document", KeyboardInterrupt, 130),
-        ("reporting.documents.truth_document", OSError, 2),
+        ("reporting.documents.write_document", KeyboardInterrupt, 130),
+        ("reporting.documents.write_document", OSError, 2),
     ],
 )
 def test_an_interruption_leaves_nothing_and_no_log_without_its_truth(

@@ -5,31 +5,23 @@ from pathlib import Path
 
 import pytest
 
-from tests.docs.conftest import Visit
+from tests.opened_page import Open
 
-PAGES = (
-    "index",
-    "recording",
-    "formats",
-    "troubleshooting",
-    "effects/stribeck",
-    "speed",
-    "commands/diagnose",
-    "sample_logs",
-)
+PAGES = ("index", "recording", "formats", "troubleshooting", "effects/stribeck")
+MORE_PAGES = ("speed", "commands/diagnose", "sample_logs")
 WINDOWS = ((360, "dark"), (1280, "light"), (1280, "dark"))
-FAST = [(name, *window) for name, window in zip(PAGES[:5], cycle(WINDOWS[:2]))]
+FAST = [(name, *window) for name, window in zip(PAGES, cycle(WINDOWS[:2]))]
 """Pages of every kind in a window, with every rule."""
 THOROUGH = [
     pytest.param(name, *window, marks=pytest.mark.thorough)
-    for name, window in product(PAGES, WINDOWS)
+    for name, window in product((*PAGES, *MORE_PAGES), WINDOWS)
     if (name, *window) not in FAST
 ]
 COLOURS = ["color-contrast", "link-in-text-block"]
 
 
 @pytest.mark.parametrize(("name", "width", "scheme"), [*FAST, *THOROUGH])
-def test_a_page_is_quiet_holds_its_width_and_has_no_barrier(visit: Visit, name: str, width: int, scheme: str) -> None:
+def test_a_page_is_quiet_holds_its_width_and_has_no_barrier(visit: Open, name: str, width: int, scheme: str) -> None:
     visited = visit(name, width=width, scheme=scheme)
     assert visited.evaluate("document.documentElement.scrollWidth - window.innerWidth") <= 0
     assert visited.complaints == []
@@ -42,7 +34,7 @@ def test_a_page_is_quiet_holds_its_width_and_has_no_barrier(visit: Visit, name: 
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_it_follows_the_scheme_of_the_system_and_pictures_stand_on_white(visit: Visit, scheme: str) -> None:
+def test_it_follows_the_scheme_of_the_system_and_pictures_stand_on_white(visit: Open, scheme: str) -> None:
     visited = visit("effects/stribeck", scheme=scheme)
     colour = "getComputedStyle(document.querySelector('{}')).backgroundColor.match(/\\d+/g).slice(0, 3).map(Number)"
     ground = visited.evaluate(colour.format("body"))
@@ -51,7 +43,7 @@ def test_it_follows_the_scheme_of_the_system_and_pictures_stand_on_white(visit: 
     assert visited.evaluate(colour.format("article img")) == [255, 255, 255]
 
 
-def test_a_word_is_found_without_a_server(visit: Visit) -> None:
+def test_a_word_is_found_without_a_server(visit: Open) -> None:
     visited = visit("index")
     visited.page.locator("input.md-search__input").fill("manifest")
     found = visited.page.locator(".md-search-result__link").first

@@ -69,10 +69,8 @@ def test_every_row_is_a_message_of_its_schema(written: Path) -> None:
         described = json.loads(schema.data)
         jsonschema.Draft202012Validator.check_schema(described)
         jsonschema.validate(json.loads(message.data), described | {"additionalProperties": False})
-    told = [
-        json.loads(message.data) for _, channel, message in found if channel.topic == "/friction_audit/joint_4/cycles"
-    ]
-    assert told == [{"stop_s": 2.0, "energy_j": 1.5, "left_out": ""}, {"stop_s": 10.0, "left_out": "gap"}]
+    cycles = [json.loads(one.data) for _, channel, one in found if channel.topic.endswith("/joint_4/cycles")]
+    assert cycles == [{"stop_s": 2.0, "energy_j": 1.5, "left_out": ""}, {"stop_s": 10.0, "left_out": "gap"}]
 
 
 def test_stamps_are_the_log_s_clock(written: Path) -> None:
@@ -80,11 +78,8 @@ def test_stamps_are_the_log_s_clock(written: Path) -> None:
     stamps = stamps_ns(log())
     assert [m.log_time for _, _, m in found] == sorted(m.log_time for _, _, m in found)
     assert all(stamps[0] <= m.log_time <= stamps[-1] for _, _, m in found)
-    at = {
-        name: [m.log_time for _, c, m in found if c.topic.endswith(f"/joint_4/{name}")]
-        for name in ("cycles", "verdicts")
-    }
-    assert at == {"cycles": [stamps[200], stamps[1000]], "verdicts": [stamps[1000]]}
+    for name, at in {"cycles": [stamps[200], stamps[1000]], "verdicts": [stamps[1000]]}.items():
+        assert [m.log_time for _, c, m in found if c.topic.endswith(f"/joint_4/{name}")] == at
 
 
 def test_a_window_keeps_the_clock() -> None:
@@ -96,11 +91,8 @@ def test_a_window_keeps_the_clock() -> None:
 
 @pytest.mark.parametrize("start_s", [None, 0.0, -5.0])
 def test_a_window_from_before_the_start_begins_with_the_log(start_s: float | None) -> None:
-    assert (
-        span_of(log(None).take_window(start_s, None))
-        == span_of(log(None))
-        == Span(start_ns=UNKNOWN_START_NS, duration_s=10.0)
-    )
+    whole = Span(start_ns=UNKNOWN_START_NS, duration_s=10.0)
+    assert span_of(log(None).take_window(start_s, None)) == span_of(log(None)) == whole
 
 
 def test_nothing_lies_outside_the_log() -> None:
@@ -113,8 +105,6 @@ def test_no_rows_make_a_file_without_topics(tmp_path: Path) -> None:
 
 
 NAMES = ('a,"b"\n', "knee \udce9")
-
-
 TYPES = {"stop_s": float, "energy_j": float, "cycle": int, "steps": int, "open": bool, "left_out": str}
 COLUMNS = {
     "stop_s": np.array([0.1, 1 / 3]), "energy_j": np.array([np.nan, 2.0]), "cycle": np.array([1.0, 2.0]),

@@ -60,8 +60,6 @@ COMMANDS = {
     "wrong option": f"estimate {SAMPLES}/bench_rig.csv --joints 9 --json",
 }
 """Name -> command whose exit code and document are pinned; names in braces are simulated logs."""
-
-
 SLOW = ("diagnose", "report", "batch-report", "compare", "reproduce")
 
 
@@ -92,12 +90,7 @@ def make_logs(folder: Path) -> dict[str, Path]:
 
 
 def answers(folder: Path, *, slow: bool) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yield the name and the pinned content of every answer, from a folder that is the current one.
-
-    Args:
-        folder: The current folder.
-        slow: Ask the commands that take seconds too.
-    """
+    """Yield name and pinned content of every answer, ``slow`` ones too, from a folder that is the current one."""
     logs = make_logs(folder)
     for name, words in COMMANDS.items():
         if words.startswith(SLOW) and not slow:

@@ -1,19 +1,15 @@
 """A log made by hand, minimum-jerk strokes back and forth with known friction and inertia, and its estimate."""
 
-from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
 
 from friction_audit.joint_log import Finding, Float, JointLog, Source
 from friction_audit.pipeline import AuditSettings, Estimate, estimate_log
-from tests.opened_page import Opened, open_in
-
-if TYPE_CHECKING:
-    from playwright.sync_api import Browser
+from tests.opened_page import Open, Opened
 
 COULOMB = (0.245, 0.152, 0.183, 0.359, 0.267, 0.166, 0.211)
 VISCOUS = (0.4, 0.3, 0.25, 0.5, 0.13, 0.11, 0.12)
@@ -72,23 +68,13 @@ def single() -> Estimate:
     return build_estimate(1)
 
 
-Open = Callable[..., Opened]
-
-
 @pytest.fixture
-def open_page(browser: "Browser", tmp_path: Path) -> Iterator[Open]:
-    """Return what opens HTML text at a width, in a colour scheme, with scripts or without."""
-    contexts = []
+def open_page(open_address: Open, tmp_path: Path) -> Open:
+    """Return what opens HTML text, like ``open_address``."""
 
-    def opened(html: str, *, width: int = 1280, scheme: Any = "light", scripts: bool = True) -> Opened:
+    def opened(html: str, **look: Any) -> Opened:
         path = tmp_path / "page.html"
         path.write_text(html, encoding="utf-8")
-        context = browser.new_context(
-            viewport={"width": width, "height": 900}, color_scheme=scheme, java_script_enabled=scripts
-        )
-        contexts.append(context)
-        return open_in(context, path.as_uri())
+        return open_address(path.as_uri(), **look)
 
-    yield opened
-    for context in contexts:
-        context.close()
+    return opened

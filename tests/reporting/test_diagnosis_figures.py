@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.result import ContactTrace, Evidence, OwnAxis
+from friction_audit.diagnosis.result import ContactTrace, OwnAxis
 from friction_audit.pipeline import without_samples
 from friction_audit.reporting.figures.profiles import EFFECTS, LADDER, RESIDUAL, STANDARD_ERRORS
 from friction_audit.reporting.figures.registry import Figure as FigureKind
@@ -72,21 +72,12 @@ def test_the_ladder_is_as_long_as_the_residuals() -> None:
 
 
 CONTACTS = replace(
-    NAMED.effects[0],
-    name="contact_event",
-    parameters={"contacts": by_hand.coefficient(2.0, 0.0)},
-    evidence=(Evidence(name="contact_event", two_ln_bayes_factor=0.0, correlation=1.0),),
+    NAMED.effects[0], name="contact_event", parameters={"contacts": by_hand.coefficient(2.0, 0.0)}, evidence=()
 )
 TRACE = ContactTrace(
     t=np.arange(0.0, 12.0, 0.1), residual_nm=np.sin(np.arange(120) / 50.0), spans_s=((1.0, 1.3), (8.0, 8.4))
 )
-TOUCHED = replace(
-    NAMED,
-    effects=(CONTACTS,),
-    ladder=(("nominal model", 0.02), ("noise floor", 0.02)),
-    gap=by_hand.gap(0.02, 0.02, 0.02),
-    contacts=TRACE,
-)
+TOUCHED = replace(NAMED, effects=(CONTACTS,), ladder=by_hand.NONE.ladder, gap=by_hand.NONE.gap, contacts=TRACE)
 
 
 def test_contacts_are_left_out_and_no_model_has_them() -> None:
@@ -109,17 +100,10 @@ def test_contacts_are_shaded_over_the_whole_log_and_the_largest_close_by() -> No
 
 
 def test_an_effect_with_an_axis_of_its_own_is_drawn_along_it() -> None:
-    own = OwnAxis(
-        label="Position within a wave [waves]",
-        values=np.mod(TRACES.t, 1.0),
-        curve=by_hand.profile("wave", 0.1),
-        before=by_hand.profile("wave", 0.2),
-        after=by_hand.profile("wave", 0.0),
-    )
-    torque = np.sin(2 * np.pi * own.values)
-    ripple = replace(
-        NAMED.effects[0], own=own, torque=torque, parameters={"ripple_order": by_hand.coefficient(1.0, 0.1)}
-    )
+    curve, before, after = (by_hand.profile("wave", share) for share in (0.1, 0.2, 0.0))
+    values, order = np.mod(TRACES.t, 1.0), {"ripple_order": by_hand.coefficient(1.0, 0.1)}
+    own = OwnAxis(label="Position within a wave [waves]", values=values, curve=curve, before=before, after=after)
+    ripple = replace(NAMED.effects[0], own=own, torque=np.sin(2 * np.pi * values), parameters=order)
     joint = diagnosis(replace(NAMED, effects=(ripple,)))
     x, y = line(EFFECTS(joint, 1).axes[0], "fitted, forwards")
     assert y == pytest.approx(np.sin(2 * np.pi * x), abs=0.05)

@@ -16,7 +16,7 @@ from friction_audit.reporting.figures.style import figure_bytes
 from friction_audit.reporting.html.batch_page import as_drawn, draw, drawings_of, write_page
 from friction_audit.reporting.html.page import ON_A_SHEET
 from tests.reporting import batch_by_hand as by_hand
-from tests.reporting.test_figures import line, words_in
+from tests.reporting.test_figures import legend_of, line, words_in
 
 ARM = by_hand.arm()
 STEP = ARM.joints[1].coefficients[0]
@@ -61,6 +61,12 @@ def test_sessions_stand_at_their_numbers_with_their_intervals() -> None:
     assert bars[0::3] == pytest.approx([one.low for one in STEP.values])
     assert line(coulomb, "not compared")[0].tolist() == [9.0]
     assert line(coulomb, "isolated, not counted")[0].tolist() == [4.0]
+    joint = replace(ARM.sessions[by_hand.LEFT_OUT].joints[1], coefficients={"coulomb_nm": by_hand.number(9.0, 0.1)})
+    far = list(ARM.sessions)
+    far[by_hand.LEFT_OUT] = replace(far[by_hand.LEFT_OUT], joints=(joint,))
+    figure = DRIFT(replace(one_joint(2, STEP), sessions=tuple(far)), 2)
+    assert figure.axes[0].get_ylim()[1] < 1.0
+    assert "not compared" not in legend_of(figure)
 
 
 def test_a_step_lies_midway_between_two_compared_sessions_and_levels_meet_there() -> None:

@@ -77,6 +77,9 @@ def test_sheets_are_a_page_wide_and_name_every_joint_and_joints_are_a_column(kin
     shown = {number for number in (1, 2, 3) if f"joint {number}" in words_in(sheet)}
     assert shown | {int(number) for found in left_out for number in found.split(",")} >= {1, 2, 3}
     assert sheet.legends or kind.name == "ladder"
+    lines = [one for legend in sheet.legends for one in legend.get_lines()]
+    looks = [(one.get_color(), one.get_linestyle(), one.get_marker()) for one in lines]
+    assert len(looks) == len(set(looks))
 
 
 @EVERY
@@ -95,7 +98,7 @@ def test_dollar_signs_in_a_name_are_no_mathematics(kind: FigureKind) -> None:
         assert not any(text.get_parse_math() for text in texts)
 
 
-@EVERY
+@pytest.mark.parametrize("kind", [FIGURES[1], FIGURES[-1]], ids=lambda kind: kind.name)
 def test_numbers_of_axes_are_mathematics_in_the_fonts_of_latex(kind: FigureKind) -> None:
     token = STYLE.set(load_style("latex"))
     try:

@@ -8,20 +8,12 @@ import pytest
 
 from friction_audit.reporting.figures.registry import figures_of
 from friction_audit.reporting.html.log_page import LOG_FIGURES
-from tests.opened_page import Opened
-from tests.reporting.conftest import Open
+from tests.opened_page import Open, Opened
 from tests.reporting.pages import page
 
 THOROUGH = pytest.mark.thorough
-CASES = (
-    "hostile",
-    "twenty joints",
-    "batch hostile",
-    *(
-        pytest.param(one, marks=THOROUGH)
-        for one in ("plain", "no cycles", "batch", "batch twenty joints", "batch nothing")
-    ),
-)
+HARMLESS = ("plain", "no cycles", "batch", "batch twenty joints", "batch nothing")
+CASES = ("hostile", "twenty joints", "batch hostile", *(pytest.param(one, marks=THOROUGH) for one in HARMLESS))
 """The worst, and those that are harmless next to them."""
 # Widths of a phone, a tablet and a laptop, and of A4 between margins of 14 mm at 96 dots to the inch. [px]
 WIDTHS, PAPER = (360, 390, 768, 1280, 1440, 1920), 688
@@ -81,10 +73,8 @@ def test_every_figure_is_there(open_page: Open, case: str, count: int, scheme: s
 
 
 def column(opened: Opened, number: int) -> list[str]:
-    cells: list[str] = opened.evaluate(
-        "(k) => [...document.querySelectorAll('table')[1].tBodies[0].rows].map((row) => row.cells[k].textContent)",
-        number,
-    )
+    rows = "[...document.querySelectorAll('table')[1].tBodies[0].rows]"
+    cells: list[str] = opened.evaluate(f"(k) => {rows}.map((row) => row.cells[k].textContent)", number)
     return cells
 
 
@@ -177,12 +167,8 @@ def test_the_contents_lead_to_every_section(open_page: Open) -> None:
 @pytest.mark.parametrize(
     ("case", "scheme"),
     [
-        ("plain", "light"),
-        ("hostile", "dark"),
-        ("batch small", "light"),
-        ("batch hostile", "dark"),
-        pytest.param("batch", "dark", marks=THOROUGH),
-        pytest.param("no cycles", "dark", marks=THOROUGH),
+        *(("plain", "light"), ("hostile", "dark"), ("batch small", "light"), ("batch hostile", "dark")),
+        *(pytest.param(one, "dark", marks=THOROUGH) for one in ("batch", "no cycles")),
     ],
 )
 def test_no_barrier_is_found(open_page: Open, case: str, scheme: str) -> None:

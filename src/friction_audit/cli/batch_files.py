@@ -89,13 +89,13 @@ def _write_tables(summary: BatchSummary, folder: Path) -> None:
         file.writelines(write_batch_document(summary))
     for path in tables:
         with whole_file(path, overwrite=True) as draft:
-            write_rows(*session_columns(summary.arms), draft, path.suffix.removeprefix("."))
+            write_rows(*session_columns(summary.report.arms), draft, path.suffix.removeprefix("."))
 
 
 def _draw(summary: BatchSummary, batch: Batch) -> tuple[list[str], dict[str, Figure]]:
     """Draw the figures side by side and write their files; return the names of those, and what is for the page."""
     names, pictures = [], {}
-    drawings = drawings_of(summary.arms, _prefixes(summary.arms), batch.formats)
+    drawings = drawings_of(summary.report.arms, _prefixes(summary.report.arms), batch.formats)
     for drawing, drawn in batch.processes.run(draw, drawings):
         if isinstance(drawn, Lost):
             raise AnalysisError(f"{drawing.name or drawing.anchor}: cannot be drawn: {drawn.message}")

@@ -105,10 +105,11 @@ def command(
         check_fit(log, writer)
         writer.write(log, draft)
         effects, seen = [asdict(effect) for effect in hidden_effects(settings)], as_nested(settings)
-        simulated = documents.SimulatedLog(chosen.name, seed, seen, effects, sha256_of(draft))
+        simulated = {"scenario": chosen.name, "seed": seed, "settings": seen, "effects": effects}
+        simulated["sha256"] = sha256_of(draft)
         if truth is not None:
             with whole_file(truth, overwrite=overwrite) as other:
-                text = documents.write_document(documents.truth_document(simulated))
+                text = documents.write_document(documents.TRUTH.json(simulated))
                 other.write_text(text, encoding="utf-8")
     left_out = writer.left_out(log)
     document = documents.simulate_document(simulated, log, str(path), writer.name, left_out=left_out)

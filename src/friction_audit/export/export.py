@@ -133,9 +133,8 @@ def export_friction(
 ) -> Export:
     """Write the friction of joints in a file, whole or not at all.
 
-    ``into`` is the user's file of the robot: the output is a copy of it with the friction in its joints. The estimate
-    of the log that the models come from, if there is one, gives the speeds over which a curve is fitted, and the motion
-    that is simulated.
+    The output is a copy of ``into``, if given, with the friction in its joints. The estimate, if any, gives the speeds
+    over which a curve is fitted, and the motion that is simulated.
     """
     numbers = [number for number, *_ in joints.models]
     speeds: dict[int, Float] = {}
@@ -209,11 +208,10 @@ def _simulated(laws: Sequence[FrictionLaw], joints: Joints, estimate: Estimate |
 def simulated_gaps(
     model: "MjModel", t: Float, q: Float, dq: Float, torque: Float, friction: Sequence[FittedFriction | None]
 ) -> tuple[Float, Float, int]:
-    """Move an arm by recorded torques over windows that each start from the recording, without friction and with it.
+    """Move an arm of j joints by recorded torques (n, j) over windows that each start from the recording.
 
-    The arm has j joints that turn; times t (n,) [s], strictly increasing, positions, velocities and torques on the
-    joints (n, j). Return the root mean square of simulated less recorded position at the ends of the windows, without
-    friction and with it, (j,) each [rad], and the number of windows.
+    Return the root mean square of simulated less recorded position at the ends of the windows, without friction and
+    with it, (j,) each [rad], and the number of windows.
     """
     usual = float(np.median(np.diff(t)))
     step = min(STEP_S, usual)
@@ -233,9 +231,7 @@ def simulated_gaps(
     rubbing = copy(bare)
     for dof, fitted in enumerate(friction):
         if fitted is not None:
-            rubbing.dof_frictionloss[dof] = fitted.coulomb_nm
-            rubbing.dof_damping[dof] = fitted.viscous_nms_per_rad
-            rubbing.dof_dampingpoly[dof] = fitted.quadratic_nms2_per_rad2, fitted.cubic_nms3_per_rad3
+            rubbing.dof_frictionloss[dof], rubbing.dof_damping[dof], *rubbing.dof_dampingpoly[dof] = fitted.coefficients
     if not len(starts):
         return np.full(model.nv, np.nan), np.full(model.nv, np.nan), 0
     ends = position[starts + steps]

@@ -26,10 +26,7 @@ DIGITS = 9  # of a number in a file, more than any log determines
 class FittedFriction:
     """Friction of a joint as a polynomial of the speed: sgn(dq) (c_0 + c_1 |dq| + c_2 dq^2 + c_3 |dq|^3)."""
 
-    coulomb_nm: float  # c_0
-    viscous_nms_per_rad: float  # c_1
-    quadratic_nms2_per_rad2: float  # c_2
-    cubic_nms3_per_rad3: float  # c_3
+    coefficients: tuple[float, ...]  # c_0 [N m] to c_3 [N m s^3/rad^3]
     error_nm: float  # root mean square of the law less the polynomial over the speeds of the fit
     error_share: float  # the same over the root mean square of the law
 
@@ -66,22 +63,12 @@ class FrictionLaw:
         found[: highest_power + 1] = fitted / scale
         size, error = (float(np.sqrt(np.mean(values**2))) for values in (torque, torque - columns @ (fitted / scale)))
         error = error if error > np.finfo(float).eps * SPEEDS * size else 0.0
-        return FittedFriction(
-            coulomb_nm=float(found[0]),
-            viscous_nms_per_rad=float(found[1]),
-            quadratic_nms2_per_rad2=float(found[2]),
-            cubic_nms3_per_rad3=float(found[3]),
-            error_nm=error,
-            error_share=error / size if size > 0.0 else 0.0,
-        )
+        share = error / size if size > 0.0 else 0.0
+        return FittedFriction(coefficients=tuple(found.tolist()), error_nm=error, error_share=share)
 
 
 def friction_law(joint: int, name: str, model: JointModel, speeds: Float, *, armature: bool) -> FrictionLaw:
-    """Return the friction law of a joint's model.
-
-    ``speeds``, shape (n,) [rad/s], are those over which it is to hold; ``armature``: the inertia of the model is the
-    reflected inertia of the motor.
-    """
+    """Return the friction law of a joint's model over speeds; ``armature``: its inertia is the motor's, reflected."""
     terms = tuple(term for term in model.terms if term.effect.friction and term.effect.speed_only)
     if not terms:
         raise AnalysisError(f"joint {joint} ({name}): its model has no friction that follows from the velocity")
@@ -123,13 +110,12 @@ class ExportedJoint:
     @property
     def static_nm(self) -> float:
         """Friction at the onset of motion, with what Stribeck adds; a simulator wants no less than in motion. [N m]"""
-        return max(float(self.law.torque(np.array([SLOWEST]))[0]), self.fitted.coulomb_nm)
+        return max(float(self.law.torque(np.array([SLOWEST]))[0]), self.fitted.coefficients[0])
 
     @property
     def damping(self) -> list[float]:
         """Coefficients of dq, dq |dq| and dq^3 as MuJoCo 4 takes them; where the first is enough, as every version."""
-        fitted = self.fitted
-        found = [fitted.viscous_nms_per_rad, fitted.quadratic_nms2_per_rad2, fitted.cubic_nms3_per_rad3]
+        found = list(self.fitted.coefficients[1:])
         while len(found) > 1 and found[-1] == 0.0:
             found.pop()
         return found
@@ -141,10 +127,7 @@ def number(value: float) -> str:
 
 
 def match_names(laws: Sequence[FrictionLaw], count: int, found: Sequence[str], where: str) -> tuple[list[str], bool]:
-    """Return the name of each joint in the user's file, and whether the order of the joints gave it.
-
-    ``count`` is the number of joints of the source; ``found`` are those that turn, in the order of the file.
-    """
+    """Return the names in the user's file, of ``count`` joints in the source, and whether the order gave them."""
     own = [law.name for law in laws]
     if all(name in found for name in own):
         return own, False

@@ -151,8 +151,6 @@ inline double friction(std::size_t joint, double dq) noexcept {
 
 }  // namespace friction_audit
 """
-
-
 CSV = """joint,name,static_nm,coulomb_nm,viscous_nms_per_rad,inertia_kg_m2,error_nm
 % for j in joints
 {{ j.joint }},{{ j.name | cell }},{{ j.static }},{{ j.coulomb }},{{ j.viscous }},{{ j.armature }},{{ j.error }}
@@ -182,17 +180,17 @@ def render(template: str, joints: Sequence[ExportedJoint]) -> bytes:
 
 
 def _values(joint: ExportedJoint) -> dict[str, object]:
-    law, fitted = joint.law, joint.fitted
+    law, (coulomb, viscous, *_) = joint.law, joint.fitted.coefficients
     names = [f"k_{term.name}_{law.joint}" for term in law.terms]
     pairs = list(zip(law.terms, names, strict=True))
     return {
         "joint": law.joint,
         "name": joint.name,
         "static": joint.static_nm,
-        "coulomb": fitted.coulomb_nm,
-        "viscous": fitted.viscous_nms_per_rad,
+        "coulomb": coulomb,
+        "viscous": viscous,
         "damping": joint.damping,
-        "error": fitted.error_nm,
+        "error": joint.fitted.error_nm,
         "armature": law.inertia_kg_m2,
         "terms": [term.effect.in_cpp(term.values, name) for term, name in pairs],
         "tables": [table for pair in pairs if (table := _table(*pair))],

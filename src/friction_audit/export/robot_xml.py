@@ -62,11 +62,8 @@ class XmlText:
             quoted = f"{name}={quoteattr(value)}".encode()
             own = re.compile(rb"(?<=\s)" + re.escape(name.encode()) + rb"\s*=\s*(?:\"[^\"]*\"|'[^']*')")
             there = own.search(attributes)
-            attributes = (
-                attributes[: there.start()] + quoted + attributes[there.end() :]
-                if there
-                else (attributes + b" " + quoted)
-            )
+            start, stop = there.span() if there else (len(attributes),) * 2
+            attributes = attributes[:start] + (b"" if there else b" ") + quoted + attributes[stop:]
         return Edit(found.start("attributes"), found.end("attributes"), attributes)
 
     def append(self, parent: Tag, child: str) -> Edit:
@@ -74,20 +71,16 @@ class XmlText:
         line = self.text.rfind(b"\n", 0, parent.start) + 1
         before = self.text[line : parent.start].decode("utf-8", "replace")
         margin = before if not before.strip() else ""
-        if parent.inside == parent.stop:
-            return self._filled(parent, f"\n{margin}{INDENT}{child}\n{margin}")
-        last = self.text[parent.inside : parent.close].rstrip()
-        at = parent.inside + len(last)
-        return Edit(at, parent.close, f"\n{margin}{INDENT}{child}\n{margin}".encode())
+        return self._filled(parent, f"\n{margin}{INDENT}{child}\n{margin}", self.text[parent.inside : parent.close])
 
     def set_text(self, tag: Tag, text: str) -> Edit:
         """Return the edit that replaces the content of an element."""
-        if tag.inside == tag.stop:
-            return self._filled(tag, escape(text))
-        return Edit(tag.inside, tag.close, escape(text).encode())
+        return self._filled(tag, escape(text))
 
-    def _filled(self, tag: Tag, content: str) -> Edit:
-        """Return the edit that gives an element without an end tag one, and content."""
+    def _filled(self, tag: Tag, content: str, kept: bytes = b"") -> Edit:
+        """Return the edit that gives an element content after what is ``kept`` of it, and an end tag if it has none."""
+        if tag.inside < tag.stop:
+            return Edit(tag.inside + len(kept.rstrip()), tag.close, content.encode())
         opened = self.text[tag.start : tag.inside].decode().removesuffix("/>").rstrip()
         return Edit(tag.start, tag.stop, f"{opened}>{content}</{tag.name}>".encode())
 
@@ -151,7 +144,7 @@ def edit_mjcf(mjcf: XmlText, joints: Sequence[tuple[Tag, ExportedJoint]]) -> Ite
     """Set the attributes of joints."""
     for tag, joint in joints:
         damping, inertia = " ".join(map(number, joint.damping)), joint.law.inertia_kg_m2
-        values = {"frictionloss": number(joint.fitted.coulomb_nm), "damping": damping}
+        values = {"frictionloss": number(joint.fitted.coefficients[0]), "damping": damping}
         yield mjcf.set_attributes(tag, values if inertia is None else values | {"armature": number(inertia)})
 
 
@@ -173,4 +166,5 @@ def edit_sdf(sdf: XmlText, joints: Sequence[tuple[Tag, ExportedJoint]]) -> Itera
 
 def _dynamics(joint: ExportedJoint) -> dict[str, str]:
     """Return damping and friction of a joint, as URDF and SDF name them."""
-    return {"damping": number(joint.fitted.viscous_nms_per_rad), "friction": number(joint.fitted.coulomb_nm)}
+    coulomb, viscous, *_ = map(number, joint.fitted.coefficients)
+    return {"damping": viscous, "friction": coulomb}

@@ -43,9 +43,8 @@ def read_result(path: Path, arm: str | None = None) -> Joints:
     """Read a model file, or the document of an estimate or of a batch, of which the reference of an arm is taken."""
     is_model = path.suffix.lower() == ".toml"
     document = {} if is_model else read_document(path, ("estimate", "batch"), OTHERWISE)
-    if str(document.get("schema")).startswith("friction-audit/batch/"):
-        return _of_batch(document, path, arm)
-    if arm is not None:
+    is_batch = str(document.get("schema")).startswith("friction-audit/batch/")
+    if arm is not None and not is_batch:
         raise UsageError(f"--arm {arm}: {path} is no document of batch-report and holds one arm; leave the option out")
     if is_model:
         model = load_model(path)
@@ -55,17 +54,19 @@ def read_result(path: Path, arm: str | None = None) -> Joints:
             reflected=None,
             lacking=tuple((number, "no model in the file") for number, _, joint in known if joint is None),
         )
-    return _of_document(document, path)
+    try:
+        return _of_batch(document, path, arm) if is_batch else _of_document(document, path)
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        command = "batch-report" if is_batch else "estimate"
+        raise InputError(f"{path}: is no whole document of `{command}` ({error!r}); write it again") from error
 
 
 def of_estimate(estimate: Estimate) -> Joints:
     """Return the models that an estimate amounts to: inertia, Coulomb and viscous friction."""
     choice, joints = estimate.interaction.choice, estimate.friction.joints
     inertias = [float("nan") if one.regression is None else one.regression.inertia_kg_m2 for one in joints]
-    rows = [
-        (one.joint, one.name, (inertia, one.coulomb.value, one.viscous.value), one.reason)
-        for one, inertia in zip(joints, inertias, strict=True)
-    ]
+    values = [(inertia, one.coulomb.value, one.viscous.value) for one, inertia in zip(joints, inertias, strict=True)]
+    rows = [(one.joint, one.name, three, one.reason) for one, three in zip(joints, values, strict=True)]
     return _joints(rows, choice.drive, choice.inertia)
 
 
@@ -97,37 +98,30 @@ def laws_of(
 
 def _of_document(document: Mapping[str, Any], path: Path) -> Joints:
     keys = (("regression", "inertia_kg_m2"), ("coulomb_nm", "value"), ("viscous_nms_per_rad", "value"))
-    try:
-        chosen, unit = document["settings"]["torque_chosen"], str(document["source"].get("torque_unit", "N m"))
-        if unit != "N m":
-            raise UsageError(f"{path}: its torque is in {unit}; expected N m; estimate again with --torque-constant")
-        rows = [
-            (int(one["joint"]), str(one["name"]), [_number(one[k], key) for k, key in keys], str(one["reason"] or ""))
-            for one in document["joints"]
-        ]
-        return _joints(rows, chosen["drive"], chosen["inertia"])
-    except (KeyError, TypeError, ValueError) as error:
-        raise InputError(f"{path}: is no whole document of `estimate` ({error!r}); write it again") from error
+    chosen, unit = document["settings"]["torque_chosen"], str(document["source"].get("torque_unit", "N m"))
+    if unit != "N m":
+        raise UsageError(f"{path}: its torque is in {unit}; expected N m; estimate again with --torque-constant")
+    rows = [
+        (int(one["joint"]), str(one["name"]), [_number(one[k], key) for k, key in keys], str(one["reason"] or ""))
+        for one in document["joints"]
+    ]
+    return _joints(rows, chosen["drive"], chosen["inertia"])
 
 
 def _of_batch(document: Mapping[str, Any], path: Path, arm: str | None) -> Joints:
     """Return the levels in the reference of an arm, which hold no inertia."""
-    try:
-        arms = [str(one["robot"]) for one in document["robots"]]
-        chosen = arms[0] if arm is None and len(arms) == 1 else arm
-        if chosen not in arms:
-            asked = f"no arm {arm}" if arm else f"{len(arms)} arms"
-            raise UsageError(f"{path}: {asked}; it holds {', '.join(arms)}; choose one with --arm")
-        rows = []
-        for one in document["joints"]:
-            if one["robot"] == chosen:
-                found = [one["coefficients"].get(name, {}).get("level") for name in COEFFICIENTS]
-                levels = [_number(level, "value") for level in found]
-                reason = "no session of the reference has its friction" if np.isnan(levels).all() else ""
-                rows.append((int(one["joint"]), str(one["name"]), [float("nan"), *levels], reason))
-        return _joints(rows, "robot", "none")
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise InputError(f"{path}: is no whole document of `batch-report` ({error!r}); write it again") from error
+    arms = [str(one["robot"]) for one in document["robots"]]
+    chosen = arms[0] if arm is None and len(arms) == 1 else arm
+    if chosen not in arms:
+        asked = f"no arm {arm}" if arm else f"{len(arms)} arms"
+        raise UsageError(f"{path}: {asked}; it holds {', '.join(arms)}; choose one with --arm")
+    rows = []
+    for one in (one for one in document["joints"] if one["robot"] == chosen):
+        found = [one["coefficients"].get(name, {}).get("level") for name in COEFFICIENTS]
+        levels = [_number(level, "value") for level in found]
+        reason = "no session of the reference has its friction" if np.isnan(levels).all() else ""
+        rows.append((int(one["joint"]), str(one["name"]), [float("nan"), *levels], reason))
+    return _joints(rows, "robot", "none")
 
 
 def _joints(rows: Iterable[tuple[int, str, Sequence[float], str]], drive: str, inertia: str) -> Joints:

@@ -3,7 +3,7 @@
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any
 
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import Estimate
@@ -12,8 +12,6 @@ from friction_audit.reporting.table import Column, Document, Record, to_json
 
 ENCODE = json.JSONEncoder(allow_nan=False).encode  # without indentation, it is compiled code
 NO_OPTIONS: Mapping[str, object] = MappingProxyType({})
-
-
 JOINED = Record(
     Column("path", str, "path as given"), Column("sha256", str, "of the file"), Column("format", str, "the reader")
 )
@@ -126,17 +124,6 @@ def plot_document(
     return chain_document(PLOT, estimate, estimate_notices(estimate), reading, figures=figures)
 
 
-class SimulatedLog(NamedTuple):
-    """What was simulated, with everything that makes it again."""
-
-    scenario: str  # name of the scenario
-    seed: int  # the seed
-    settings: Mapping[str, object]  # all settings but the hidden effects, nested, units in the keys
-    # hidden effects: ``joint``, ``name``, ``form`` (or None) and ``parameters``
-    effects: Sequence[Mapping[str, object]]
-    sha256: str  # hash of the log as it was written
-
-
 HIDDEN = Record(
     Column("joint", int, "number"),
     Column("name", str, "name of the effect"),
@@ -163,19 +150,14 @@ SIMULATE = Document(
     WARNINGS,
 )
 LOG_SHA256 = Column("log_sha256", str, "hash of the log", "sha256")
+# Everything that was simulated, and the hash that tells which log it is.
 TRUTH = Document("truth/1", "What was simulated in a log", SCENARIO, LOG_SHA256, HIDDEN_SETTINGS, EFFECTS)
 
 
 def simulate_document(
-    simulated: SimulatedLog, log: JointLog, path: str, dialect: str, left_out: Sequence[str] = ()
+    simulated: Mapping[str, Any], log: JointLog, path: str, dialect: str, left_out: Sequence[str] = ()
 ) -> dict[str, Any]:
     """Return the document on a simulated log at a path; ``left_out``: channels that the dialect has no place for."""
-    output = {"path": path, "sha256": simulated.sha256, "dialect": dialect, "log": log}
+    output = {"path": path, "sha256": simulated["sha256"], "dialect": dialect, "log": log}
     warnings = left_out_notices(path, dialect, left_out)
-    own = {"output": output, "joint_names": log.joint_names, "warnings": warnings}
-    return SIMULATE.json(simulated._asdict() | own)
-
-
-def truth_document(simulated: SimulatedLog) -> dict[str, Any]:
-    """Return the truth of a log: everything that was simulated, and the hash that tells which log it is."""
-    return TRUTH.json(simulated._asdict())
+    return SIMULATE.json({**simulated, "output": output, "joint_names": log.joint_names, "warnings": warnings})

@@ -4,7 +4,7 @@ import json
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from friction_audit import __version__
@@ -34,14 +34,9 @@ class BatchSummary:
     known: int = 0  # sessions that the ledger already held
 
     @property
-    def arms(self) -> tuple[ArmDrift, ...]:
-        """The arms, in order."""
-        return self.report.arms
-
-    @property
     def sessions(self) -> tuple[Session, ...]:
         """The sessions of all arms, in order."""
-        return tuple(session for arm in self.arms for session in arm.sessions)
+        return tuple(session for arm in self.report.arms for session in arm.sessions)
 
 
 class CoefficientRow(NamedTuple):
@@ -91,11 +86,6 @@ VALUE = Record(
     Column("value", float, "as compared", "1.value"),
     Column("ci95", INTERVAL, "95 % interval", lambda row: (row[1].low, row[1].high)),
 )
-
-
-def _of_found(*columns: Column) -> tuple[Column, ...]:
-    """Return columns that are read from what was found of a coefficient."""
-    return tuple(replace(one, get=f"found.{one.get or one.name}") for one in columns)
 
 
 def _trend_column(title: str, name: str) -> Column:
@@ -153,42 +143,38 @@ COEFFICIENT = Record(
         title="minimum detectable", short="minimum\ndetect.", on="tp",
     ),
     Column("message", str, "one sentence", lambda row: phrases.describe(row.found, row.arm.sessions), on="jp"),
-    *_of_found(
-        Column("shape", SHAPES, "what describes it", form=phrases.SHAPES, title="described by", on="jw"),
-        Column("p_value", float, "that nothing changes, family-wise"),
-        Column("level", Coefficient, "level in the reference"),
-        Column("change", Coefficient, "from the reference to the last sessions"),
-        Column("relative_change", Coefficient, "the same over the level", "total"),
-        Column("trend_per_session", Coefficient, "robust slope"),
-        Column("trend_per_day", Coefficient, "robust slope"),
-        Column("trend_p_value", float, "that there is no straight trend"),
-        Column("change_points", [CHANGE_POINT], "steps"),
-        Column("smallest_change", float, "minimum detectable change (90 % power)"),
-        Column("smallest_relative_change", float, "the same over the level", "smallest_drift"),
-        Column(
-            "relative_change_within_session", Coefficient, "warm-up, no part of the drift", "within",
-            form=words.format_percent, title="in a session", on="jw",
-        ),
+    Column("shape", SHAPES, "what describes it", "found.shape", form=phrases.SHAPES, title="described by", on="jw"),
+    Column("p_value", float, "that nothing changes, family-wise", "found.p_value"),
+    Column("level", Coefficient, "level in the reference", "found.level"),
+    Column("change", Coefficient, "from the reference to the last sessions", "found.change"),
+    Column("relative_change", Coefficient, "the same over the level", "found.total"),
+    Column("trend_per_session", Coefficient, "robust slope", "found.trend_per_session"),
+    Column("trend_per_day", Coefficient, "robust slope", "found.trend_per_day"),
+    Column("trend_p_value", float, "that there is no straight trend", "found.trend_p_value"),
+    Column("change_points", [CHANGE_POINT], "steps", "found.change_points"),
+    Column("smallest_change", float, "minimum detectable change (90 % power)", "found.smallest_change"),
+    Column("smallest_relative_change", float, "the same over the level", "found.smallest_drift"),
+    Column(
+        "relative_change_within_session", Coefficient, "warm-up, no part of the drift", "found.within",
+        form=words.format_percent, title="in a session", on="jw",
     ),
     Column(
         "seen", get=_within, form=lambda seen: f"{seen[0]} of {seen[1]}" if seen[1] else "",
         sort=lambda row: _within(row)[0], title="seen in", on="w",
     ),
-    *_of_found(
-        Column(
-            "relative_change_per_k", Coefficient, "change with temperature, taken out", "temperature_slope",
-            form=words.format_percent, title="per K", on="jw",
-        ),
-        Column(
-            "compared_at_temperature", float, "temperature of the comparison", "temperature_c", unit="°C", form=".1f",
-            title="at", on="jw",
-        ),
-        Column(
-            "relative_scatter", float, "standard deviation between sessions over the level", "scatter",
-            form=words.format_share, title="scatter", on="jw",
-        ),
-        Column("control", [CONTROL], "every session against the reference"),
+    Column(
+        "relative_change_per_k", Coefficient, "change with temperature, taken out", "found.temperature_slope",
+        form=words.format_percent, title="per K", on="jw",
     ),
+    Column(
+        "compared_at_temperature", float, "temperature of the comparison", "found.temperature_c", unit="°C", form=".1f",
+        title="at", on="jw",
+    ),
+    Column(
+        "relative_scatter", float, "standard deviation between sessions over the level", "found.scatter",
+        form=words.format_share, title="scatter", on="jw",
+    ),
+    Column("control", [CONTROL], "every session against the reference", "found.control"),
     _shown(
         "level in the reference", lambda row: words.with_unit(row.found.level, phrases.UNITS[row.found.coefficient]),
         "found.level.value", "n",
@@ -297,14 +283,14 @@ BATCH = Document(
     Column("cannot_tell", [str], "limits that the sessions cannot test"),
     Column("warnings", [str], "what was noticed about the logs as a whole"),
     Column("failed", [FAILED], "files that gave no session"),
-    Column("robots", [ARM], "per arm", "arms"),
+    Column("robots", [ARM], "per arm", "report.arms"),
     Column(
         "joints", [JOINT_DRIFT], "per joint of every arm",
-        lambda one: ((arm, joint) for arm in one.arms for joint in arm.joints),
+        lambda one: ((arm, joint) for arm in one.report.arms for joint in arm.joints),
     ),
     Column(
         "sessions", [SESSION], "per session of every arm",
-        lambda one: (SessionRow(k, session) for arm in one.arms for k, session in enumerate(arm.sessions)),
+        lambda batch: (SessionRow(k, one) for arm in batch.report.arms for k, one in enumerate(arm.sessions)),
     ),
 )  # fmt: skip
 

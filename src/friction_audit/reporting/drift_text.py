@@ -20,12 +20,12 @@ OUTCOMES = {"exceeded": ("failure", "failures"), "untestable": ("error", "errors
 
 def batch_lines(summary: BatchSummary, *, verbose: bool = False) -> list[str]:
     """Return per arm a table and its verdict in words, and the files that failed; with ``verbose`` also the reasons."""
-    sessions, arms = count_of(len(summary.sessions), "session"), count_of(len(summary.arms), "arm")
+    sessions, arms = count_of(len(summary.sessions), "session"), count_of(len(summary.report.arms), "arm")
     done = f"{summary.computed} computed, {summary.known} known from the ledger, {len(summary.failed)} of these failed"
     last = [f"limit exceeded: {sentence}" for sentence in summary.exceeded]
     last += [f"cannot test: {sentence}" for sentence in summary.cannot_tell]
     last += [f"failed: {path}: {message}" for path, message in summary.failed]
-    by_arm = (line for arm in summary.arms for line in ("", *_arm_lines(arm, verbose=verbose)))
+    by_arm = (line for arm in summary.report.arms for line in ("", *_arm_lines(arm, verbose=verbose)))
     return [f"{sessions} of {arms}: {done}", *by_arm, *([""] if last else []), *last]
 
 

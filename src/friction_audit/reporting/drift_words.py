@@ -231,10 +231,10 @@ def span_of(sessions: Iterable[Session]) -> str:
     return " to ".join(dict.fromkeys(map(format_date, (starts[0], starts[-1])))) if starts else ""
 
 
-def curve_sessions(arm: ArmDrift) -> tuple[int, tuple[int, ...], int]:
+def curve_sessions(arm: ArmDrift) -> tuple[tuple[int, ...], ...]:
     """Return the sessions whose curves are drawn: the first, those of the reference, the last."""
     compared = arm.compared or tuple(range(len(arm.sessions)))
-    return compared[0], arm.reference, compared[-1]
+    return compared[:1], arm.reference, compared[-1:]
 
 
 def sessions_text(arm: ArmDrift) -> str:

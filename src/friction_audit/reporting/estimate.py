@@ -5,9 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from friction_audit.friction.history import Coefficient, CoefficientHistory
+from friction_audit.friction.history import Coefficient
 from friction_audit.io.tidy_table import TidyTable
-from friction_audit.joint_log import Float
 from friction_audit.pipeline import Estimate
 from friction_audit.preprocessing.energy_cycles import REASONS
 from friction_audit.reporting.documents import CHAIN, NO_OPTIONS, chain_document
@@ -17,10 +16,6 @@ from friction_audit.reporting.words import format_coefficient, in_unit, joint_la
 
 MARK = "*"  # of a joint whose coefficients are not from energy cycles
 SIGN = ("sign undecided", "sign consistent with dissipation")
-
-
-def _pairs(history: CoefficientHistory, name: str) -> Float:
-    return np.column_stack([getattr(history, name.format(end)) for end in ("_low", "_high")])
 
 
 REGRESSION = Record(

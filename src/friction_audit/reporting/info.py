@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from types import SimpleNamespace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,19 +26,6 @@ GAP_PERIODS = 5.0  # sampling periods; a longer step of time is a gap
 ROUNDING_S = 1e-9
 
 
-class JointMotion(NamedTuple):
-    """How one joint moved, as logged; None of what takes cycles, where none were looked for."""
-
-    joint: int
-    name: str
-    peak_speed_rad_s: float
-    range_rad: float
-    moving_s: float | None
-    cycles: int | None
-    open_cycles: int | None
-    rejected_cycles: int | None
-
-
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class LogSummary:
     """What is in a log."""
@@ -48,7 +36,7 @@ class LogSummary:
     longest_gap_s: float  # the longest of them, 0 without any [s]
     stale_samples: int  # rows that only repeated the one before and were left out when the log was read
     torque: TorqueChoice | None  # how the interaction torque would be made, or None if it cannot
-    joints: tuple[JointMotion, ...]  # how the joints moved
+    joints: tuple[SimpleNamespace, ...]  # how the joints moved, as MOTION has it
     notices: tuple[Notice, ...]  # what the user must know
 
 
@@ -71,16 +59,19 @@ def summarize_log(
     )
 
 
-def _motions(log: JointLog, seen: Interaction | None, cycles: EnergyCycles | None) -> Iterator[JointMotion]:
+def _motions(log: JointLog, seen: Interaction | None, cycles: EnergyCycles | None) -> Iterator[SimpleNamespace]:
+    """Yield how each joint moved; None of what takes cycles, where none were looked for."""
     logged = enumerate(log.joint_names, start=1)
     named = zip(seen.joint_numbers, seen.joint_names, strict=True) if seen is not None else logged
     motion = log if seen is None else seen
     for k, (joint, name) in enumerate(named):
-        counts: tuple[Any, ...] = (None,) * 4
-        if cycles is not None:
-            own = cycles.of_joint(k)
-            counts = float(cycles.moving_s[k]), len(own.joint), int(own.open.sum()), int((own.reason != 0).sum())
-        yield JointMotion(joint, name, float(np.abs(motion.dq[:, k]).max()), float(np.ptp(motion.q[:, k])), *counts)
+        own = None if cycles is None else cycles.of_joint(k)
+        yield SimpleNamespace(
+            joint=joint, name=name, peak_speed_rad_s=float(np.abs(motion.dq[:, k]).max()),
+            range_rad=float(np.ptp(motion.q[:, k])), moving_s=None if cycles is None else float(cycles.moving_s[k]),
+            cycles=own and len(own.joint), open_cycles=own and int(own.open.sum()),
+            rejected_cycles=own and int((own.reason != 0).sum()),
+        )  # fmt: skip
 
 
 class InfoEntry(NamedTuple):

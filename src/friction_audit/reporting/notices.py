@@ -3,7 +3,7 @@
 import re
 from collections import Counter
 from collections.abc import Iterable
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 from friction_audit.joint_log import Finding, JointLog
 from friction_audit.pipeline import Diagnosis, Estimate, LogReplay
@@ -53,16 +53,7 @@ def notice(code: str, joint: int | None = None, **numbers: object) -> Notice:
     return Notice(code, joint, SENTENCES[code].format(joint=joint, **numbers))
 
 
-class Reasoned(Protocol):
-    """A joint that may have no result."""
-
-    @property
-    def joint(self) -> int:
-        """Its number."""
-
-    @property
-    def reason(self) -> str:
-        """Why it has none; empty if it has one."""
+Joint = Any  # of a result: its number is ``joint``, why it has none ``reason``
 
 
 def notices(found: Iterable[Caution | Finding]) -> tuple[Notice, ...]:
@@ -124,7 +115,7 @@ def is_physics(code: str) -> bool:
     return code not in (*TABLED, *CORRECTED, *RECORDING)
 
 
-def physics_of(notices: Iterable[Notice], joints: Iterable[Reasoned]) -> tuple[list[int], list[str]]:
+def physics_of(notices: Iterable[Notice], joints: Iterable[Joint]) -> tuple[list[int], list[str]]:
     """Return the rows of a table of joints with a warning about the physics, and the lines that explain the mark."""
     found = [notice for notice in notices if is_physics(notice.code)]
     marked = {notice.joint for notice in found}
@@ -165,7 +156,7 @@ def notice_lines(notices: Iterable[Notice]) -> list[str]:
     return lines
 
 
-def reason_lines(joints: Iterable[Reasoned]) -> list[str]:
+def reason_lines(joints: Iterable[Joint]) -> list[str]:
     """Return a line per sentence of the reasons, led by its joints; those that differ in a joint's number are one."""
     every = []
     for one in joints:

@@ -130,16 +130,13 @@ def _lags(one: Numbers) -> dict[str, str]:
     return {"joints": joints_label(one["joints"]), "lags": " to ".join(ends)}
 
 
-def _remedy(one: Numbers) -> dict[str, str]:
-    return {"remedy": one["command"] and f"; {one['lead']}{one['command']}"}
-
-
 # What the numbers of a caution are in words, where the sentence has some.
 WORDS: Mapping[str, Callable[[Numbers], dict[str, str]]] = {
-    "dq_late": _lags,
-    "dq_other_clock": _lags,
-    "gravity_in_torque": _remedy,
-    "inertia_in_torque": _remedy,
+    **dict.fromkeys(("dq_late", "dq_other_clock"), _lags),
+    **dict.fromkeys(
+        ("gravity_in_torque", "inertia_in_torque"),
+        lambda one: {"remedy": one["command"] and f"; {one['lead']}{one['command']}"},
+    ),
     "model_not_used": lambda one: {"options": ", ".join(one["options"])},
     "sign_turned": lambda one: {"how": TURNED[one["source"] == "interaction"].format(**one)},
     "gravity_error": lambda one: {

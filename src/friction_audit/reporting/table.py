@@ -138,10 +138,9 @@ class Record:
         time: str | None = None,
         arrays: bool = False,
     ) -> None:
-        """Take the columns in order, also in groups; in files the table has a name and a line on what a row is.
+        """Take the columns in order, also in groups, and what the table of files is called and what a row of it is.
 
-        The column with the key ``time`` holds the moment at which a row was known. With ``arrays`` a value is the whole
-        column of a joint instead of one cell.
+        ``time``: key of the moment at which a row was known; ``arrays``: a value is a joint's whole column.
         """
         groups = (one if isinstance(one, tuple) else (one,) for one in columns)
         self.columns = tuple(column for group in groups for column in group)
@@ -174,10 +173,7 @@ class Record:
     def file(
         self, joints: Iterable[tuple[int, str, Any]], torque_unit: str = NEWTON_METRES, absent: Collection[str] = ()
     ) -> TidyTable:
-        """Return the table for files, without the columns with the names ``absent``.
-
-        Of each joint there are number, name, and its rows (or what has its arrays; None for none).
-        """
+        """Return the table for files, without ``absent`` columns, of number, name and rows (or arrays) of joints."""
         columns = {one.key_in(torque_unit): one for one in self.file_columns() if one.name not in absent}
         return TidyTable(
             name=self.name,
@@ -228,16 +224,15 @@ class Table:
         """Return the text of a cell."""
         return in_unit(column.text(row), self.unit)
 
-    def filled(self) -> "Table":
-        """Return the table without the columns that hold nothing in any row."""
-        kept = [column for column in self.columns if any(column.text(row) != NOTHING for row in self.rows)]
-        return replace(self, columns=kept)
+    def filled(self, *, without: str = "") -> "Table":
+        """Return the table without the columns that hold nothing in any row, and without those of a name."""
+        named = (column for column in self.columns if column.name != without)
+        return replace(self, columns=[one for one in named if any(one.text(row) != NOTHING for row in self.rows)])
 
     def lines(self, marked: Collection[int] = ()) -> list[str]:
-        """Return it as text, without spaces at the ends of its lines; the first cell of ``marked`` rows gets a mark.
+        """Return it as text as wide as the terminal, and wider where numbers would be cut; ``marked`` rows get a mark.
 
-        It is as wide as the terminal, and wider where numbers would be cut: a terminal breaks long lines, and half a
-        number is worse. Columns of phrases give way.
+        A terminal breaks long lines, and half a number is worse. Columns of phrases give way.
         """
         from rich.box import SIMPLE_HEAD
         from rich.console import Console

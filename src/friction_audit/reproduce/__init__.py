@@ -1,8 +1,9 @@
 """The paper's simulated figures: simulated, drawn, and each of their claims held against a number."""
 
+from friction_audit.compensation.comparison.methods import FULL, PAPER
 from friction_audit.reporting.figures import paper
 from friction_audit.reporting.figures.comparison import draw_comparison
-from friction_audit.reproduce import arm, one_joint, viscous
+from friction_audit.reproduce import arm, one_joint
 from friction_audit.reproduce.one_joint import FIG_10, compensated, last_period
 from friction_audit.reproduce.reproduction import Claim, Reproduction, Simulations, make_course, simulate_figures
 from friction_audit.simulation.bench import PANDA_JOINTS
@@ -14,15 +15,15 @@ FEW = 5  # of an arm; ``compare --arm panda`` takes more
 REPRODUCTIONS = (
     Reproduction(
         "3", "Net energy, kinetic and dissipated energy of a joint with viscous friction", ("fig3",),
-        viscous.check_3, lambda done: paper.draw_exchange(*viscous.energies(done)),
+        one_joint.check_3, lambda done: paper.draw_exchange(*one_joint.energies(done)),
     ),
     Reproduction(
         "6", "Viscous friction that doubles at 6 s, compensated by its estimate", ("fig6",),
-        viscous.check_6, viscous.draw_6,
+        one_joint.check_6, one_joint.draw_6,
     ),
     Reproduction(
         "7", "Viscous friction compensated by half as much again, without and with the passivity controller",
-        ("fig7-unprotected", "fig7"), viscous.check_7,
+        ("fig7-unprotected", "fig7"), one_joint.check_7,
         lambda done: paper.draw_overcompensation(make_course(*done["fig7-unprotected"]), make_course(*done["fig7"])),
     ),
     Reproduction(
@@ -51,12 +52,14 @@ REPRODUCTIONS = (
         lambda done: paper.draw_whole_arm([make_course(done["fig12"][0], j) for j in range(len(PANDA_JOINTS))]), FEW,
     ),
     Reproduction(
-        "13", "Net energy of a Panda guided by a hand, with five compensation methods", ("fig13",), arm.check_13,
+        "13", "Net energy of a Panda guided by a hand, with five compensation methods", ("fig13",),
+        lambda done: (arm.order(done["fig13"], PAPER), arm.keeps(done["fig13"]), arm.order(done["fig13"], FULL)),
         lambda done: draw_comparison(done["fig13"])["energy"], FEW, arm.compare_methods,
     ),
     Reproduction(
         "14", "Velocity and interaction torque of a joint of a Panda, with five compensation methods", ("fig13",),
-        arm.check_14, lambda done: draw_comparison(done["fig13"])["velocity-torque"], FEW, arm.compare_methods,
+        lambda done: (arm.peaks(done["fig13"]), *(arm.plateaus(done["fig13"], role) for role in (PAPER, FULL))),
+        lambda done: draw_comparison(done["fig13"])["velocity-torque"], FEW, arm.compare_methods,
     ),
 )  # fmt: skip
 """The figures, in the paper's order."""

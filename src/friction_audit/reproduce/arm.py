@@ -8,7 +8,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.compensation.comparison import METHODS, SCENES, Comparison, compare
 from friction_audit.compensation.comparison.methods import FULL, PAPER
@@ -17,7 +16,6 @@ from friction_audit.compensation.comparison.trial import Outcome
 from friction_audit.joint_log import Float
 from friction_audit.reproduce.one_joint import BAND
 from friction_audit.reproduce.reproduction import SECOND, Claim, Progress, Simulations, share, spread
-from friction_audit.simulation.settings import Simulation
 
 # Slope of the cyclic energies, over that of the first two cycles, up to which they count as no longer rising.
 SLOPE_BOUND = 0.1
@@ -36,7 +34,11 @@ def check_12(simulations: Simulations) -> tuple[Claim, ...]:
     own_slopes = np.array([slope_ratios(*one) for one in zip(t, energies, strict=True)])
     stopped, joint = own_slopes < SLOPE_BOUND, int(np.argmax(own_slopes.max(axis=0)))
     leaves = np.array([np.abs(energy[SECOND + 1 :] / energy[SECOND] - 1.0).max() for energy in whole])
-    negative = np.mean([negative_share(arm, own) for arm, own in zip(arms, ends, strict=True)])
+    estimated = [
+        [arm.truth.compensators[f"estimated_{name}"][own] for name in ("coulomb_nm", "viscous_nms_per_rad")]
+        for arm, own in zip(arms, ends, strict=True)
+    ]
+    negative = np.mean([np.less(pair, 0.0).any(axis=0)[np.isfinite(pair[0])].mean() for pair in estimated])
     return (
         Claim(
             "12", "the coefficients of all joints are updated at the same instants", "synchronously",
@@ -61,13 +63,6 @@ def check_12(simulations: Simulations) -> tuple[Claim, ...]:
             f"{negative:.0%} of the pairs of cycles give a joint one negative coefficient, which is not applied",
         ),
     )  # fmt: skip
-
-
-def negative_share(simulation: Simulation, ends: NDArray[np.intp]) -> float:
-    """Return the share of the estimates, made at some ticks, of which a coefficient is negative."""
-    traces = simulation.truth.compensators
-    coulomb, viscous = (traces[f"estimated_{name}"][ends] for name in ("coulomb_nm", "viscous_nms_per_rad"))
-    return float(((coulomb < 0.0) | (viscous < 0.0))[np.isfinite(coulomb)].mean())
 
 
 def slope_ratios(t: Float, energies: Float) -> Float:
@@ -108,25 +103,26 @@ def in_words(rows: Sequence[Row], values: Sequence[float], factor: float, unit: 
     return "; ".join([f"{order} {unit}", *lost])
 
 
-def _own(claim: str, role: str) -> str:
-    """Return a claim, marked where the paper does not make it."""
-    return claim if role == PAPER else f"own experiment, the observer compensates all that it observes: {claim}"
+# Before a claim, by role: the paper does not make the second.
+OWN = {PAPER: "", FULL: "own experiment, the observer compensates all that it observes: "}
 
 
-def _order(comparison: Comparison, role: str) -> Claim:
+def order(comparison: Comparison, role: str) -> Claim:
+    """Check the order of the methods by the slope of the net energy."""
     rows = rows_of(comparison, role)
     slopes = means_of(rows, lambda outcome: outcome.energy_slope_w)
     falls = np.diff(slopes) < 0.0
     claim = "the net energy rises most without compensation, then model-based, disturbance observer, torque regulation"
     return Claim(
-        "13", _own(f"{claim}, proposed", role), "none > model > DOB > torque regulation > proposed",
+        "13", f"{OWN[role]}{claim}, proposed", "none > model > DOB > torque regulation > proposed",
         in_words(rows, slopes, 1000.0, "mW"), float(falls.sum()), bool(falls.all()),
         f"{NOTE}; an observer at full share leaves as little as the proposed method, from the first cycle on",
         role == FULL,
     )  # fmt: skip
 
 
-def _keeps(comparison: Comparison) -> Claim:
+def keeps(comparison: Comparison) -> Claim:
+    """Check that the proposed method keeps the net energy."""
     none, *_, proposed = rows_of(comparison, PAPER)
     slope, alone = means_of((proposed, none), lambda outcome: outcome.energy_slope_w)
     kept, stable = slope / alone, proposed.stable_share
@@ -137,13 +133,8 @@ def _keeps(comparison: Comparison) -> Claim:
     )  # fmt: skip
 
 
-def check_13(simulations: Simulations) -> tuple[Claim, ...]:
-    """Check the order of the methods by the slope of the net energy."""
-    found = simulations["fig13"]
-    return _order(found, PAPER), _keeps(found), _order(found, FULL)
-
-
-def _peaks(comparison: Comparison) -> Claim:
+def peaks(comparison: Comparison) -> Claim:
+    """Check the order of the methods by the largest torque."""
     rows = rows_of(comparison, PAPER)[:-1]
     drawn = means_of(rows, lambda outcome: outcome.drawn_peak_nm)
     raw, falls = means_of(rows, lambda outcome: outcome.peak_torque_nm), np.diff(drawn) < 0.0
@@ -156,19 +147,14 @@ def _peaks(comparison: Comparison) -> Claim:
     )  # fmt: skip
 
 
-def _plateaus(comparison: Comparison, role: str) -> Claim:
+def plateaus(comparison: Comparison, role: str) -> Claim:
+    """Check which method leaves least of the plateaus of Coulomb friction."""
     rows = rows_of(comparison, role)
     left = [abs(mean) for mean in means_of(rows, lambda outcome: outcome.coulomb_left)]
     return Claim(
-        "14", _own("the proposed method leaves least of the plateaus of Coulomb friction", role),
+        "14", f"{OWN[role]}the proposed method leaves least of the plateaus of Coulomb friction",
         "significantly reduced, outperforms the others", in_words(rows, left, 1.0, "of it left"),
         left[-1], left[-1] == min(left) and rows[-1].stable_share == 1.0,
         "an observer at full share that knows the motor's inertia within 20 % leaves as little or less",
         role == FULL,
     )  # fmt: skip
-
-
-def check_14(simulations: Simulations) -> tuple[Claim, ...]:
-    """Check the order of the methods by the torque, and what they leave of its plateaus."""
-    found = simulations["fig13"]
-    return _peaks(found), _plateaus(found, PAPER), _plateaus(found, FULL)

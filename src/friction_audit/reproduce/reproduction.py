@@ -84,10 +84,7 @@ def simulate_figures(
     progress: Progress | None = None,
     known: Simulations | None = None,
 ) -> Simulations:
-    """Simulate what the figures need.
-
-    The persons' seeds are 0, 1, 2 and so on; scenarios that are known already are returned too.
-    """
+    """Simulate what the figures need, persons of the seeds 0, 1 and so on; what is known already is returned too."""
     done: dict[str, Any] = dict(known or {})
     for one in reproductions:
         if one.compare is not None and one.scenarios[0] not in done:
@@ -122,8 +119,5 @@ def make_course(simulation: Simulation, joint: int = 0, *, zero_crossings: bool 
     else:  # what a compensator that does nothing would have seen: energy and cycles
         traces = run(EnergyCompensator(zero_crossings=zero_crossings, passivity=False, factor=0.0), log.t, dq, torque)
     ends = np.flatnonzero(np.diff(traces["cycle"])) + 1
-    energy = traces["energy_j"]
-    applied = {name: traces[name] for name in APPLIED}
-    return Course(
-        t=log.t, dq=dq, interaction_nm=torque, energy_j=energy, ends_s=log.t[ends], ends_j=energy[ends], **applied
-    )
+    own = {name: traces[name] for name in ("energy_j", *APPLIED)}
+    return Course(t=log.t, dq=dq, interaction_nm=torque, ends_s=log.t[ends], ends_j=own["energy_j"][ends], **own)

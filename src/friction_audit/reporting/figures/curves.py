@@ -18,14 +18,12 @@ SPREAD = "range of the reference"
 
 
 def _draw_curves(panels: Sequence[Axes], arm: ArmDrift, joint: JointDrift) -> None:
-    (axes,) = panels
-    first, reference, last = curve_sessions(arm)
-    curves = (
-        (f"first (session {first + 1})", (first,), DISSIPATED, ":", 1.3),
+    (axes,), (first, reference, last) = panels, curve_sessions(arm)
+    for label, sessions, colour, dash, width in (
+        (f"first (session {first[0] + 1})", first, DISSIPATED, ":", 1.3),
         (f"reference (mean of {len(reference)})", reference, GREEN, "-", 1.0),
-        (f"last (session {last + 1})", (last,), FILTERED, DASHED, 1.1),
-    )
-    for label, sessions, colour, dash, width in curves:
+        (f"last (session {last[0] + 1})", last, FILTERED, DASHED, 1.1),
+    ):
         found = [one.curve for k in sessions for one in arm.sessions[k].joints if one.joint == joint.joint]
         speed, torque, low, high = mean_curve(found)
         if len(speed):
@@ -55,14 +53,13 @@ def mean_curve(curves: Sequence[SpeedCurve]) -> Float:
     return np.stack([speed, *(np.ma.filled(one, np.nan) for one in (table.mean(0), table.min(0), table.max(0)))])
 
 
-def _has_curve(arm: ArmDrift, joint: JointDrift) -> bool:
-    first, reference, last = curve_sessions(arm)
-    every = (one for k in (first, *reference, last) for one in arm.sessions[k].joints if one.joint == joint.joint)
-    return any(one.curve.speed_rad_s for one in every)
-
-
 CURVES = parts.Layout(
-    joints=lambda arm: arm.joints, has=_has_curve, lacks="no curve", draw=_draw_curves, across=4,
+    joints=lambda arm: arm.joints, lacks="no curve", draw=_draw_curves, across=4,
+    has=lambda arm, joint: any(
+        one.curve.speed_rad_s
+        for sessions in curve_sessions(arm) for k in sessions
+        for one in arm.sessions[k].joints if one.joint == joint.joint
+    ),
     x="Velocity [rad/s]", y="Interaction torque [N m]",
 )  # fmt: skip
 

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, JointDrift
+from friction_audit.drift.session import COEFFICIENTS
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.reporting import drift_words
@@ -21,7 +22,6 @@ from friction_audit.reporting.words import NOTHING, count_of, format_date, scale
 
 MOST_MARKED = 150  # sessions in a panel above which markers would only be a blot; a line takes their place
 MOST_TICKS = 6
-COEFFICIENTS = ("coulomb_nm", "viscous_nms_per_rad")
 
 
 def _title(coefficient: str) -> str:
@@ -38,7 +38,7 @@ def _verdict(found: CoefficientDrift) -> str:
 
 
 def _draw_both(draw: Any, panels: Sequence[Axes], arm: ArmDrift, joint: JointDrift) -> None:
-    """Draw Coulomb above or left of viscous friction over the sessions, or say why there is nothing."""
+    """Draw Coulomb above or left of viscous friction over the sessions, or why there is nothing."""
     known = {found.coefficient: found for found in joint.coefficients}
     for axes, coefficient in zip(panels, COEFFICIENTS, strict=True):
         if not parts.is_narrow(axes):
@@ -99,22 +99,33 @@ def _draw_coefficient(axes: Axes, arm: ArmDrift, joint: JointDrift, found: Coeff
     separator = " " if parts.is_narrow(axes) else "\n"
     axes.set_ylabel(f"{_title(found.coefficient)}{separator}[{drift_words.UNITS[found.coefficient]}]")
     _shade_reference(axes, arm)
-    _draw_values(axes, arm, joint, found)
+    _draw_values(axes, found)
     if found.change_points:
         _draw_levels(axes, found)
     elif math.isfinite(found.trend_per_session.value):
         _draw_trend(axes, found)
-    # All values and levels, and of the intervals as much as is near.
+    # All values and levels; of intervals, and of sessions not compared (without any correction), what is near.
     value, low, high = _columns(found.values)
     levels = [one for change in found.change_points for one in (change.before.value, change.after.value)]
+    left_out = np.array([
+        (k + 1, one.coefficients.get(found.coefficient, UNDETERMINED).value)
+        for k in set(range(len(arm.sessions))).difference(found.sessions)
+        for one in arm.sessions[k].joints
+        if one.joint == joint.joint
+    ]).reshape(-1, 2)  # fmt: skip
     smallest = max(SMALLEST_SHARE * float(np.nanmax(np.abs(value))), 1e-9)
-    ends = parts.limits(np.append(value, levels), np.concatenate([low, high]), near=NEAR, smallest=smallest)
-    axes.set_ylim(ends)
+    others = np.concatenate([low, high, left_out[:, 1]])
+    bottom, top = parts.limits(np.append(value, levels), others, near=NEAR, smallest=smallest) or (0.0, 1.0)
+    axes.set_ylim(bottom, top)
+    left_out = left_out[(left_out[:, 1] > bottom) & (left_out[:, 1] < top)]
+    if len(left_out):
+        look: Look = {"ls": "none", "marker": "o", "ms": 2.8, "mfc": "none", "mec": MUTED, "mew": 0.6}
+        axes.plot(*left_out.T, label=ALONE, **look)
     return _verdict(found), found.drift
 
 
-def _draw_values(axes: Axes, arm: ArmDrift, joint: JointDrift, found: CoefficientDrift) -> None:
-    """Draw sessions, each with its interval, ring the isolated ones, and draw hollow those that were not compared."""
+def _draw_values(axes: Axes, found: CoefficientDrift) -> None:
+    """Draw sessions, each with its interval, and ring the isolated ones."""
     place = np.array([k + 1.0 for k in found.sessions])
     value, low, high = _columns(found.values)
     # One path for all intervals: a file of a thousand sessions stays small.
@@ -127,15 +138,6 @@ def _draw_values(axes: Axes, arm: ArmDrift, joint: JointDrift, found: Coefficien
     if ringed.any():
         look: Look = {"ls": "none", "marker": "D", "ms": 5.0, "mfc": "none", "mec": FITTED, "mew": 0.8}
         axes.plot(place[ringed], value[ringed], label=ISOLATED, **look)
-    left_out = [  # as they are, without any correction
-        (k + 1, one.coefficients.get(found.coefficient, UNDETERMINED).value)
-        for k in set(range(len(arm.sessions))).difference(found.sessions)
-        for one in arm.sessions[k].joints
-        if one.joint == joint.joint
-    ]
-    if any(math.isfinite(value) for _, value in left_out):
-        look = {"ls": "none", "marker": "o", "ms": 2.8, "mfc": "none", "mec": MUTED, "mew": 0.6}
-        axes.plot(*zip(*left_out, strict=True), label=ALONE, **look)
 
 
 def _draw_levels(axes: Axes, found: CoefficientDrift) -> None:

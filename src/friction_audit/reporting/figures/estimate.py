@@ -51,29 +51,14 @@ def shade_cycles(axes: Axes, series: JointSeries) -> None:
 
 
 POINTS = 6000  # of a curve: a page is 2100 dots wide at 300 dots per inch, so nothing can be lost
-GAP_PERIODS = 20  # sampling periods without a sample after which no line is drawn
 
 
 def _draw_signals(panels: Sequence[Axes], estimate: Estimate, friction: JointFriction) -> None:
     series = series_of(estimate, friction)
-    t = series.t
     signals = ((series.dq, "Velocity [rad/s]"), (series.torque, "Torque [N m]"))
     for axes, (signal, label) in zip(panels, signals, strict=True):
         shade_cycles(axes, series)
-        for values, colour, width, name in (
-            (signal, theme.RAW, 0.5, "raw"),
-            (parts.smooth(t, signal), theme.FILTERED, 0.7, f"filtered, {parts.cutoff_hz(t):.3g} Hz"),
-        ):
-            stamps, kept = parts.thin_extremes(t, values, POINTS)
-            longest_s = GAP_PERIODS / parts.median_rate_hz(t) + 2 * (t[-1] - t[0]) / len(stamps)
-            axes.plot(
-                stamps,
-                parts.break_at_gaps(stamps, kept, longest_s),
-                color=colour,
-                lw=width,
-                label=name,
-                rasterized=True,
-            )
+        parts.draw_raw_and_filtered(axes, series.t, signal, POINTS, rasterized=True)
         axes.set_ylabel(label)
 
 
@@ -187,12 +172,13 @@ def _draw_loop(panels: Sequence[Axes], estimate: Estimate, friction: JointFricti
     reach = float(np.abs(series.dq).max())
     # Two points next to zero on each side make the step of the Coulomb term upright.
     speed = np.array([-reach, -1e-9, 1e-9, reach])
-    fitted = fitted_torque(friction, speed)
-    if fitted is not None:
-        centre = centre_nm(series, friction)
+    if not friction.reason and np.isfinite(fitted_torque(friction, speed)).all():
+        # The median of what friction leaves in motion: an offset of the sensor or an error of gravity.
+        moving = np.abs(series.dq) > NEAR_REST * reach
+        centre = float(np.median(series.driving[moving] - fitted_torque(friction, series.dq[moving])))
         # The numbers differ from panel to panel, so the sheet's legend cannot show them.
         label = fitted_label(friction, centre) if alone else "fitted friction"
-        axes.plot(speed, fitted + centre, color=theme.FITTED, lw=1.3, zorder=4, label=label)
+        axes.plot(speed, fitted_torque(friction, speed) + centre, color=theme.FITTED, lw=1.3, zorder=4, label=label)
     axes.set_xlim(*np.array([-1.0, 1.0]) * max(SMALLEST_SPEED_RAD_S, 1.05 * reach))
     if not alone:
         axes.locator_params(axis="x", nbins=3)
@@ -213,18 +199,11 @@ def filtered_loop(series: JointSeries) -> tuple[Float, Float, int]:
     return np.where(shown[::step], dq, np.nan), torque, every
 
 
-def fitted_torque(friction: JointFriction, dq: Float) -> Float | None:
-    """Return the friction torque [N m] of the whole-log estimate at velocities of shape (n,); None without estimate."""
+def fitted_torque(friction: JointFriction, dq: Float) -> Float:
+    """Return the friction torque [N m] of the whole-log estimate at velocities of shape (n,)."""
     coulomb = 0.0 if friction.model == "viscous" else friction.coulomb.value
     viscous = 0.0 if friction.model == "coulomb" else friction.viscous.value
-    return None if friction.reason or np.isnan(coulomb + viscous) else coulomb * np.sign(dq) + viscous * dq
-
-
-def centre_nm(series: JointSeries, friction: JointFriction) -> float:
-    """Return the median of what friction leaves in motion: an offset of the sensor or an error of gravity. [N m]"""
-    moving = np.abs(series.dq) > NEAR_REST * np.abs(series.dq).max()
-    torque = fitted_torque(friction, series.dq[moving])
-    return 0.0 if torque is None else float(np.median(series.driving[moving] - torque))
+    return coulomb * np.sign(dq) + viscous * dq
 
 
 def fitted_label(friction: JointFriction, centre: float) -> str:

@@ -268,9 +268,16 @@ def break_at_gaps(t: Float, signal: Float, longest_s: float) -> Float:
     return broken
 
 
+GAP_PERIODS = 20  # sampling periods without a sample after which no line is drawn
+
+
 def draw_curve(axes: Axes, t: Float, signal: Float, points: int, **look: Any) -> None:
-    """Draw a signal over time, thinned to its extremes."""
-    axes.plot(*thin_extremes(t, signal, points), **look)
+    """Draw a signal over time, thinned to its extremes; no line bridges a gap."""
+    stamps, kept = thin_extremes(t, signal, points)
+    if len(t) > 1:
+        longest_s = GAP_PERIODS / median_rate_hz(t) + 2 * (t[-1] - t[0]) / len(stamps)
+        kept = break_at_gaps(stamps, kept, longest_s)
+    axes.plot(stamps, kept, **look)
 
 
 def draw_raw_and_filtered(axes: Axes, t: Float, signal: Float, points: int, **filtered: Any) -> None:

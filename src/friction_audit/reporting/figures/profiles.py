@@ -47,8 +47,7 @@ def rows_of(joint: JointDiagnosis) -> list[Row]:
 
     def along(axis: str) -> Row:
         both = (joint.profiles, joint.remaining)
-        before, after = (next((one for one in found if one.axis == axis), None) for found in both)
-        return Row(before, after)
+        return Row(*(next((one for one in found if one.axis == axis), None) for found in both))
 
     rows: dict[str, Row] = {}
     for effect in joint.added:

@@ -51,8 +51,8 @@ FIGURES = (
     Figure("signals", "estimate", "estimate", "Velocity and interaction torque over time"),
     Figure(
         "replay", "replay", "replay", "Torque, net energy and coefficients with the compensator",
-        "Solid with the compensator, dashed without it; the coefficients are those that it would have applied. Flat "
-        "energy means that friction is compensated.",
+        "Solid with the compensator, dashed without it, velocity and torque low-passed at 10 Hz; the coefficients are "
+        "those that it would have applied. Flat energy means that friction is compensated.",
     ),
     Figure(
         "replay-velocity-torque", "replay", "replay", "Velocity-torque curves with the compensator", panel=True,

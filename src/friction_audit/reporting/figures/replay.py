@@ -18,6 +18,7 @@ POINTS = 4000  # of a curve: more than a column has pixels
 LEAST_COEFFICIENT = 0.05  # least height of the panel of the coefficients, which may all be zero [N m, N m s/rad]
 SMALLEST_TORQUE_NM = 0.5  # half height of the torque panel of a joint at rest, whose noise would fill it
 MOST_OF_WITHOUT = 3.0  # times the largest speed and torque without a compensator beyond which a diverging one is cut
+WITH = "with compensator"
 WITHOUT: dict[str, Any] = {"color": theme.FITTED, "ls": theme.DASHED}
 
 
@@ -53,7 +54,8 @@ def _draw_velocity(axes: Axes, joint: JointReplay) -> None:
     shown = joint.without if joint.replayed is None else joint.replayed
     if joint.simulated:
         parts.draw_curve(axes, joint.without.t, joint.without.dq, POINTS, lw=0.6, zorder=3, **WITHOUT)
-    parts.draw_raw_and_filtered(axes, shown.t, shown.dq, POINTS)
+    look = {} if joint.replayed is None else {"label": WITH}
+    parts.draw_raw_and_filtered(axes, shown.t, shown.dq, POINTS, **look)
     _limit(axes, 0.0, MOST_OF_WITHOUT * max(float(np.abs(joint.without.dq).max()), SMALLEST_SPEED_RAD_S))
 
 
@@ -61,7 +63,7 @@ def _draw_torque(axes: Axes, joint: JointReplay) -> None:
     parts.mark_zero(axes)
     shown, without = joint.replayed, joint.without
     if shown is not None and len(shown.t):
-        parts.draw_raw_and_filtered(axes, shown.t, shown.interaction_nm, POINTS, zorder=4, label="with compensator")
+        parts.draw_raw_and_filtered(axes, shown.t, shown.interaction_nm, POINTS, zorder=4, label=WITH)
     torque = parts.smooth(without.t, without.interaction_nm)
     parts.draw_curve(axes, without.t, torque, POINTS, lw=0.6, zorder=3, label="without compensator", **WITHOUT)
     _limit(axes, SMALLEST_TORQUE_NM, MOST_OF_WITHOUT * float(np.abs(without.interaction_nm).max()))
@@ -74,7 +76,7 @@ def _draw_energy(axes: Axes, joint: JointReplay) -> None:
         return
     parts.draw_curve(axes, without.t, without.net_energy_j, POINTS, lw=0.8, **WITHOUT)
     energy = shown.net_energy_j
-    parts.draw_curve(axes, shown.t, energy, POINTS, color=theme.FILTERED, label="with compensator", zorder=4)
+    parts.draw_curve(axes, shown.t, energy, POINTS, color=theme.FILTERED, label=WITH, zorder=4)
     dots: theme.Look = {"color": theme.BORDER, "ms": 1.8, "mew": 0, "zorder": 5, "label": "end of a cycle"}
     axes.plot(history.stop_s, energy[history.stop], "o", **dots)
 

@@ -35,26 +35,27 @@ WORDS = {
 
 def write_page(summary: tables.BatchSummary, drawn: Mapping[str, html.Figure]) -> str:
     """Return the page of a batch as HTML text, with figures by their anchors."""
-    verdicts = tables.ARM.people(summary.arms, caption="Drift of each arm")
+    arms = summary.report.arms
+    verdicts = tables.ARM.people(arms, caption="Drift of each arm")
     limits = [f"Limit exceeded: {one}" for one in summary.exceeded]
     limits += [f"Cannot test: {one}" for one in summary.cannot_tell]
     lead = html.Text(lines=("These files gave no session. They do not affect the others.",))
     files = tables.FAILED.people(summary.failed, caption="Files that gave no session")
     failed = html.Section(anchor="failed", title="Files that failed", parts=(lead, files))
-    span, pictures = phrases.span_of(summary.sessions), _pictures(summary.arms, drawn)
-    most = max(1, MOST_CELLS // max(1, sum(len(phrases.UNITS) * max(len(arm.joints), 1) for arm in summary.arms)))
+    span, pictures = phrases.span_of(summary.sessions), _pictures(arms, drawn)
+    most = max(1, MOST_CELLS // max(1, sum(len(phrases.UNITS) * max(len(arm.joints), 1) for arm in arms)))
     page = html.Page(
         title="Friction over sessions",
-        lead=_lead(summary),
+        lead=_lead(arms),
         facts=(
             ("Sessions", str(len(summary.sessions))),
-            ("Arms", str(len(summary.arms))),
+            ("Arms", str(len(arms))),
             *([("Recorded (UTC)", span)] if span else []),
             ("Files that failed", str(len(summary.failed))),
         ),
         sections=(
             html.Section(anchor="verdicts", title="Verdicts", parts=(verdicts, *html.noted(limits, "alert"))),
-            *(_arm_section(arm, f"arm-{k}", pictures.get(k, ()), most) for k, arm in enumerate(summary.arms, start=1)),
+            *(_arm_section(arm, f"arm-{k}", pictures.get(k, ()), most) for k, arm in enumerate(arms, start=1)),
             *([failed] if summary.failed else ()),
             *html.closing_sections(WORDS, summary.settings, summary.command),
         ),
@@ -62,22 +63,21 @@ def write_page(summary: tables.BatchSummary, drawn: Mapping[str, html.Figure]) -
     return html.render_page(page)
 
 
-def _lead(summary: tables.BatchSummary) -> str:
-    if not summary.arms:
+def _lead(arms: Sequence[ArmDrift]) -> str:
+    if not arms:
         return "No session could be read: no statement on drift is possible."
-    drifting = [arm for arm in summary.arms if arm.drift]
+    drifting = [arm for arm in arms if arm.drift]
     if len(drifting) > 1:
         return (
-            f"Friction drifts on {len(drifting)} of {count_of(len(summary.arms), 'arm')}: "
+            f"Friction drifts on {len(drifting)} of {count_of(len(arms), 'arm')}: "
             f"{enumerate_words(arm.robot for arm in drifting)}."
         )
-    if drifting or len(summary.arms) == 1:
-        arm = (drifting or summary.arms)[0]
+    if drifting or len(arms) == 1:
+        arm = (drifting or arms)[0]
         return f"{arm.robot}: {phrases.arm_sentence(arm)}."
-    arms = len(summary.arms)
-    steady = [phrases.joint_verdict(*arm.joints) for arm in summary.arms].count(phrases.STEADY)
+    steady = [phrases.joint_verdict(*arm.joints) for arm in arms].count(phrases.STEADY)
     found = f"No drift of the friction was found on {count_of(steady, 'arm')}"
-    return f"{found}." if steady == arms else f"{found}; no answer on {count_of(arms - steady, 'arm')}."
+    return f"{found}." if steady == len(arms) else f"{found}; no answer on {count_of(len(arms) - steady, 'arm')}."
 
 
 def _pictures(arms: tuple[ArmDrift, ...], drawn: Mapping[str, html.Figure]) -> dict[int, tuple[html.Figure, ...]]:
@@ -192,8 +192,7 @@ def drawings_of(arms: Sequence[ArmDrift], prefixes: Mapping[str, str], formats: 
 
 def as_drawn(arm: ArmDrift) -> ArmDrift:
     """Return an arm with no more of its sessions than figures show: it goes to another process."""
-    first, reference, last = phrases.curve_sessions(arm)
-    shown = {first, *reference, last}
+    shown = {k for sessions in phrases.curve_sessions(arm) for k in sessions}
     for found in (found for one in arm.joints for found in one.coefficients if found.sessions):
         shown.update(set(range(len(arm.sessions))).difference(found.sessions))  # not compared: drawn as they are
     bare = (replace(one, joints=one.joints if k in shown else (), warnings=()) for k, one in enumerate(arm.sessions))

@@ -1,8 +1,7 @@
 """LogReport -> one HTML page: the answer and the velocity-torque sheet first, details by joint and by topic folded."""
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping
 from functools import lru_cache
 from types import SimpleNamespace
 
@@ -23,7 +22,7 @@ from friction_audit.reporting.html import page as html
 from friction_audit.reporting.info import MOTION, facts_of, summarize_log
 from friction_audit.reporting.notices import estimate_notices, notice_lines, notices, physics_of, reason_lines
 from friction_audit.reporting.replay import JOINT_REPLAY, describe_compensator
-from friction_audit.reporting.table import Column, Record, Row, Table, joint_column
+from friction_audit.reporting.table import Column, Record, joint_column
 from friction_audit.reporting.words import MARK, format_start, in_unit, joint_label, joints_label
 
 FIRST = "velocity-torque"  # stands next to the answer
@@ -106,7 +105,13 @@ def log_page(report: made.LogReport, *, figures: bool = True) -> html.Page:
         sections=(
             html.Section(anchor="verdicts", title="Friction and verdict", parts=[*_answer(report, answered, drawn)]),
             *([joints] if answered else ()),
-            *(_topic(report, name, drawn) for name in report.sections if answered or name == "recording"),
+            *(
+                html.Section(
+                    anchor=name, title=TOPICS[name][0], parts=(*TOPICS[name][1](report), *_pictures(drawn, name)),
+                    folded=name != "recording" or any(not one.friction.reason for one in report.joints),
+                )
+                for name in report.sections if answered or name == "recording"
+            ),
             html.Section(anchor="warnings", title="Warnings", parts=listed, folded=True, note=str(len(warnings))),
             *html.closing_sections(WORDS, made.report_settings(report), report.command, paper=False),
         ),
@@ -161,29 +166,18 @@ def _effects(report: made.LogReport, one: made.JointReport) -> Iterator[html.Par
     untestable = tables.untestable_rows(one.discrepancy)
     strong = "from 6 on the evidence against them is strong"
     if rows:
-        yield _of_one_joint(tables.EFFECT, rows, f"Missing effects of {joint}, the largest first", unit)
+        caption = f"Missing effects of {joint}, the largest first"
+        yield tables.EFFECT.people(rows, caption=caption, unit=unit).filled(without="joint")
     separate = [f"{row.names}: {words.decide_words(row.effect)}." for row in rows if row.effect.alternatives]
     if separate:
         lines = [f"To separate {words.plain_names(line)}".replace(" or ", " from ", 1) for line in separate]
         yield html.Text(lines=lines)
     if competing:
         caption = f"Effects competing with those of {joint}: {strong}"
-        yield _of_one_joint(tables.COMPETITOR, competing, caption, unit, folded=True)
+        yield tables.COMPETITOR.people(competing, caption=caption, unit=unit, folded=True).filled(without="joint")
     if untestable:
         caption = f"Effects that this log cannot show on {joint}"
-        yield _of_one_joint(tables.UNTESTABLE, untestable, caption, unit, folded=True)
-
-
-def _of_one_joint(record: Record, rows: Iterable[Row], caption: str, unit: str, *, folded: bool = False) -> Table:
-    table = record.people(rows, caption=caption, folded=folded, unit=unit).filled()
-    return replace(table, columns=[column for column in table.columns if column.name != "joint"])
-
-
-def _topic(report: made.LogReport, name: str, drawn: Drawn) -> html.Section:
-    title, parts_of = TOPICS[name]
-    folded = name != "recording" or any(not one.friction.reason for one in report.joints)
-    parts = (*parts_of(report), *_pictures(drawn, name))
-    return html.Section(anchor=name, title=title, folded=folded, parts=parts)
+        yield tables.UNTESTABLE.people(untestable, caption=caption, unit=unit, folded=True).filled(without="joint")
 
 
 def _friction(report: made.LogReport) -> Iterator[html.Part]:
@@ -241,10 +235,8 @@ def _recording(report: made.LogReport) -> Iterator[html.Part]:
     yield MOTION.people(summary.joints, caption="How the joints moved")
     caption = "Channels as they are called in the log; {i} is the number of the joint"
     yield CHANNEL.people(log.source.channels.items(), caption=caption, folded=True)
-    signs = [
-        (SimpleNamespace(joint=one.joint, name=log.joint_names[one.joint - 1]), one) for one in choice.sign_evidence
-    ]
-    if signs:
+    of_log = [SimpleNamespace(joint=number, name=name) for number, name in enumerate(log.joint_names, start=1)]
+    if signs := [(of_log[one.joint - 1], one) for one in choice.sign_evidence]:
         caption = "Sign of the torque: friction dissipates energy, so the torque goes with the motion"
         yield SIGN.people(signs, caption=caption, folded=True, unit=unit)
     joints = () if report.diagnosis is None else report.diagnosis.discrepancy.joints

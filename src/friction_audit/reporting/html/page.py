@@ -143,9 +143,8 @@ def _setting_text(value: object) -> str:
 
 def terms_of(record: Record, row: Row, unit: str) -> Terms:
     """Return a row of a table as names and values, without what has no value."""
-    table = record.people([row], unit=unit).filled()
-    columns = [column for column in table.columns if column.name != "joint"]
-    return Terms(pairs=[(column.head(unit), table.text(column, row)) for column in columns])
+    table = record.people([row], unit=unit).filled(without="joint")
+    return Terms(pairs=[(column.head(unit), table.text(column, row)) for column in table.columns])
 
 
 def render_page(page: Page, *, paper: bool = False) -> str:
