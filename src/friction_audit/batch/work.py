@@ -10,6 +10,7 @@ import traceback
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -179,22 +180,13 @@ def bin_torque(velocity: Float, torque: Float) -> SpeedCurve:
     if len(velocity) < FEWEST_SAMPLES:
         return SpeedCurve()
     low, high = np.quantile(velocity, (OUTERMOST, 1.0 - OUTERMOST))
-    inside = (velocity >= low) & (velocity <= high)
-    velocity, torque = velocity[inside], torque[inside]
-    width = max(float(high - low), np.finfo(np.float64).tiny)
-    place = np.minimum(((velocity - low) / width * BINS).astype(np.int64), BINS - 1)
-    count = np.bincount(place, minlength=BINS)
-
-    def means(values: Float) -> Float:
-        total = np.bincount(place, weights=values, minlength=BINS)
-        return np.asarray(total / np.maximum(count, 1), np.float64)
-
-    kept, mean = count >= FEWEST_SAMPLES, means(torque)
-    return SpeedCurve(
-        speed_rad_s=means(velocity)[kept].tolist(),
-        torque_nm=mean[kept].tolist(),
-        spread_nm=np.sqrt(means((torque - mean[place]) ** 2))[kept].tolist(),
-    )
+    histogram, centre = partial(np.histogram, velocity, BINS, (low, high)), float(np.mean(torque))
+    count = histogram()[0]
+    kept = count >= FEWEST_SAMPLES
+    moments = (velocity, torque - centre, (torque - centre) ** 2)
+    speed, mean, square = (histogram(weights=one)[0][kept] / count[kept] for one in moments)
+    spread = np.sqrt(np.maximum(square - mean**2, 0.0))
+    return SpeedCurve(speed_rad_s=speed.tolist(), torque_nm=(centre + mean).tolist(), spread_nm=spread.tolist())
 
 
 def _change_within(own: EnergyCycles, joint: JointFriction) -> dict[str, Coefficient]:
