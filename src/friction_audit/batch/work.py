@@ -250,8 +250,11 @@ def recording_of_document(document: Mapping[str, Any], path: Path) -> Recording:
         )
         session = Session(
             path=str(path),
-            **{name: source[name] for name in ("sha256", "robot", "start_s", "duration_s")},
+            sha256=str(source["sha256"]),
+            robot=str(source["robot"]),
+            start_s=None if source["start_s"] is None else float(source["start_s"]),
             start_from="nothing" if source["start_s"] is None else "log",
+            duration_s=float(source["duration_s"]),
             conditions=conditions,
             joints=tuple(_joint(one) for one in document["joints"]),
             codes=tuple(str(one["code"]) for one in document.get("warnings", ())),
