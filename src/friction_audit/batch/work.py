@@ -118,6 +118,8 @@ def session_of(estimate: Estimate, discrepancy: "Discrepancy | None" = None) -> 
     codes = [one.code for one in source.findings] + [one.code for one in cautions]
     unit = () if source.torque_unit == "N m" else ("torque_in_ampere",)
     findings = [one.message if one.joint is None else f"joint {one.joint}: {one.message}" for one in source.findings]
+    made = {name: getattr(choice, name) for name in ("drive", "gravity", "inertia")}
+    payload = ", ".join(f"{number:g}" for number in estimate.settings.torque.payload or ())
     return Session(
         path=source.path,
         sha256=source.sha256,
@@ -125,13 +127,7 @@ def session_of(estimate: Estimate, discrepancy: "Discrepancy | None" = None) -> 
         start_s=source.start_s,
         start_from="nothing" if source.start_s is None else "log",
         duration_s=log.duration_s,
-        conditions=Conditions(
-            drive=choice.drive,
-            torque=choice.source,
-            gravity=choice.gravity,
-            inertia=choice.inertia,
-            rate_hz=log.rate_hz,
-        ),
+        conditions=Conditions(**made, torque=choice.source, payload=payload, rate_hz=log.rate_hz),
         joints=_summaries(estimate, discrepancy),
         warnings=(*dict.fromkeys(findings), *interaction.warnings),
         codes=tuple(dict.fromkeys((*unit, *codes))),
@@ -222,14 +218,9 @@ def _renamed(worked: Worked, here: str, name: str) -> Worked:
 
 def recording_of(estimate: Estimate) -> Recording:
     """Return what is compared of an estimate."""
-    session, payload, friction = (
-        session_of(estimate),
-        estimate.settings.torque.payload or (),
-        estimate.settings.friction,
-    )
-    held = replace(session.conditions, payload=", ".join(f"{number:g}" for number in payload))
+    friction = estimate.settings.friction
     return Recording(
-        session=replace(session, conditions=held),
+        session=session_of(estimate),
         joints=len(estimate.log.joint_names),
         unit=estimate.log.source.torque_unit,
         method=f"{friction.model} ({friction.estimator})",
@@ -237,7 +228,7 @@ def recording_of(estimate: Estimate) -> Recording:
     )
 
 
-def recording_of_document(document: Mapping[str, Any], path: Path) -> Recording:
+def recording_of_document(document: Mapping[str, Any], path: Path, wanted: tuple[int, ...] | None) -> Recording:
     """Return what is compared of a document of ``estimate``; it holds no curves, speeds and temperatures."""
     try:
         source, settings = document["source"], document["settings"]
@@ -256,7 +247,7 @@ def recording_of_document(document: Mapping[str, Any], path: Path) -> Recording:
             start_from="nothing" if source["start_s"] is None else "log",
             duration_s=float(source["duration_s"]),
             conditions=conditions,
-            joints=tuple(_joint(one) for one in document["joints"]),
+            joints=tuple(_joint(one) for one in document["joints"] if wanted is None or one["joint"] in wanted),
             codes=tuple(str(one["code"]) for one in document.get("warnings", ())),
         )
         return Recording(
