@@ -241,8 +241,8 @@ def test_all_wrong_mappings_at_once(run: Run, form: str, sound: dict[str, Path])
 @pytest.mark.parametrize("fault", SPOILED)
 @pytest.mark.parametrize("form", FORMS)
 def test_spoiled_content(run: Run, form: str, fault: str, tmp_path: Path) -> None:
-    spoiled, *expected = SPOILED[fault]
-    judge(run, write(tmp_path, form, spoiled(swinging_log())), *expected)
+    spoiled, code, message = SPOILED[fault]
+    judge(run, write(tmp_path, form, spoiled(swinging_log())), code, message)
 
 
 def test_no_permission(run: Run, log: Path, monkeypatch: pytest.MonkeyPatch) -> None:
