@@ -179,15 +179,13 @@ def _list(name: str | None, lists: ListOptions, *, json: bool) -> None:
             others = f"  (or {', '.join(value.others)})" if isinstance(value, Kind) and value.others else ""
             rows.append((path, write_value(value) + others))
         _print_table(rows, margin="  ")
-    families = [effect.family() for effect in EFFECTS]
-    family = ""
-    for effect in sorted(EFFECTS, key=lambda one: families.index(one.family())) if lists.effects_there_are else ():
-        if effect.family() != family:
-            say(family := effect.family())
-        say(f"  {effect.name}: {effect.summary}{'; takes several joints' if effect.needs_neighbours else ''}")
-        known = [(one.name, f"{one.default:g}", described(one)) for one in effect.parameters()]
-        forms = [("form", effect.forms[0], f"one of {', '.join(effect.forms)}")] if effect.forms else []
-        _print_table(known + forms, margin="    ")
+    for family in dict.fromkeys(effect.family() for effect in EFFECTS) if lists.effects_there_are else ():
+        say(family)
+        for effect in (one for one in EFFECTS if one.family() == family):
+            say(f"  {effect.name}: {effect.summary}{'; takes several joints' if effect.needs_neighbours else ''}")
+            known = [(one.name, f"{one.default:g}", described(one)) for one in effect.parameters()]
+            forms = [("form", effect.forms[0], f"one of {', '.join(effect.forms)}")] if effect.forms else []
+            _print_table(known + forms, margin="    ")
 
 
 def _print_table(rows: Sequence[tuple[str, ...]], margin: str = "") -> None:
