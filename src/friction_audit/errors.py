@@ -71,7 +71,7 @@ def near_misses(word: str, names: Collection[str]) -> str:
     return f"; did you mean {' or '.join(near)}?" if near else ""
 
 
-def few(items: Sequence[str], most: int, kind: str = "") -> list[str]:
+def few(items: Sequence[str], most: int = 5, kind: str = "") -> list[str]:
     """Return the first of many items for a message, and how many more there are of their kind."""
     return [*items[:most], *([f"and {len(items) - most} more{kind}"] if len(items) > most else [])]
 

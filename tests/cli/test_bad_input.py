@@ -16,7 +16,7 @@ from friction_audit.io.readers.read import choose_reader
 from friction_audit.io.readers.reader import ReadOptions
 from friction_audit.io.writers.write_log import WRITERS
 from friction_audit.joint_log import Float, JointLog, Source
-from tests.cli.conftest import Answer, Run
+from tests.cli.conftest import Run
 
 SAMPLES = 400
 RATE_HZ = 200.0
@@ -55,9 +55,9 @@ def with_arrays(log: JointLog, **arrays: Float) -> JointLog:
     return spoiled
 
 
-def write(folder: Path, dialect: str, log: JointLog | None = None, name: str | None = None) -> Path:
+def write(folder: Path, dialect: str, log: JointLog | None = None) -> Path:
     """Write a log in a dialect and return its path."""
-    path = folder / (name or FORMS[dialect])
+    path = folder / FORMS[dialect]
     writer = next(writer for writer in WRITERS if writer.name == dialect)
     writer.write(swinging_log() if log is None else log, path)
     return path
@@ -76,28 +76,10 @@ def cut(path: Path, share: float = 0.6) -> Path:
     return path
 
 
-def replace_content(path: Path, content: bytes) -> Path:
-    """Put something else under the name of a log."""
-    storage_of(path).write_bytes(content)
-    return path
-
-
 def _not_finite(log: JointLog, value: float) -> JointLog:
     spoiled = np.array(log.tau_J)
     spoiled[100:110, 1] = value
     return with_arrays(log, tau_J=spoiled)
-
-
-SPOILED: Mapping[str, Callable[[], JointLog]] = {
-    "nan": lambda: _not_finite(swinging_log(), np.nan),
-    "infinity": lambda: _not_finite(swinging_log(), np.inf),
-    "only nan": lambda: with_arrays(swinging_log(), tau_J=np.full((SAMPLES, 2), np.nan)),
-    "zero samples": lambda: swinging_log(0),
-    "one sample": lambda: swinging_log(1),
-    "constant time": lambda: with_arrays(swinging_log(), t=np.zeros(SAMPLES)),
-    "time runs back": lambda: with_arrays(swinging_log(), t=swinging_log().t[::-1].copy()),
-}
-"""Fault -> a log that has it."""
 
 
 def copy_of(path: Path, folder: Path) -> Path:
@@ -108,6 +90,27 @@ def copy_of(path: Path, folder: Path) -> Path:
 
 
 UNREADABLE, DAMAGED = 3, 6
+NAN = r"10 of 400 rows hold NaN, infinity"
+SPOILED: Mapping[str, tuple[Callable[[JointLog], JointLog], int, str]] = {
+    "nan": (lambda log: _not_finite(log, np.nan), DAMAGED, NAN),
+    "infinity": (lambda log: _not_finite(log, np.inf), DAMAGED, NAN),
+    "only nan": (
+        lambda log: with_arrays(log, tau_J=np.full((SAMPLES, 2), np.nan)),
+        UNREADABLE,
+        r"tau_J .*none of the 400 rows holds a number",
+    ),
+    "zero samples": (lambda _: swinging_log(0), UNREADABLE, r"0 (samples|messages)"),
+    "one sample": (lambda _: swinging_log(1), UNREADABLE, r"1 sample; at least 2 are needed"),
+    "constant time": (
+        lambda log: with_arrays(log, t=np.zeros(SAMPLES)),
+        UNREADABLE,
+        r"time does not advance|time .*is the same in all 400 rows",
+    ),
+    "time runs back": (
+        lambda log: with_arrays(log, t=log.t[::-1].copy()), UNREADABLE, r"time .*goes back at 399 of 399 rows"
+    ),
+}  # fmt: skip
+"""Fault -> what gives a log that has it, exit code and message."""
 NOTHING = r"no text|nothing but zero bytes|0 samples|Parquet|zip archive|does not begin"
 
 
@@ -123,22 +126,15 @@ def log(request: pytest.FixtureRequest, sound: dict[str, Path], tmp_path: Path) 
     return copy_of(sound[request.param], tmp_path)
 
 
-def assert_refused(answer: Answer, path: Path, message: str) -> None:
-    """Assert that a command said one thing: what is wrong with the file."""
-    assert answer.code == UNREADABLE, answer
-    assert answer.out == ""
-    errors = [line for line in answer.err.splitlines() if line.startswith("error: ")]
-    assert len(errors) == 1, answer.err
-    assert errors[0].startswith(f"error: {path}"), answer.err
-    assert re.search(message, errors[0]), answer.err
-    assert "Traceback" not in answer.err
-
-
 def refuse(run: Run, path: Path, message: str, *words: object) -> None:
-    """Assert that no command reads a log, and that none leaves anything behind."""
+    """Assert that commands say one thing, what is wrong with the file, and leave nothing behind."""
     before = set(path.parent.iterdir())
     for command in (("convert", path, path.parent / "new.parquet"), ("estimate", path, "-o", path.parent / "new")):
-        assert_refused(run(*command, *words), path, message)
+        answer = run(*command, *words)
+        assert (answer.code, answer.out, "Traceback" in answer.err) == (UNREADABLE, "", False), answer
+        (error,) = [line for line in answer.err.splitlines() if line.startswith("error: ")]
+        assert error.startswith(f"error: {path}"), answer.err
+        assert re.search(message, error), answer.err
         assert set(path.parent.iterdir()) == before
 
 
@@ -211,7 +207,8 @@ def test_wrong_extension_is_read_by_its_content_and_noticed(
     ids=["empty", "words", "picture", "zeros", "pointer", "web page"],
 )
 def test_something_else_under_the_name_of_a_log(run: Run, log: Path, content: bytes, message: str) -> None:
-    refuse(run, replace_content(log, content), message)
+    storage_of(log).write_bytes(content)
+    refuse(run, log, message)
 
 
 def test_no_such_topic(run: Run, log: Path) -> None:
@@ -242,21 +239,11 @@ def test_all_wrong_mappings_at_once(run: Run, form: str, sound: dict[str, Path])
     assert re.search(message, answer.err), answer.err
 
 
-WORDS = {
-    "nan": (DAMAGED, r"10 of 400 rows hold NaN, infinity"),
-    "infinity": (DAMAGED, r"10 of 400 rows hold NaN, infinity"),
-    "only nan": (UNREADABLE, r"tau_J .*none of the 400 rows holds a number"),
-    "zero samples": (UNREADABLE, r"0 (samples|messages)"),
-    "one sample": (UNREADABLE, r"1 sample; at least 2 are needed"),
-    "constant time": (UNREADABLE, r"time does not advance|time .*is the same in all 400 rows"),
-    "time runs back": (UNREADABLE, r"time .*goes back at 399 of 399 rows"),
-}
-
-
 @pytest.mark.parametrize("fault", SPOILED)
 @pytest.mark.parametrize("form", FORMS)
 def test_spoiled_content(run: Run, form: str, fault: str, tmp_path: Path) -> None:
-    judge(run, write(tmp_path, form, SPOILED[fault]()), *WORDS[fault])
+    spoiled, code, message = SPOILED[fault]
+    judge(run, write(tmp_path, form, spoiled(swinging_log())), code, message)
 
 
 def test_no_permission(run: Run, log: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,6 +10,7 @@ import traceback
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -117,6 +118,8 @@ def session_of(estimate: Estimate, discrepancy: "Discrepancy | None" = None) -> 
     codes = [one.code for one in source.findings] + [one.code for one in cautions]
     unit = () if source.torque_unit == "N m" else ("torque_in_ampere",)
     findings = [one.message if one.joint is None else f"joint {one.joint}: {one.message}" for one in source.findings]
+    made = {name: getattr(choice, name) for name in ("drive", "gravity", "inertia")}
+    payload = ", ".join(f"{number:g}" for number in estimate.settings.torque.payload or ())
     return Session(
         path=source.path,
         sha256=source.sha256,
@@ -124,13 +127,7 @@ def session_of(estimate: Estimate, discrepancy: "Discrepancy | None" = None) -> 
         start_s=source.start_s,
         start_from="nothing" if source.start_s is None else "log",
         duration_s=log.duration_s,
-        conditions=Conditions(
-            drive=choice.drive,
-            torque=choice.source,
-            gravity=choice.gravity,
-            inertia=choice.inertia,
-            rate_hz=log.rate_hz,
-        ),
+        conditions=Conditions(**made, torque=choice.source, payload=payload, rate_hz=log.rate_hz),
         joints=_summaries(estimate, discrepancy),
         warnings=(*dict.fromkeys(findings), *interaction.warnings),
         codes=tuple(dict.fromkeys((*unit, *codes))),
@@ -179,22 +176,13 @@ def bin_torque(velocity: Float, torque: Float) -> SpeedCurve:
     if len(velocity) < FEWEST_SAMPLES:
         return SpeedCurve()
     low, high = np.quantile(velocity, (OUTERMOST, 1.0 - OUTERMOST))
-    inside = (velocity >= low) & (velocity <= high)
-    velocity, torque = velocity[inside], torque[inside]
-    width = max(float(high - low), np.finfo(np.float64).tiny)
-    place = np.minimum(((velocity - low) / width * BINS).astype(np.int64), BINS - 1)
-    count = np.bincount(place, minlength=BINS)
-
-    def means(values: Float) -> Float:
-        total = np.bincount(place, weights=values, minlength=BINS)
-        return np.asarray(total / np.maximum(count, 1), np.float64)
-
-    kept, mean = count >= FEWEST_SAMPLES, means(torque)
-    return SpeedCurve(
-        speed_rad_s=means(velocity)[kept].tolist(),
-        torque_nm=mean[kept].tolist(),
-        spread_nm=np.sqrt(means((torque - mean[place]) ** 2))[kept].tolist(),
-    )
+    histogram, centre = partial(np.histogram, velocity, BINS, (low, high)), float(np.mean(torque))
+    count = histogram()[0]
+    kept = count >= FEWEST_SAMPLES
+    moments = (velocity, torque - centre, (torque - centre) ** 2)
+    speed, mean, square = (histogram(weights=one)[0][kept] / count[kept] for one in moments)
+    spread = np.sqrt(np.maximum(square - mean**2, 0.0))
+    return SpeedCurve(speed_rad_s=speed.tolist(), torque_nm=(centre + mean).tolist(), spread_nm=spread.tolist())
 
 
 def _change_within(own: EnergyCycles, joint: JointFriction) -> dict[str, Coefficient]:
@@ -230,14 +218,9 @@ def _renamed(worked: Worked, here: str, name: str) -> Worked:
 
 def recording_of(estimate: Estimate) -> Recording:
     """Return what is compared of an estimate."""
-    session, payload, friction = (
-        session_of(estimate),
-        estimate.settings.torque.payload or (),
-        estimate.settings.friction,
-    )
-    held = replace(session.conditions, payload=", ".join(f"{number:g}" for number in payload))
+    friction = estimate.settings.friction
     return Recording(
-        session=replace(session, conditions=held),
+        session=session_of(estimate),
         joints=len(estimate.log.joint_names),
         unit=estimate.log.source.torque_unit,
         method=f"{friction.model} ({friction.estimator})",
@@ -245,7 +228,7 @@ def recording_of(estimate: Estimate) -> Recording:
     )
 
 
-def recording_of_document(document: Mapping[str, Any], path: Path) -> Recording:
+def recording_of_document(document: Mapping[str, Any], path: Path, wanted: tuple[int, ...] | None) -> Recording:
     """Return what is compared of a document of ``estimate``; it holds no curves, speeds and temperatures."""
     try:
         source, settings = document["source"], document["settings"]
@@ -258,10 +241,13 @@ def recording_of_document(document: Mapping[str, Any], path: Path) -> Recording:
         )
         session = Session(
             path=str(path),
-            **{name: source[name] for name in ("sha256", "robot", "start_s", "duration_s")},
+            sha256=str(source["sha256"]),
+            robot=str(source["robot"]),
+            start_s=None if source["start_s"] is None else float(source["start_s"]),
             start_from="nothing" if source["start_s"] is None else "log",
+            duration_s=float(source["duration_s"]),
             conditions=conditions,
-            joints=tuple(_joint(one) for one in document["joints"]),
+            joints=tuple(_joint(one) for one in document["joints"] if wanted is None or one["joint"] in wanted),
             codes=tuple(str(one["code"]) for one in document.get("warnings", ())),
         )
         return Recording(

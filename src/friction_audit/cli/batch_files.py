@@ -23,7 +23,6 @@ from friction_audit.reporting.html.page import Figure
 from friction_audit.reporting.notices import reason_lines
 from friction_audit.reporting.table import to_json
 
-MOST_NAMED = 5  # logs that a message names; more are counted
 LONGEST_PREFIX = 60  # characters of an arm's name in the names of its files, which may have 255 bytes
 
 
@@ -77,10 +76,10 @@ def _require_an_answer(result: BatchResult) -> None:
     """Refuse a batch without a session, or without any coefficient in all of them, with the reasons."""
     if not result.sessions:
         lines = [f"{failed.path}: {failed.message}" for failed in result.failed]
-        raise InputError("\n  ".join([f"none of {len(lines)} logs can be used:", *few(lines, MOST_NAMED)]))
+        raise InputError("\n  ".join([f"none of {len(lines)} logs can be used:", *few(lines)]))
     if all(joint.reason for session in result.sessions for joint in session.joints):
         lines = [f"{session.path}: {'; '.join(reason_lines(session.joints))}" for session in result.sessions]
-        raise AnalysisError("\n  ".join(["no joint of any session has an estimate:", *few(lines, MOST_NAMED)]))
+        raise AnalysisError("\n  ".join(["no joint of any session has an estimate:", *few(lines)]))
 
 
 def _write_tables(summary: BatchSummary, folder: Path) -> None:

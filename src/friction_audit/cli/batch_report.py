@@ -47,7 +47,6 @@ _COUNTS = re.compile(r"\d+ computed, \d+ known")
 _COUNT = re.compile(r' {2}"(computed|known)": \d+,\n')
 # Notes of the ledger: which settings made the results in its folder, and what they are.
 SETTINGS, REPORTED = "reported_settings", "reported"
-MOST_NAMED = 4  # files that a message names; more are counted
 
 
 @group(SESSIONS)
@@ -181,7 +180,7 @@ class Batch:
         existing = [str(path) for path in (*(self.folder / name for name in RESULTS), *drawn) if path.exists()]
         if existing:
             raise UsageError(
-                f"{', '.join(few(existing, MOST_NAMED))}: made with other settings; nothing was computed; use "
+                f"{', '.join(few(existing))}: made with other settings; nothing was computed; use "
                 "--overwrite to replace them (the ledger keeps the numbers of both), or another folder with -o"
             )
 

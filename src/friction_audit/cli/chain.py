@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from friction_audit.reporting.notices import Notice, Reasoned
 
 
-MOST_NAMED = 5  # logs that a message names; more are counted
 BUG = 1  # exit code: part of the result is missing because of a bug
 
 
@@ -129,7 +128,7 @@ def exit_if_strict(codes: Mapping[str, Iterable[str]], *, strict: bool) -> None:
     lines = [f"{path}: {', '.join(dict.fromkeys(some))}" for path, some in doubts.items() if some]
     if strict and lines:
         remark(
-            f"error: --strict: warnings about the physics: {'; '.join(few(lines, MOST_NAMED))}; expected none; the "
+            f"error: --strict: warnings about the physics: {'; '.join(few(lines))}; expected none; the "
             "results are complete; do what the warnings say, or leave out --strict"
         )
         raise typer.Exit(EXCEEDED)

@@ -117,12 +117,7 @@ def style(name: str) -> str:
 def some_of_figures(names: Sequence[str]) -> Callable[[Any], list[str]]:
     """Return what checks the value of ``--figures`` and puts the figures in their order."""
     check = _known((*names, ALL))
-
-    def chosen(value: Any) -> list[str]:  # noqa: ANN401 - as above
-        wanted = check(value)
-        return [name for name in names if name in wanted or ALL in wanted]
-
-    return chosen
+    return lambda value: [name for name in names if {name, ALL} & {*check(value)}]
 
 
 def parse_joints(text: str | None) -> tuple[int, ...] | None:

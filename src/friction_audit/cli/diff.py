@@ -1,7 +1,6 @@
 """``friction-audit diff``."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -89,11 +88,8 @@ def _recordings(
     is_result = source.suffix.lower() == ".json"
     results = [source] if is_result else [*source.glob(RESULT)] or sorted(source.glob(f"*/{RESULT}"))
     if results:
-        read = [recording_of_document(read_document(path, ("estimate",)), path) for path in results]
         wanted = parse_joints(shared.selection.joints)
-        kept = [tuple(one for one in each.session.joints if wanted is None or one.joint in wanted) for each in read]
-        pairs = zip(read, kept, strict=True)
-        return [replace(each, session=replace(each.session, joints=joints)) for each, joints in pairs], []
+        return [recording_of_document(read_document(path, ("estimate",)), path, wanted) for path in results], []
     if source.suffix.lower() == ".toml":
         raise UsageError(f"{source}: a joint model has no intervals; give an {RESULT} or a log")
     logs = [Path(log.path) for log in find_logs([str(source)], {}, leave_out=[] if folder is None else [folder])]

@@ -1,7 +1,8 @@
 """``friction-audit replay``."""
 
+from contextlib import suppress
 from functools import partial
-from math import isfinite
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -226,16 +227,12 @@ def _parse_coefficients(text: str) -> "Coefficients":
     """Return the coefficients of ``"coulomb=0.2,viscous=0.1"``; one left out is zero."""
     from friction_audit.compensation.compensators import Coefficients
 
-    values: dict[str, float] = {}
-    for part in text.split(","):
-        name, equals, number = part.strip().partition("=")
-        try:
-            value = float(number)
-        except ValueError:
-            value = float("nan")
-        if not equals or name not in ("coulomb", "viscous") or name in values or not isfinite(value):
-            raise UsageError(f"--coefficients {text}: {part.strip()!r}: expected coulomb=NUMBER,viscous=NUMBER")
-        if value < 0:
-            raise UsageError(f"--coefficients {text}: {part.strip()!r} would brake the joint; expected zero or more")
-        values[name] = value
-    return Coefficients(coulomb_nm=values.get("coulomb", 0.0), viscous_nms_per_rad=values.get("viscous", 0.0))
+    parts = [part.strip().partition("=") for part in text.split(",")]
+    with suppress(ValueError):
+        values = {"coulomb": 0.0, "viscous": 0.0} | {name: float(number) for name, _, number in parts}
+        once = len(values) == len(("coulomb", "viscous")) and len({name for name, *_ in parts}) == len(parts)
+        if once and all(0.0 <= value < inf for value in values.values()):
+            return Coefficients(coulomb_nm=values["coulomb"], viscous_nms_per_rad=values["viscous"])
+    raise UsageError(
+        f"--coefficients {text}: expected coulomb=NUMBER,viscous=NUMBER of zero or more; less would brake the joint"
+    )

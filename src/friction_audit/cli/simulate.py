@@ -1,6 +1,5 @@
 """``friction-audit simulate``."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -29,22 +28,13 @@ EXAMPLES = """Examples:
   friction-audit simulate panda -o run.mcap --set joints.coulomb_nm=0.4@2,5 --effect backlash@3"""
 
 
-def _finite(value: float | None) -> float | None:
-    """Refuse what is no number; everything else is the settings' to judge."""
-    if value is not None and not math.isfinite(value):
-        raise typer.BadParameter(f"{value:g}: expected a number")
-    return value
-
-
 @group(SIMULATION)
 class SimulationOptions:
     """What is simulated."""
 
     seed: int = option("Seed; the same seed gives the same log, bit for bit.", default=0, metavar="INT", min=0)
-    duration: float | None = option(
-        "Duration of the log. Default: the scenario's.", metavar="SECONDS", callback=_finite
-    )
-    rate: float | None = option("Sampling rate. Default: the scenario's.", metavar="HZ", callback=_finite)
+    duration: float | None = option("Duration of the log. Default: the scenario's.", metavar="SECONDS")
+    rate: float | None = option("Sampling rate. Default: the scenario's.", metavar="HZ")
     joint_model: Path | None = option(
         "Joint model that replaces the scenario's joints, e.g. model.toml of a diagnosis; --set and --effect apply "
         "to it.",
@@ -190,15 +180,13 @@ def _list(name: str | None, lists: ListOptions, *, json: bool) -> None:
             others = f"  (or {', '.join(value.others)})" if isinstance(value, Kind) and value.others else ""
             rows.append((path, write_value(value) + others))
         _print_table(rows, margin="  ")
-    families = [effect.family() for effect in EFFECTS]
-    family = ""
-    for effect in sorted(EFFECTS, key=lambda one: families.index(one.family())) if lists.effects_there_are else ():
-        if effect.family() != family:
-            say(family := effect.family())
-        say(f"  {effect.name}: {effect.summary}{'; takes several joints' if effect.needs_neighbours else ''}")
-        known = [(one.name, f"{one.default:g}", described(one)) for one in effect.parameters()]
-        forms = [("form", effect.forms[0], f"one of {', '.join(effect.forms)}")] if effect.forms else []
-        _print_table(known + forms, margin="    ")
+    for family in dict.fromkeys(effect.family() for effect in EFFECTS) if lists.effects_there_are else ():
+        say(family)
+        for effect in (one for one in EFFECTS if one.family() == family):
+            say(f"  {effect.name}: {effect.summary}{'; takes several joints' if effect.needs_neighbours else ''}")
+            known = [(one.name, f"{one.default:g}", described(one)) for one in effect.parameters()]
+            forms = [("form", effect.forms[0], f"one of {', '.join(effect.forms)}")] if effect.forms else []
+            _print_table(known + forms, margin="    ")
 
 
 def _print_table(rows: Sequence[tuple[str, ...]], margin: str = "") -> None:

@@ -117,11 +117,12 @@ def _judge(family: Sequence[Series], settings: DriftSettings) -> list[Verdict | 
 
 def _shown(series: Series, y: Float, sessions: Sequence[Session]) -> dict[str, Any]:
     """Return what is shown of any series."""
-    half = NORMAL_95 * series.y_error
+    ends = np.column_stack([y, NORMAL_95 * series.y_error]).tolist()
+    values = [Coefficient(value=one, low=one - half, high=one + half) for one, half in ends]
     return {
         "coefficient": series.coefficient,
         "sessions": tuple(series.session.tolist()),
-        "values": tuple(to_level(one, series) for one in _coefficients(np.column_stack([y, y - half, y + half]))),
+        "values": tuple(to_level(one, series) for one in values),
         "isolated": tuple(series.session[~series.kept].tolist()),
         "within": regression.change_within([sessions[i] for i in series.session], series.joint, series.coefficient),
     }
@@ -259,14 +260,10 @@ def make_chart(
     spread = variance + np.where(inside, -mean_variance, mean_variance)
     half = float(t.isf(alpha / (2.0 * len(y)), fit.freedom)) * np.sqrt(np.maximum(spread, 0.0))
     outside = (np.abs(y - mean) > half) & (half > 0.0)
-    ends = _coefficients(np.column_stack([y - mean, -half, half]))
+    ends = [Coefficient(value=one, low=-far, high=far) for one, far in np.column_stack([y - mean, half]).tolist()]
     pairs = [(to_change(end, level, series), to_relative(end, level, series)) for end in ends]
     rows = zip(series.session.tolist(), pairs, outside.tolist(), strict=True)
     return tuple(ControlPoint(session=i, deviation=d, relative=r, outside=out) for i, (d, r), out in rows)
-
-
-def _coefficients(rows: Float) -> list[Coefficient]:
-    return [Coefficient(value=value, low=low, high=high) for value, low, high in rows.tolist()]
 
 
 def smallest_change(series: Series, fit: Fit, *, critical: float, growth: float, power: float) -> float:

@@ -53,26 +53,10 @@ class Directions:
     residual: Float  # what level and temperature leave of y, shape (n,)
     weight: Float  # one over the standard error with scatter, shape (n,)
     ramp: Float  # ramps as they are, shape (n, r); the last r of the directions
-
-    @property
-    def freedom(self) -> int:
-        """Degrees of freedom given level, temperature and one direction."""
-        return int(len(self.residual) - self.base.shape[1] - 1)
-
-    @property
-    def episodes(self) -> NDArray[np.bool_]:
-        """Which directions are changes that come and go, shape (k,)."""
-        return np.asarray(self.back < len(self.residual))
-
-    @property
-    def ramps(self) -> NDArray[np.bool_]:
-        """Which directions are ramps, shape (k,)."""
-        return np.asarray(self.split == 0)
-
-    @property
-    def factor(self) -> Float:
-        """Factor on the statistic of each direction, shape (k,)."""
-        return np.where(self.episodes, EPISODE_FACTOR, 1.0)
+    freedom: int  # degrees of freedom given level, temperature and one direction
+    episodes: NDArray[np.bool_]  # which directions are changes that come and go, shape (k,)
+    ramps: NDArray[np.bool_]  # which directions are ramps, shape (k,)
+    factor: Float  # on the statistic of each direction, shape (k,)
 
     def studentised(self, along: Float, square: Float) -> Float:
         """Return t of each direction, from the projections (m, k) and squared lengths of the series (m, 1)."""
@@ -120,6 +104,10 @@ def orthogonal(shapes: Float, *, split: Places, back: Places, base: Float, y: Fl
         residual=residual,
         weight=weight,
         ramp=shapes[:, split == 0],
+        freedom=len(y) - basis.shape[1] - 1,
+        episodes=back < len(y),
+        ramps=split == 0,
+        factor=np.where(back < len(y), EPISODE_FACTOR, 1.0),
     )
 
 
