@@ -44,17 +44,18 @@ def find_borders(
         longest: Samples after the end of a motion among which the slowest one is looked for.
     """
     moving = bool(abs(velocity[0]) > termination) if moving is None else moving
-    stops, starts, turns = _events(velocity, initiation, termination, moving=moving)
+    stops, starts = _events(velocity, initiation, termination, moving=moving)
     borders = [0] if (not moving if at_border is None else at_border) else []
     if not moving:
         starts = starts[1:]  # the first rest lasts from the first sample and ends at the first start
     length = len(velocity)
     ends = np.append(starts, length)
-    turned = np.append(turns, length)[np.searchsorted(turns, stops)]
-    for stop, end, turn in zip(stops.tolist(), ends.tolist(), turned.tolist(), strict=False):
+    for stop, end in zip(stops.tolist(), ends.tolist(), strict=False):
         reach = min(end, stop + longest)
-        if turn < reach:
-            borders.append(turn)
+        near = velocity[max(stop - 1, 0) : reach]
+        turns = near[1:] * near[:-1] <= 0.0
+        if turns.any():
+            borders.append(max(stop, 1) + int(np.argmax(turns)))
         elif more and reach == length:
             break
         elif not (merge and reach == end < length and borders and velocity[end] * velocity[stop - 1] > 0.0):
@@ -64,16 +65,15 @@ def find_borders(
 
 def moves_at_last(velocity: Float, initiation: float, termination: float, *, moving: bool) -> bool:
     """Return whether a joint that moves or not at the first sample moves at the last."""
-    stops, starts, _ = _events(velocity, initiation, termination, moving=moving)
+    stops, starts = _events(velocity, initiation, termination, moving=moving)
     return moving if len(stops) == len(starts) else not moving
 
 
-def _events(velocity: Float, initiation: float, termination: float, *, moving: bool) -> tuple[Int, Int, Int]:
-    """Return the samples at which motion stops and starts, in turns, and those at which the velocity turns."""
-    found: tuple[list[Int], list[Int], list[Int]] = ([], [], [])
+def _events(velocity: Float, initiation: float, termination: float, *, moving: bool) -> tuple[Int, Int]:
+    """Return the samples at which motion stops and those at which it starts, in turns."""
+    found: tuple[list[Int], list[Int]] = ([], [])
     for first in range(0, len(velocity), BLOCK):
-        piece = velocity[first : first + BLOCK]
-        speed = np.abs(piece)
+        speed = np.abs(velocity[first : first + BLOCK])
         # Between both thresholds the joint keeps the state of the sample before: it changes at one of these edges.
         slow, fast = (_rises(one) for one in (speed < termination, speed > initiation))
         known = np.append(slow, fast)
@@ -81,13 +81,10 @@ def _events(velocity: Float, initiation: float, termination: float, *, moving: b
         states = order >= len(slow)
         changes = states != np.append(moving, states[:-1])
         moving = bool(states[-1]) if len(states) else moving
-        for into, place in zip(found, (~states & changes, states & changes), strict=False):
+        for into, place in zip(found, (~states & changes, states & changes), strict=True):
             into.append(first + known[order[place]])
-        begin = max(first - 1, 0)
-        near = velocity[begin : first + BLOCK]
-        found[2].append(begin + 1 + np.flatnonzero(near[1:] * near[:-1] <= 0.0))
-    stops, starts, turns = (np.concatenate(one) for one in found)
-    return stops, starts, turns
+    stops, starts = (np.concatenate(one) for one in found)
+    return stops, starts
 
 
 def _rises(is_so: NDArray[np.bool_]) -> Int:
@@ -150,28 +147,37 @@ def add_up(
     for group in groups(np.append(edges[:, 0], edges[-1:, -1])):
         own = edges[group] - edges[group.start, 0]
         rows = slice(int(edges[group.start, 0]), int(edges[group.stop - 1, -1]) + 1)
-        u = None if compensation is None else compensation[rows]
-        starts, halved = own[:, :-1], 0.5 * (np.diff(own) > 0)
-        # The zero at the end: a part that is empty may begin at the last border.
-        area = np.zeros(rows.stop - rows.start)
-        for place, height, width in _areas(t[rows], q[rows], dq[rows], filtered[rows], torque[rows], u):
-            np.add(height[1:], height[:-1], out=area[:-1])
-            area[:-1] *= width
-            sums[group][..., place] = np.add.reduceat(area, starts.ravel()).reshape(starts.shape) * halved
+        signals = [None if one is None else one[rows] for one in (dq, filtered, torque, compensation)]
+        starts, before = own[:, :-1], np.maximum(own - 1, 0)
+        # A sample counts for the steps on both of its sides, at the borders of a part for one of them.
+        areas = _areas(*(_both_steps(one[rows]) for one in (t, q)), *signals)
+        steps = ((one[rows][own] - one[rows][before]) for one in (t, q))
+        at_borders = _areas(*steps, *(None if one is None else one[own] for one in signals))
+        for (place, area), (_, border) in zip(areas, at_borders, strict=True):
+            found = np.add.reduceat(area, starts.ravel()).reshape(starts.shape) * (np.diff(own) > 0)
+            sums[group][..., place] = 0.5 * (found + np.diff(border, axis=1))
     sums[..., HALF_SQUARE] = 0.5 * np.diff(filtered[edges] ** 2, axis=1)
     return sums
 
 
+def _both_steps(x: Float) -> Float:
+    """Return how far it is from the sample before each sample to the one after, 0 at the last."""
+    steps = np.zeros(len(x))
+    steps[:1] = x[1:2] - x[:1]
+    np.subtract(x[2:], x[:-2], out=steps[1:-1])
+    return steps
+
+
 def _areas(
-    t: Float, q: Float, dq: Float, filtered: Float, torque: Float, compensation: Float | None
-) -> Iterator[tuple[int, Float, Float]]:
-    """Yield each sum with the heights and widths of its trapezoids, one after the other: these arrays are large."""
-    moved, step, driving = np.diff(q), np.diff(t), torque
-    yield WORK, torque, moved
+    step: Float, moved: Float, dq: Float, filtered: Float, torque: Float, compensation: Float | None
+) -> Iterator[tuple[int, Float]]:
+    """Yield each sum with what it adds up, one after the other: these arrays are large."""
+    moved_by_dq, driving = dq * step, torque
+    yield WORK, torque * moved
     if compensation is not None:
-        yield COMPENSATION, compensation, moved
+        yield COMPENSATION, compensation * moved
         driving = torque + compensation
-    yield PATH, np.sign(filtered), moved
-    yield PRINTED, driving * dq, step
-    yield RECTIFIED, np.abs(dq), step
-    yield SQUARE, dq * dq, step
+    yield PATH, np.sign(filtered) * moved
+    yield PRINTED, driving * moved_by_dq
+    yield RECTIFIED, np.abs(moved_by_dq)
+    yield SQUARE, dq * moved_by_dq
