@@ -44,18 +44,17 @@ def find_borders(
         longest: Samples after the end of a motion among which the slowest one is looked for.
     """
     moving = bool(abs(velocity[0]) > termination) if moving is None else moving
-    stops, starts = _events(velocity, initiation, termination, moving=moving)
+    stops, starts, turns = _events(velocity, initiation, termination, moving=moving)
     borders = [0] if (not moving if at_border is None else at_border) else []
     if not moving:
         starts = starts[1:]  # the first rest lasts from the first sample and ends at the first start
     length = len(velocity)
     ends = np.append(starts, length)
-    for stop, end in zip(stops.tolist(), ends.tolist(), strict=False):
+    turned = np.append(turns, length)[np.searchsorted(turns, stops)]
+    for stop, end, turn in zip(stops.tolist(), ends.tolist(), turned.tolist(), strict=False):
         reach = min(end, stop + longest)
-        near = velocity[max(stop - 1, 0) : reach]
-        turns = near[1:] * near[:-1] <= 0.0
-        if turns.any():
-            borders.append(max(stop, 1) + int(np.argmax(turns)))
+        if turn < reach:
+            borders.append(turn)
         elif more and reach == length:
             break
         elif not (merge and reach == end < length and borders and velocity[end] * velocity[stop - 1] > 0.0):
@@ -65,15 +64,16 @@ def find_borders(
 
 def moves_at_last(velocity: Float, initiation: float, termination: float, *, moving: bool) -> bool:
     """Return whether a joint that moves or not at the first sample moves at the last."""
-    stops, starts = _events(velocity, initiation, termination, moving=moving)
+    stops, starts, _ = _events(velocity, initiation, termination, moving=moving)
     return moving if len(stops) == len(starts) else not moving
 
 
-def _events(velocity: Float, initiation: float, termination: float, *, moving: bool) -> tuple[Int, Int]:
-    """Return the samples at which motion stops and those at which it starts, in turns."""
-    found: tuple[list[Int], list[Int]] = ([], [])
+def _events(velocity: Float, initiation: float, termination: float, *, moving: bool) -> tuple[Int, Int, Int]:
+    """Return the samples at which motion stops and starts, in turns, and those at which the velocity turns."""
+    found: tuple[list[Int], list[Int], list[Int]] = ([], [], [])
     for first in range(0, len(velocity), BLOCK):
-        speed = np.abs(velocity[first : first + BLOCK])
+        piece = velocity[first : first + BLOCK]
+        speed = np.abs(piece)
         # Between both thresholds the joint keeps the state of the sample before: it changes at one of these edges.
         slow, fast = (_rises(one) for one in (speed < termination, speed > initiation))
         known = np.append(slow, fast)
@@ -81,10 +81,13 @@ def _events(velocity: Float, initiation: float, termination: float, *, moving: b
         states = order >= len(slow)
         changes = states != np.append(moving, states[:-1])
         moving = bool(states[-1]) if len(states) else moving
-        for into, place in zip(found, (~states & changes, states & changes), strict=True):
+        for into, place in zip(found, (~states & changes, states & changes), strict=False):
             into.append(first + known[order[place]])
-    stops, starts = (np.concatenate(one) for one in found)
-    return stops, starts
+        begin = max(first - 1, 0)
+        near = velocity[begin : first + BLOCK]
+        found[2].append(begin + 1 + np.flatnonzero(near[1:] * near[:-1] <= 0.0))
+    stops, starts, turns = (np.concatenate(one) for one in found)
+    return stops, starts, turns
 
 
 def _rises(is_so: NDArray[np.bool_]) -> Int:
