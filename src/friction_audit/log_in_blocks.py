@@ -96,7 +96,7 @@ class Means:
         self.t = np.empty((len(self.numbers), 1))
         self.channels = {name: np.empty((len(self.numbers), joints), order="F") for name in names}
         self._seen, self._kept = 0, 0
-        self._rest: dict[str, Float] = {}  # the last rows, which are no whole mean yet
+        self._rest = {name: np.empty((0, joints)) for name in names} | {"t": np.empty((0, 1))}  # not yet a whole mean
 
     @property
     def found(self) -> tuple[Float, dict[str, Float]]:
@@ -105,17 +105,17 @@ class Means:
 
     def take(self, t: Float, channels: dict[str, Float]) -> None:
         """Take the rows of a piece."""
-        done, self._seen = self._seen // self.of, self._seen + len(t)
-        own = self._is_kept[done : self._seen // self.of]
+        size, done, first = self.of, self._seen // self.of, -(self._seen % self.of)
+        self._seen += len(t)
+        own = self._is_kept[done : self._seen // size]
         places = slice(self._kept, self._kept + int(np.count_nonzero(own)))
         self._kept = places.stop
-        size, rows = self.of, {"t": t[:, None], **channels}
+        starts, rows, left = np.arange(first, len(t), size).clip(0), {"t": t[:, None], **channels}, self._seen % size
         for name, means in (("t", self.t), *self.channels.items()):
-            piece, rest = rows[name], self._rest.get(name, rows[name][:0])
-            head = min(-len(rest) % size, len(piece))  # rows that complete the mean that was begun
-            begun = np.concatenate([rest, piece[:head]])
-            body = piece[head:] if len(begun) % size == 0 else piece[:0]
-            for joint in range(means.shape[1]):
-                found = np.append(block_means(begun[:, joint], size), block_means(body[:, joint], size))
-                means[places, joint] = found[own]
-            self._rest[name] = np.concatenate([begun[len(begun) // size * size :], body[len(body) // size * size :]])
+            piece = rows[name]
+            begun = np.concatenate([self._rest[name], piece[: size + first]])  # of the mean that was begun
+            for joint, column in enumerate(piece.T):
+                sums = np.add.reduceat(column, starts)
+                sums[:1] = np.add.reduceat(begun[:, joint], [0])
+                means[places, joint] = sums[: len(own)][own] / size
+            self._rest[name] = begun if left > len(t) else piece[len(t) - left :].copy()

@@ -21,7 +21,7 @@ from typing import Any, TypeVar
 
 Result = TypeVar("Result")
 
-M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3  # of mallopt(3)
+M_TRIM_THRESHOLD, M_MMAP_THRESHOLD, M_ARENA_MAX = -1, -3, -8  # of mallopt(3)
 LARGE, KEPT = 1 << 25, 1 << 26  # bytes: to map the arrays of every block anew takes a tenth of the time
 WORKERS = min(4, os.cpu_count() or 1)  # each one needs working memory for a joint of its own
 
@@ -120,6 +120,7 @@ def _tune_malloc(*, mapped: int, kept: int) -> None:
         library = ctypes.CDLL(None)
         library.mallopt(M_MMAP_THRESHOLD, mapped)
         library.mallopt(M_TRIM_THRESHOLD, kept)
+        library.mallopt(M_ARENA_MAX, 2)  # every further one keeps what the threads of some block have freed
 
 
 def in_processes(work: Callable[[int], Result], pieces: int, workers: int) -> Iterator[Result]:

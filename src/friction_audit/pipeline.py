@@ -165,13 +165,19 @@ class _Pass:
         own = enumerate(thresholds_in_blocks(port.log, port.columns, settings.cycles))
         self.port, self._settings, self.part = port, settings, cast("Interaction | None", None)
         self.joints = [_JointPass(port.log, settings, column, thresholds) for column, thresholds in own]
+        self._done, self._margin = 0, self.joints[0].margin
 
     def take(self, block: LogPart) -> None:
         """Take the samples of the next block."""
         new = self.port.interaction(block)
-        part = new if self.part is None else self.part.followed_by(new, min(one.needed for one in self.joints))
-        self.part = part
-        per_joint(lambda column: self.joints[column].take(part), len(self.joints))
+        needed = max(min(self._done, *(one.search.first for one in self.joints)) - self._margin, 0)
+        part = self.part = new if self.part is None else self.part.followed_by(new, needed)
+        # The filtered values of those at its end may still change.
+        end, more = part.first + len(part.t), part.first + len(part.t) < self.port.log.samples
+        start, self._done = self._done, max(end - self._margin, self._done) if more else end
+        if self._done > start:
+            own, around = part.rows(start, self._done), part.rows(max(start - self._margin, part.first), end)
+            per_joint(lambda column: self.joints[column].take(part, own, around, more=more), len(self.joints))
 
     def __call__(self, first: int, t: Float, channels: dict[str, Float]) -> None:
         """Take the samples of a block that is being checked."""
@@ -197,30 +203,21 @@ class _JointPass:
         rate_hz = log.rate_hz
         self.search = CycleSearch(settings.cycles, column, rate_hz, own)
         self.gathered = Gathered(column, log.samples, rate_hz)
-        self.needed = self._done = 0
-        self._column, self._samples = column, log.samples
+        self._column = column
         self._filters = [
             partial(filter_velocity, rate_hz=rate_hz, cutoff_hz=hz) for hz in (settings.cycles.cutoff_hz, CUTOFF_HZ)
         ]
         reach = [settling_samples(rate_hz, hz) for hz in (settings.cycles.cutoff_hz, CUTOFF_HZ)]
         # Beyond what a filter remembers, and the samples between which gravity's direction is interpolated.
-        self._margin = max(*reach, self.gathered.rows.around, 2 * round(rate_hz / settings.torque.model_rate_hz))
+        self.margin = max(*reach, self.gathered.rows.around, 2 * round(rate_hz / settings.torque.model_rate_hz))
 
-    def take(self, part: Interaction) -> None:
-        """Take the samples that are new in a part, but for those at its end whose filtered values may still change."""
-        end = part.first + len(part.t)
-        more = end < self._samples
-        start, stop = self._done, end - self._margin if more else end
-        if stop <= start:
-            return
-        window = part.rows(max(start - self._margin, part.first), end)
-        dq = window.dq[:, self._column]
+    def take(self, part: Interaction, own: Interaction, around: Interaction, *, more: bool) -> None:
+        """Take the samples that are new in a part, given those and the ones around them; ``more`` if others follow."""
+        dq, first = around.dq[:, self._column], own.first - around.first
         velocity = self._filters[0](dq)
-        self.search.take(part, velocity[start - window.first : stop - window.first], more=more)
+        self.search.take(part, velocity[first : first + len(own.t)], more=more)
         same = self._filters[0].keywords == self._filters[1].keywords
-        self.gathered.take(window, velocity if same else self._filters[1](dq), start, stop)
-        self._done = stop
-        self.needed = max(min(self.search.first, stop) - self._margin, 0)
+        self.gathered.take(own, around, velocity if same else self._filters[1](dq))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

@@ -46,14 +46,6 @@ def jittered(rate_hz: float, seconds: float) -> Float:
     return np.asarray(t - t[0])
 
 
-@pytest.mark.parametrize("rate_hz", [1000.0, 400.0, 150.0])
-def test_gravity_from_the_grid_is_gravity_at_every_sample(rate_hz: float) -> None:
-    log, _ = moving_arm(jittered(rate_hz, 5.0))
-    arm = load_arm()
-    torque = at_samples(log, lambda grid: arm.gravity(position_on((grid,), log)[0]))
-    assert np.abs(torque - arm.gravity(log.q)).max() < 0.01
-
-
 def test_inverse_dynamics_from_the_grid_is_within_a_hundredth_of_the_inertial_torque() -> None:
     log, ddq = moving_arm(jittered(1000.0, 6.0))
     arm = load_arm()

@@ -1,5 +1,6 @@
 """The rigid-body model against equations by hand, another library's numbers and laws of mechanics."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from numpy.testing import assert_allclose
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.robot import load_arm
+from friction_audit.robot.arm import read_urdf
 from friction_audit.robot.regressor import random_motion, regressor_entries, significant, tilt_torque
 
 READY = np.array([0.0, -np.pi / 4, 0.0, -3 * np.pi / 4, 0.0, np.pi / 2, np.pi / 4])
@@ -90,6 +92,14 @@ def test_torques_of_the_panda_are_those_of_pinocchio() -> None:
     assert_allclose(arm.inverse_dynamics(q, dq, ddq), [at_ready, moving], atol=1e-10)
     assert_allclose(arm.hand_speed(q, dq), [0.0, 1.1393115165], atol=1e-10)
     assert_allclose(load_arm(gravity_vector=(1.0, -3.0, -9.0)).inverse_dynamics(q, dq, ddq)[1], tilted, atol=1e-10)
+
+
+def test_gravity_is_inverse_dynamics_at_rest_whatever_the_axes(tmp_path: Path) -> None:
+    axes = iter(("0 0 -1", "1 0 0", "0.3 -0.5 0.2", "-1 0 0", "0 1 0", "0 -1 0", "0 0 1"))
+    text = re.sub('axis xyz="[^"]*"', lambda _: f'axis xyz="{next(axes)}"', read_urdf(None).decode())
+    arm = load_arm(write(tmp_path, text), HAND, gravity_vector=(1.0, -3.0, -9.0))
+    still = np.zeros_like(MOTION[0])
+    assert_allclose(arm.gravity(MOTION[0]), arm.inverse_dynamics(MOTION[0], still, still), atol=1e-12)
 
 
 def test_the_flange_is_where_the_published_lengths_put_it() -> None:

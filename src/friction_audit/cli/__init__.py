@@ -17,7 +17,7 @@ from typer.core import TyperGroup
 
 from friction_audit import __version__
 from friction_audit.cli.console import discard, open_streams, remark, say
-from friction_audit.cli.grouped_help import GroupedCommand, with_option_groups
+from friction_audit.cli.grouped_help import GroupedCommand, LateParams, with_option_groups
 from friction_audit.errors import FrictionAuditError, InputError, UsageError, shortened
 from friction_audit.parallel import own_process
 
@@ -45,7 +45,7 @@ def command_of(name: str) -> Any:  # noqa: ANN401 - types of Typer's private cop
     return typer.main.get_command(alone)
 
 
-class _Group(TyperGroup):
+class _Group(LateParams, TyperGroup):
     def __init__(self, **settings: Any) -> None:  # noqa: ANN401 - of TyperGroup
         super().__init__(**settings)
         self.commands: Any = dict.fromkeys(NAMES)  # a misspelt one is compared with these names

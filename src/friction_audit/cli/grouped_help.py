@@ -4,7 +4,8 @@ import inspect
 import json
 import shlex
 from collections.abc import Callable, Collection
-from dataclasses import Field, fields, is_dataclass
+from dataclasses import Field, dataclass, fields, is_dataclass
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -42,7 +43,38 @@ HEADINGS: dict[str, Collection[str] | None] = {
 }
 
 
-class GroupedCommand(TyperCommand):
+@dataclass(frozen=True)
+class _Given:
+    """Lets Typer convert only what was given and is no text: it loads pydantic for that, a fifth of a short run."""
+
+    runtime_param: Callable[[], Any]
+
+    def coerce(self, value: Any, param: Any, ctx: Any) -> Any:  # noqa: ANN401 - as Typer's own
+        """Return the value of a parameter."""
+        kind, is_argument = param.type_descriptor.annotation, param.param_type_name == "argument"
+        several = param.multiple or param.nargs == -1
+        if value is None:
+            return () if several else None
+        if ctx.get_parameter_source(param.name).name == "DEFAULT":
+            return list(value) if several else value
+        if isinstance(value, str) and (kind is str or (kind is Path and is_argument)):
+            return kind(value)
+        return self.runtime_param().coerce(value, param=param, ctx=ctx)
+
+
+class LateParams:
+    """A command of Typer whose parameters are converted late."""
+
+    def get_params(self, ctx: Any) -> Any:  # noqa: ANN401 - of Typer's private copy of click
+        """Return the parameters."""
+        found = super().get_params(ctx)  # type: ignore[misc] # of TyperCommand or TyperGroup
+        for one in found:
+            if not isinstance(one.get_runtime_param, partial):
+                one.get_runtime_param = partial(_Given, one.get_runtime_param)
+        return found
+
+
+class GroupedCommand(LateParams, TyperCommand):
     """A command whose help lists its options by task, those without a task (``--help``) last."""
 
     def format_options(self, ctx: Any, formatter: Any) -> None:  # noqa: ANN401 - types of Typer's private copy of click

@@ -42,10 +42,10 @@ class Gathered:
         """Take the joint (0-based), the number of samples of the log and their rate."""
         self.seen, self.rows = Extremes(column, samples), RegressionRows(column, samples, rate_hz)
 
-    def take(self, part: Interaction, velocity: Float, start: int, stop: int) -> None:
-        """Take samples, by their numbers in the log; the part and the velocity reach further where the log does."""
-        self.seen.take(part.rows(start, stop))
-        self.rows.take(part, velocity, start, stop)
+    def take(self, part: Interaction, around: Interaction, velocity: Float) -> None:
+        """Take the samples of a part; what is around them and the velocity there reach further where the log does."""
+        self.seen.take(part)
+        self.rows.take(around, velocity, part.first, part.first + len(part.t))
 
 
 def estimate_friction(
@@ -60,7 +60,7 @@ def estimate_friction(
     def gathered(column: int) -> Gathered:
         found = Gathered(column, samples, rate_hz)
         velocity = filter_velocity(interaction.dq[:, column], rate_hz=rate_hz, cutoff_hz=CUTOFF_HZ)
-        found.take(interaction, velocity, 0, samples)
+        found.take(interaction, interaction, velocity)
         return found
 
     every = per_joint(gathered, len(interaction.joint_numbers))

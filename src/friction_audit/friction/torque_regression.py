@@ -200,12 +200,13 @@ class RegressionRows:
         reach, spacing = self._reach, self._spacing
         stretches = -(-len(self._response) // spacing)
         rows = len(index) + stretches - 1
-        if len(index) and reach <= index[0] and index[0] - reach + rows * spacing <= len(load):
+        if len(index) and reach <= index[0] and index[-1] + reach + 1 < len(load):
             # Stretches of one spacing times the weights of all stretches of a response: to copy windows that overlap
             # would take most of the time.
             weights = np.append(self._response, np.zeros(stretches * spacing - len(self._response)))
-            stretched = load[index[0] - reach :][: rows * spacing].reshape(rows, spacing)
-            products = stretched @ weights.reshape(stretches, spacing).T
+            own = load[index[0] - reach :][: rows * spacing]
+            own = np.append(own, np.zeros(rows * spacing - len(own)))  # where there is no weight
+            products = own.reshape(rows, spacing) @ weights.reshape(stretches, spacing).T
             return np.asarray(sum(products[k : k + len(index), k] for k in range(stretches)))
         return np.asarray(self._smooth(load)[index[:, None] + NEIGHBOURS] @ SIMPSON)
 

@@ -138,28 +138,37 @@ def add_up(
     for group in groups(np.append(edges[:, 0], edges[-1:, -1])):
         own = edges[group] - edges[group.start, 0]
         rows = slice(int(edges[group.start, 0]), int(edges[group.stop - 1, -1]) + 1)
-        u = None if compensation is None else compensation[rows]
-        starts, halved = own[:, :-1], 0.5 * (np.diff(own) > 0)
-        # The zero at the end: a part that is empty may begin at the last border.
-        area = np.zeros(rows.stop - rows.start)
-        for place, height, width in _areas(t[rows], q[rows], dq[rows], filtered[rows], torque[rows], u):
-            np.add(height[1:], height[:-1], out=area[:-1])
-            area[:-1] *= width
-            sums[group][..., place] = np.add.reduceat(area, starts.ravel()).reshape(starts.shape) * halved
+        signals = [None if one is None else one[rows] for one in (dq, filtered, torque, compensation)]
+        starts, before = own[:, :-1], np.maximum(own - 1, 0)
+        # A sample counts for the steps on both of its sides, at the borders of a part for one of them.
+        areas = _areas(*(_both_steps(one[rows]) for one in (t, q)), *signals)
+        steps = ((one[rows][own] - one[rows][before]) for one in (t, q))
+        at_borders = _areas(*steps, *(None if one is None else one[own] for one in signals))
+        for (place, area), (_, border) in zip(areas, at_borders, strict=True):
+            found = np.add.reduceat(area, starts.ravel()).reshape(starts.shape) * (np.diff(own) > 0)
+            sums[group][..., place] = 0.5 * (found + np.diff(border, axis=1))
     sums[..., HALF_SQUARE] = 0.5 * np.diff(filtered[edges] ** 2, axis=1)
     return sums
 
 
+def _both_steps(x: Float) -> Float:
+    """Return how far it is from the sample before each sample to the one after, 0 at the last."""
+    steps = np.zeros(len(x))
+    steps[:1] = x[1:2] - x[:1]
+    np.subtract(x[2:], x[:-2], out=steps[1:-1])
+    return steps
+
+
 def _areas(
-    t: Float, q: Float, dq: Float, filtered: Float, torque: Float, compensation: Float | None
-) -> Iterator[tuple[int, Float, Float]]:
-    """Yield each sum with the heights and widths of its trapezoids, one after the other: these arrays are large."""
-    moved, step, driving = np.diff(q), np.diff(t), torque
-    yield WORK, torque, moved
+    step: Float, moved: Float, dq: Float, filtered: Float, torque: Float, compensation: Float | None
+) -> Iterator[tuple[int, Float]]:
+    """Yield each sum with what it adds up, one after the other: these arrays are large."""
+    moved_by_dq, driving = dq * step, torque
+    yield WORK, torque * moved
     if compensation is not None:
-        yield COMPENSATION, compensation, moved
+        yield COMPENSATION, compensation * moved
         driving = torque + compensation
-    yield PATH, np.sign(filtered), moved
-    yield PRINTED, driving * dq, step
-    yield RECTIFIED, np.abs(dq), step
-    yield SQUARE, dq * dq, step
+    yield PATH, np.sign(filtered) * moved
+    yield PRINTED, driving * moved_by_dq
+    yield RECTIFIED, np.abs(moved_by_dq)
+    yield SQUARE, dq * moved_by_dq

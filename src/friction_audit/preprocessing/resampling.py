@@ -1,9 +1,8 @@
-"""The torque of the rigid-body model along a log: evaluated on a coarse grid of times, interpolated at the samples.
+"""Inertial and Coriolis torque of an arm along a log: evaluated on a coarse grid of times, interpolated at the samples.
 
-Gravity needs only the position, which is smooth and nearly free of noise: it is read at the grid's times without a
-filter. Inertial and Coriolis torque need the acceleration, so the velocity is low-pass filtered without a phase shift
-before it is differentiated. The measured torque is never filtered: the energy sums multiply it with the measured
-velocity.
+They need the acceleration, so the velocity is low-pass filtered without a phase shift before it is differentiated. The
+position is smooth and nearly free of noise: it is read at the grid's times without a filter. The measured torque is
+never filtered: the energy sums multiply it with the measured velocity.
 
 Choice of the corner, on a real Panda moved by its own motors at up to 2 rad/s (21 s of excitation; F_m regressed on
 sgn(dq), dq and an offset):

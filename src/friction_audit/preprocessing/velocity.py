@@ -67,14 +67,15 @@ def _low_pass(blocks: Float, gain: float, a1: float, a2: float) -> Float:
     Before and behind, what is filtered is as at its end. Blocks of the state-space form: products of matrices, as fast
     as a compiled loop, without the compiler's 140 MB; those of both directions are one product.
     """
-    inputs, carried, inside, free, at_last, power = _block_form(gain, a1, a2)
+    inputs, carried, inside, free, at_last = _block_form(gain, a1, a2)
+    pole = complex(-a1 / 2.0, math.sqrt(a2 - a1 * a1 / 4.0))
     pieces = [slice(first, first + ROWS_AT_ONCE) for first in range(0, len(blocks), ROWS_AT_ONCE)]
     left = np.concatenate([blocks[rows] @ inputs for rows in pieces])
     rest = np.array([1.0 - gain, gain - a2])  # the state where the signal has always been 1
-    forwards = _states(left[:, :2], rest * blocks[0, 0], power)
+    forwards = _states(left[:, :2], rest * blocks[0, 0], pole)
     last = blocks[-1] @ at_last[2:] + forwards[-1] @ at_last[:2]
     left = left[::-1, 2:] + forwards[::-1] @ carried
-    states = np.column_stack([forwards, _states(left, rest * last, power)[::-1]])
+    states = np.column_stack([forwards, _states(left, rest * last, pole)[::-1]])
     found = np.empty_like(blocks)
     for rows in pieces:
         np.matmul(blocks[rows], inside, out=found[rows])
@@ -82,24 +83,26 @@ def _low_pass(blocks: Float, gain: float, a1: float, a2: float) -> Float:
     return found
 
 
-def _states(left: Float, before: Float, power: Float) -> Float:
+def _states(left: Float, before: Float, pole: complex) -> Float:
     """Return the states at the begin of blocks, given what each block alone leaves and the state before the first."""
-    states = np.concatenate([before[None], left[:-1]])
+    # Along a left eigenvector, both numbers of a state are one complex number, which every step multiplies by the pole.
+    states = np.concatenate([before[None], left[:-1]]) @ (pole, 1.0)
     # Each state holds the inputs of the block before; of the blocks before that by doubling, until those have died out.
-    reach = 1
-    while reach < len(states) and np.abs(power).max() > SETTLED:
-        states[reach:] += states[:-reach] @ power.T
-        reach, power = 2 * reach, power @ power
-    return states
+    reach, power = 1, pole**FILTER_BLOCK
+    while reach < len(states) and abs(power) > SETTLED:
+        states[reach:] += states[:-reach] * power
+        reach, power = 2 * reach, power * power
+    first = states.imag / pole.imag
+    return np.column_stack([first, states.real - pole.real * first])
 
 
 @lru_cache(maxsize=16)
-def _block_form(gain: float, a1: float, a2: float) -> tuple[Float, Float, Float, Float, Float, Float]:
+def _block_form(gain: float, a1: float, a2: float) -> tuple[Float, Float, Float, Float, Float]:
     """Return a filter over a block, forwards and then backwards, as matrices of its samples and of its two states.
 
     They are: from the samples, what they leave forwards, and backwards once they are filtered; from the state forwards,
     what it leaves backwards; from the samples, the output; from both states, the output; from the state forwards and
-    the samples, the last sample of the first direction; from a state, that a block later.
+    the samples, the last sample of the first direction.
     """
     step, entry = np.array([[-a1, 1.0], [-a2, 0.0]]), gain * np.array([2.0 - a1, 1.0 - a2])
     powers = np.stack([np.linalg.matrix_power(step, i) for i in range(FILTER_BLOCK + 1)])
@@ -109,7 +112,7 @@ def _block_form(gain: float, a1: float, a2: float) -> tuple[Float, Float, Float,
     inputs, back = powers[-2::-1] @ entry, forced[::-1, ::-1]
     both, carried = np.column_stack([inputs, forced @ inputs[::-1]]), free @ inputs[::-1]
     output = np.concatenate([free @ back, free[:, ::-1]])
-    return both, carried, forced @ back, output, np.append(free[:, -1], forced[:, -1]), powers[-1]
+    return both, carried, forced @ back, output, np.append(free[:, -1], forced[:, -1])
 
 
 def find_lag(coarse: CoarseLog, step_s: float) -> Float:

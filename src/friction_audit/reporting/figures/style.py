@@ -6,7 +6,6 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from importlib import import_module
 from io import BytesIO
-from logging.handlers import BufferingHandler
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -59,6 +58,8 @@ def load_style(name: str) -> Mapping[str, Any]:
     """Return the rcParams of a style: by its name here or in matplotlib, or of a style sheet."""
     if name in STYLES:
         return STYLES[name]
+    from logging.handlers import BufferingHandler
+
     from matplotlib import rc_params_from_file, style
 
     if name in style.library:
