@@ -59,7 +59,9 @@ def law(model: JointModel) -> FrictionLaw:
 def export(source: Joints, out: Path, into: Path | None = None, settings: ExportSettings | None = None) -> Export:
     target = made.choose_target(out)
     chosen = settings or ExportSettings(speeds=(0.0, 2.0))
-    return made.export_friction(source, target, out, chosen, into=into and made.read_into(target, into))
+    return made.export_friction(
+        source, target, out, chosen, into=None if into is None else made.read_into(target, into)
+    )
 
 
 def friction_in(model: mujoco.MjModel, name: str, dq: np.ndarray) -> np.ndarray:

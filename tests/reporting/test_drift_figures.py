@@ -19,6 +19,7 @@ from tests.reporting import batch_by_hand as by_hand
 from tests.reporting.test_figures import legend_of, line, words_in
 
 ARM = by_hand.arm()
+MANY = by_hand.arm(MOST_MARKED + 20, 1)
 STEP = ARM.joints[1].coefficients[0]
 RISE = ARM.joints[4].coefficients[0]
 NAMES = figure_names("drift")
@@ -43,13 +44,11 @@ def test_a_joint_that_never_moves_takes_no_room_on_a_sheet(kind: FigureKind) -> 
 @KINDS
 def test_any_arm_can_be_drawn_also_from_what_is_sent_to_a_worker(kind: FigureKind) -> None:
     strange = replace(by_hand.arm(3, 1), reference=(), compared=())
-    for arm in (by_hand.arm(1, 1), by_hand.arm(2, 1, dated=False), by_hand.arm(MOST_MARKED + 20, 1), strange):
+    for arm in (by_hand.arm(1, 1), by_hand.arm(2, 1, dated=False), MANY, strange):
         assert figure_bytes(kind.draw(arm, 1), "svg")
     arm = by_hand.arm(14, 2)
-    bare = as_drawn(arm)
-    assert figure_bytes(kind.draw(bare, None), "svg") == figure_bytes(kind.draw(arm, None), "svg")
-    many = by_hand.arm(60)
-    assert len(pickle.dumps(as_drawn(many))) < len(pickle.dumps(many)) / 2
+    assert figure_bytes(kind.draw(as_drawn(arm), None), "svg") == figure_bytes(kind.draw(arm, None), "svg")
+    assert len(pickle.dumps(as_drawn(MANY))) < len(pickle.dumps(MANY)) / 2
 
 
 def test_sessions_stand_at_their_numbers_with_their_intervals() -> None:

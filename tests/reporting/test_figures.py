@@ -20,7 +20,7 @@ from friction_audit.drift.two_sides import compare_sides
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import AuditSettings, estimate_log, replay_estimate
-from friction_audit.reporting.figures.panels import CUTOFF_HZ, break_at_gaps, cutoff_hz, limits, smooth, thin_extremes
+from friction_audit.reporting.figures.panels import CUTOFF_HZ, cutoff_hz, draw_curve, limits, smooth, thin_extremes
 from friction_audit.reporting.figures.registry import FIGURES
 from friction_audit.reporting.figures.registry import Figure as FigureKind
 from friction_audit.reporting.figures.style import COLUMN_IN, FORMATS, SHEET_IN, STYLE, figure_bytes, load_style
@@ -139,8 +139,9 @@ def test_no_extreme_is_lost_and_time_keeps_its_order(values: list[float], most: 
 
 
 def test_no_line_bridges_a_gap() -> None:
-    t = np.array([0.0, 1.0, 2.0, 9.0, 10.0])
-    assert np.isnan(break_at_gaps(t, np.ones(5), 3.0)).tolist() == [False, False, True, False, False]
+    t, axes = np.append(np.arange(50.0), [90.0, 91.0]), Figure().subplots()
+    draw_curve(axes, t, np.ones(52), 100, label="curve")
+    assert np.flatnonzero(np.isnan(line(axes, "curve")[1])).tolist() == [49]
 
 
 def test_a_slow_signal_passes_the_filter_without_delay_and_a_fast_one_is_gone() -> None:

@@ -11,17 +11,15 @@ from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.reporting.figures.panels import label_in_unit
 from friction_audit.reporting.table import INTERVAL, Column, Record, to_json
 
-INNER = Record((Column("share"), Column("word", ("a", "b"))))
-HISTORY = Record((Column("cycle", int), Column("energy", unit="J")), name="history", time="cycle", arrays=True)
+INNER = Record(Column("share"), Column("word", ("a", "b")))
+HISTORY = Record(Column("cycle", int), Column("energy", unit="J"), name="history", time="cycle", arrays=True)
 SPEC = Record(
-    (
-        Column("coulomb", Coefficient, "friction", "found.coulomb", unit="N m", title="Coulomb", on="jftp"),
-        Column("reason", str, "why not", null=True),
-        Column("inner", INNER, on="j", null=True),
-        Column("pairs", {"*": INTERVAL}, on="j"),
-        Column("history", HISTORY, on="j"),
-        Column("phrase", str, get="found.phrase", title="phrase", words=True, on="tp"),
-    ),
+    Column("coulomb", Coefficient, "friction", "found.coulomb", unit="N m", title="Coulomb", on="jftp"),
+    Column("reason", str, "why not", null=True),
+    Column("inner", INNER, on="j", null=True),
+    Column("pairs", {"*": INTERVAL}, on="j"),
+    Column("history", HISTORY, on="j"),
+    Column("phrase", str, get="found.phrase", title="phrase", words=True, on="tp"),
     name="spec",
     summary="a row",
 )

@@ -65,7 +65,7 @@ SIMULATED = Record(
 DIAGNOSE: Document = Document(
     "diagnose/3",
     "Which effects the model of each joint misses, and how much of the residual they explain",
-    CHAIN,
+    *CHAIN,
     Column("joints", [tables.JOINT_DIAGNOSIS], "per joint"),
 )
 

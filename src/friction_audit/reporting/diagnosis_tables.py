@@ -126,7 +126,7 @@ EFFECT = Record(
     summary="an effect that the model of a joint misses, the largest first",
 )  # fmt: skip
 NEGLIGIBLE = Record(
-    EFFECT.columns,
+    *EFFECT.columns,
     name="negligible_effects",
     summary="an effect below 1 % of the joint's friction or below --min-effect",
 )

@@ -134,7 +134,7 @@ SCENARIO = (Column("scenario", str, "its name"), Column("seed", int, "the seed")
 EFFECTS = Column("effects", [HIDDEN], "hidden effects")
 HIDDEN_SETTINGS = Column("settings", dict, "all settings but the hidden effects")
 SIMULATED_OUTPUT = Record(
-    OUTPUT.columns,
+    *OUTPUT.columns,
     Column("sha256", str, "of the file as written"),
     Column("rate", float, "sampling rate", "log.rate_hz", unit="Hz"),
     Column("duration", float, "length", "log.duration_s", unit="s"),
@@ -151,7 +151,7 @@ SIMULATE = Document(
 )
 LOG_SHA256 = Column("log_sha256", str, "hash of the log", "sha256")
 # Everything that was simulated, and the hash that tells which log it is.
-TRUTH = Document("truth/1", "What was simulated in a log", SCENARIO, LOG_SHA256, HIDDEN_SETTINGS, EFFECTS)
+TRUTH = Document("truth/1", "What was simulated in a log", *SCENARIO, LOG_SHA256, HIDDEN_SETTINGS, EFFECTS)
 
 
 def simulate_document(

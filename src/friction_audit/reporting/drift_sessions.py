@@ -15,7 +15,6 @@ from friction_audit.reporting.sentences import session_sentences
 from friction_audit.reporting.table import JOINT, NAME, Column, Record, to_json
 from friction_audit.reporting.words import SHORTEST_NAME, format_start, iso_start, joint_label
 
-CONDITIONS = ("drive", "torque", "gravity", "inertia", "payload")
 ROWS_AT_ONCE = 2000
 
 CURVE = Record(
@@ -82,7 +81,10 @@ def _interval(prefix: str, get: str) -> tuple[Column, ...]:
 SESSIONS = Record(
     *HEAD,
     Column("rate", float, get="session.conditions.rate_hz", unit="Hz"),
-    *(Column(name, str, get=f"session.conditions.{name}") for name in CONDITIONS),
+    *(
+        Column(name, str, get=f"session.conditions.{name}")
+        for name in ("drive", "torque", "gravity", "inertia", "payload")
+    ),
     Column("session_temperature", float, get="session.temperature_c", unit="°C"),
     *NOTES,
     Column("compared", bool, get="is_compared"),

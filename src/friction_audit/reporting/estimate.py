@@ -132,7 +132,7 @@ INTERACTION = Record(
 ESTIMATE: Document = Document(
     "estimate/1",
     "Friction coefficients of the joints of one log",
-    CHAIN,
+    *CHAIN,
     Column("estimator", str, "method"),
     Column("joints", [FRICTION], "per joint"),
 )

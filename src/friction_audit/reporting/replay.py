@@ -202,7 +202,7 @@ SIGNALS = Record(
 REPLAY: Document = Document(
     "replay/3",
     "What a friction compensator would have done on one log",
-    CHAIN,
+    *CHAIN,
     Column("assume", str, "the counterfactual"),
     Column("assumes", str, "its assumption, one sentence"),
     Column("joints", [JOINT_REPLAY], "per joint; where there is a reason the numbers are null"),

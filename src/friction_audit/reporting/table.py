@@ -132,18 +132,17 @@ class Record:
 
     def __init__(
         self,
-        *columns: Column | tuple[Column, ...],
+        *columns: Column,
         name: str = "",
         summary: str = "",
         time: str | None = None,
         arrays: bool = False,
     ) -> None:
-        """Take the columns in order, also in groups, and what the table of files is called and what a row of it is.
+        """Take the columns in order, and what the table of files is called and what a row of it is.
 
         ``time``: key of the moment at which a row was known; ``arrays``: a value is a joint's whole column.
         """
-        groups = (one if isinstance(one, tuple) else (one,) for one in columns)
-        self.columns = tuple(column for group in groups for column in group)
+        self.columns = columns
         self.name, self.summary, self.time, self.arrays = name, summary, time, arrays
 
     def on(self, form: Form) -> tuple[Column, ...]:
@@ -260,7 +259,7 @@ class Table:
 class Document(Record):
     """A JSON document: ``schema`` and ``version``, then its columns."""
 
-    def __init__(self, name: str, title: str, *columns: Column | tuple[Column, ...]) -> None:
+    def __init__(self, name: str, title: str, *columns: Column) -> None:
         """Take kind and version (``estimate/1``), what it is, and its keys."""
         super().__init__(*columns, name=f"friction-audit/{name}", summary=title)
 

@@ -38,7 +38,7 @@ def check_12(simulations: Simulations) -> tuple[Claim, ...]:
         [arm.truth.compensators[f"estimated_{name}"][own] for name in ("coulomb_nm", "viscous_nms_per_rad")]
         for arm, own in zip(arms, ends, strict=True)
     ]
-    negative = np.mean([np.less(pair, 0.0).any(axis=0)[np.isfinite(pair[0])].mean() for pair in estimated])
+    negative = np.mean([((one < 0.0) | (other < 0.0))[np.isfinite(one)].mean() for one, other in estimated])
     return (
         Claim(
             "12", "the coefficients of all joints are updated at the same instants", "synchronously",

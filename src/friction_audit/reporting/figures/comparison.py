@@ -28,16 +28,16 @@ LOOKS: dict[str, tuple[str, Any]] = {
 LOST: dict[str, Any] = {"color": theme.BORDER, "marker": "x", "ls": ""}  # where a loop was lost
 
 
+@theme.figure_style(mathematics=True)
 def draw_comparison(comparison: Comparison) -> dict[str, Figure]:
     """Return the figures by name; those that have nothing to show are left out."""
-    figures = {"energy": draw_energies(comparison), "velocity-torque": draw_loops(comparison)}
+    figures = {"energy": _draw_energies(comparison), "velocity-torque": _draw_loops(comparison)}
     if comparison.curves:
-        figures["sweep"] = draw_sweeps(comparison)
-    return {**figures, "summary": draw_summary(comparison)}
+        figures["sweep"] = _draw_all_sweeps(comparison)
+    return {**figures, "summary": _draw_summary(comparison)}
 
 
-@theme.figure_style(mathematics=True)
-def draw_energies(comparison: Comparison) -> Figure:
+def _draw_energies(comparison: Comparison) -> Figure:
     """Draw the net energies of all methods over time, in one panel as in the paper."""
     rows, figure = comparison.of_role(PAPER), parts.new_figure(theme.COLUMN_IN, 2.9)
     axes = figure.subplots()
@@ -60,8 +60,7 @@ LONGEST_TITLE = 16  # characters above a panel
 GROUND = "#c8c8c8"  # colour of the curve without compensation, which all others are compared with
 
 
-@theme.figure_style(mathematics=True)
-def draw_loops(comparison: Comparison) -> Figure:
+def _draw_loops(comparison: Comparison) -> Figure:
     """Draw torque over velocity after the second cycle, a panel for every method over the curve without any."""
     rows, joint = comparison.of_role(PAPER), comparison.loaded_joint
     figure, panels = parts.grid([1.3] * len(rows), ACROSS, theme.COLUMN_IN, 0.3, sharex=True, sharey=True)
@@ -91,8 +90,7 @@ MARKERS, SHADES = ("o", "s", "^", "v", "D"), (1.0, 0.75, 0.75, 0.45, 0.45)
 MILLI = 1000.0
 
 
-@theme.figure_style(mathematics=True)
-def draw_sweeps(comparison: Comparison) -> Figure:
+def _draw_all_sweeps(comparison: Comparison) -> Figure:
     """Draw the energy slope over the setting, a panel for every method, and shade where a loop was lost."""
     none = comparison.row(NONE, PAPER)
     methods = list(dict.fromkeys(curve.method for curve in comparison.curves))
@@ -145,8 +143,7 @@ SHIFTS = {PAPER: -0.14, BEST: 0.14}  # where a role's marker stands, in rows
 SHAPES = {PAPER: ("o", "full", "the setting of the paper's order"), BEST: ("D", "none", "best stable tuning")}
 
 
-@theme.figure_style(mathematics=True)
-def draw_summary(comparison: Comparison) -> Figure:
+def _draw_summary(comparison: Comparison) -> Figure:
     """Draw the setting of the paper's order and the best one of every method, with 95 % intervals."""
     rows = [row for row in comparison.rows if row.role in SHIFTS]
     labels = list(dict.fromkeys(row.label for row in rows))

@@ -14,8 +14,6 @@ from friction_audit.reporting.drift_words import curve_sessions
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures.style import DASHED, DISSIPATED, FILTERED, FITTED, GREEN
 
-SPREAD = "range of the reference"
-
 
 def _draw_curves(panels: Sequence[Axes], arm: ArmDrift, joint: JointDrift) -> None:
     (axes,), (first, reference, last) = panels, curve_sessions(arm)
@@ -29,7 +27,7 @@ def _draw_curves(panels: Sequence[Axes], arm: ArmDrift, joint: JointDrift) -> No
         if len(speed):
             axes.plot(speed, torque, color=colour, ls=dash, lw=width, label=label)
             if len(sessions) > 1:
-                parts.band(axes, speed, low, high, colour, SPREAD)
+                parts.band(axes, speed, low, high, colour, "range of the reference")
     if axes.lines:
         parts.mark_zero(axes, x=True, color="0.6", lw=0.3, zorder=0)
     else:

@@ -75,11 +75,6 @@ def _years(arm: ArmDrift) -> list[str]:
     return sorted({date[:4] for date in {format_date(session.start_s) for session in arm.sessions} - {NOTHING}})
 
 
-def _session_label(arm: ArmDrift) -> str:
-    first, *others = _years(arm) or [""]
-    return f"Session ({'year-month' if others else f'month-day, {first}'})" if first else "Session"
-
-
 def _shade_reference(axes: Axes, arm: ArmDrift) -> None:
     """Shade each run of neighbouring sessions of the reference along the axis."""
     places = np.sort(np.array(arm.reference, np.int64)) + 1
@@ -189,7 +184,8 @@ def _columns(values: tuple[Coefficient, ...]) -> tuple[Float, Float, Float]:
 DRIFT = parts.Layout(
     joints=lambda arm: arm.joints, lacks="no estimate", draw=partial(_draw_both, _draw_coefficient), panels=2,
     has=lambda _, joint: any(map(_estimated, joint.coefficients)), height_in=(1.15, 1.3), head_in=0.6,
-    x=_session_label, shared=True,
+    x=lambda arm: f"Session ({'year-month' if len(_years(arm)) > 1 else f'month-day, {_years(arm)[0]}'})"
+    if _years(arm) else "Session", shared=True,
     legend=(SESSION, INTERVAL, "reference sessions", ALONE, ISOLATED, HELD, TREND, BAND, STEP, WHERE),
 )  # fmt: skip
 
@@ -234,7 +230,6 @@ MARKS = {
     drift_words.TEMPERATURE: (theme.DISSIPATED, "^", "changes with temperature"),
     drift_words.STEADY: (FILTERED, "o", "no drift found"),
 }  # colour, marker and label of each verdict that comes with a change
-UNDETECTABLE = "not detectable with 90 % power"
 NARROWEST = 5.0  # percent either side of no change that a panel shows at least
 FARTHEST = 2.0  # times the changes and their intervals that the undetectable may stretch a panel; there it is cut
 
@@ -262,7 +257,7 @@ def draw_changes(arm: ArmDrift, numbers: parts.Numbers = None) -> Figure:
             percent = scaled(found.total, 100.0)
             value, low, high, width = percent.value, percent.low, percent.high, 100.0 * found.smallest_drift
             if math.isfinite(width):
-                look: Look = {"color": MUTED, "alpha": 0.18, "lw": 0, "label": UNDETECTABLE}
+                look: Look = {"color": MUTED, "alpha": 0.18, "lw": 0, "label": "not detectable with 90 % power"}
                 axes.barh(place, 2.0 * width, left=-width, height=0.7, **look)
             colour, marker, label = MARKS[verdict]
             axes.hlines(place, low, high, color=colour, lw=1.0)

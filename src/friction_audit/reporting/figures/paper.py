@@ -68,6 +68,7 @@ def _draw_loop(course: Course, title: str, axes: Axes) -> None:
     axes.set_xlabel("Velocity [rad/s]")
 
 
+@theme.figure_style(mathematics=True)
 def _column(height_in: float, *draws: Callable[[Axes], None], ratios: Sequence[float] | None = None) -> Figure:
     """Return panels over time below each other, the time below the last one."""
     figure = parts.new_figure(theme.COLUMN_IN, height_in)
@@ -84,7 +85,6 @@ def _column(height_in: float, *draws: Callable[[Axes], None], ratios: Sequence[f
     return figure
 
 
-@theme.figure_style(mathematics=True)
 def draw_exchange(course: Course, kinetic_j: Float, dissipated_j: Float) -> Figure:
     """Draw the net energy input and its two parts, kinetic and dissipated energy, shape (n,) each (Fig. 3). [J]"""
     box: theme.Look = {"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8}
@@ -103,7 +103,6 @@ def draw_exchange(course: Course, kinetic_j: Float, dissipated_j: Float) -> Figu
     return _column(2.4, draw)
 
 
-@theme.figure_style(mathematics=True)
 def draw_adaptation(course: Course, viscous_nms_per_rad: Float) -> Figure:
     """Draw the net energy, and the coefficient with the true one of shape (n,) (Fig. 6). [N m s/rad]"""
     truth: theme.Look = {"color": theme.FITTED, "ls": theme.DASHED, "label": "true friction"}
@@ -116,7 +115,6 @@ def draw_adaptation(course: Course, viscous_nms_per_rad: Float) -> Figure:
     return _column(3.0, partial(_draw_energy, course, "(a)"), below)
 
 
-@theme.figure_style(mathematics=True)
 def draw_overcompensation(bare: Course, guarded: Course) -> Figure:
     """Draw the net energy without and with the passivity controller, and its damping (Fig. 7)."""
     damping = guarded.damping_nms_per_rad
@@ -134,7 +132,6 @@ def _draw_signal(course: Course, signal: Float, label: str, title: str, axes: Ax
     parts.label_panel(axes, title, y=label)
 
 
-@theme.figure_style(mathematics=True)
 def draw_uncompensated(course: Course) -> Figure:
     """Draw velocity and torque, the net energy, and the torque over the velocity (Fig. 8)."""
     return _column(
@@ -147,7 +144,6 @@ def draw_uncompensated(course: Course) -> Figure:
     )
 
 
-@theme.figure_style(mathematics=True)
 def draw_plateaus(raw: Course, aided: Course) -> Figure:
     """Draw torque over velocity without and with compensation, dashed and solid as in the paper (Fig. 9)."""
 
@@ -161,7 +157,6 @@ def draw_plateaus(raw: Course, aided: Course) -> Figure:
     return _column(2.5, draw)
 
 
-@theme.figure_style(mathematics=True)
 def draw_compensated(course: Course) -> Figure:
     """Draw velocity and torque, the net energy, and both coefficients (Fig. 10)."""
 
@@ -179,7 +174,6 @@ def draw_compensated(course: Course) -> Figure:
     )
 
 
-@theme.figure_style(mathematics=True)
 def draw_compensated_loop(course: Course, without: Course) -> Figure:
     """Draw torque over velocity on the axes of the uncompensated joint (Fig. 11)."""
     figure = _column(2.5, partial(_draw_loop, course, ""))

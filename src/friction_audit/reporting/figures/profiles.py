@@ -47,7 +47,8 @@ def rows_of(joint: JointDiagnosis) -> list[Row]:
 
     def along(axis: str) -> Row:
         both = (joint.profiles, joint.remaining)
-        return Row(*(next((one for one in found if one.axis == axis), None) for found in both))
+        before, after = (next((one for one in found if one.axis == axis), None) for found in both)
+        return Row(before, after)
 
     rows: dict[str, Row] = {}
     for effect in joint.added:

@@ -158,7 +158,7 @@ def _session_tables(arm: ArmDrift, most: int) -> Iterator[Table]:
             which = f"of each session, {joints_label(one.joint for one in joints)}, with its 95 % interval [{unit}]"
             columns = (SESSION_NUMBER, *(coefficient_column(joint, name) for joint in joints))
             caption = f"{phrases.NAMES[name].capitalize()} coefficient {which}{cut}"
-            yield Record(columns).people(rows, caption=caption, folded=True)
+            yield Record(*columns).people(rows, caption=caption, folded=True)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
