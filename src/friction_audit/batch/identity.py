@@ -62,10 +62,9 @@ _EPOCH = re.compile(r"(?<!\d)(1\d{9})(?:(\d{3}|\d{6}|\d{9})|\.(\d+))?(?!\d)")
 
 def parse_time(text: str) -> float | None:
     """Return the Unix time of a cell: a date, a date and time (UTC if no zone is stated), or seconds; else None."""
-    if whole := _MOMENT.fullmatch(text):
-        return _unix_time(whole)
-    named = _EPOCH.fullmatch(text)
-    return _seconds(named) if named else float(text) if re.fullmatch(r"\d{9,}(?:\.\d+)?", text) else None
+    if found := _MOMENT.fullmatch(text) or _EPOCH.fullmatch(text):
+        return _unix_time(found)
+    return float(text) if re.fullmatch(r"\d{9,}(?:\.\d+)?", text) else None
 
 
 def time_in_name(names: Iterable[str]) -> float | None:
@@ -73,20 +72,14 @@ def time_in_name(names: Iterable[str]) -> float | None:
 
     A name without a zone is taken as UTC: what counts is the order and the distance of sessions.
     """
-    for name in names:
-        if (moment := _MOMENT.search(name)) and (found := _unix_time(moment)) is not None:
-            return found
-        if epoch := _EPOCH.search(name):
-            return _seconds(epoch)
-    return None
-
-
-def _seconds(found: re.Match[str]) -> float:
-    whole, finer, decimals = found.groups()
-    return int(whole) + int(finer) / 10.0 ** len(finer) if finer else float(f"{whole}.{decimals or 0}")
+    written = (found for name in names for form in (_MOMENT, _EPOCH) if (found := form.search(name)))
+    return next((moment for one in written if (moment := _unix_time(one)) is not None), None)
 
 
 def _unix_time(found: re.Match[str]) -> float | None:
+    if found.re is _EPOCH:
+        whole, finer, decimals = found.groups()
+        return int(whole) + int(finer) / 10.0 ** len(finer) if finer else float(f"{whole}.{decimals or 0}")
     date = f"{found['year']}-{found['month']}-{found['day']}"
     clock = f"{found['hour'] or '00'}:{found['minute'] or '00'}:{found['second'] or '00'}"
     try:

@@ -140,7 +140,8 @@ def describe_series(
         own = [joint for session in sessions for joint in session.joints if joint.joint == series.joint]
         reasons = tuple(joint.reason for joint in own if joint.reason)
         return CoefficientDrift(**_shown(series, series.y, sessions), shape="too_few", drift=False, reasons=reasons)
-    warm, inflation, growth = series.counted(), verdict.autocorrelation.inflation, verdict.autocorrelation.growth
+    warm, growth, first = series.counted(), verdict.autocorrelation.growth, verdict.autocorrelation.first
+    inflation = (1.0 + first) / (1.0 - first)
     shape, model, steps = _find_shape(warm, verdict, reference, settings)
     if shape == "temperature":
         series = replace(series, temperature=None)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -46,10 +47,7 @@ def find_steps(series: Series, settings: DriftSettings, growth: float = 1.0) -> 
     procedure over the segments; the places are those of the best segmentation of all (dynamic programming).
     """
     y, weight = _at_like_temperature(series), robust_weight(series)
-
-    def judged(first: int, last: int) -> Step:
-        return _judge(_between(y, weight, first, last), first, settings, growth)
-
+    judged = partial(_judge, y, weight, settings=settings, growth=growth)
     most = max(1, min(MOST_CHANGES, len(y) // SESSIONS_PER_CHANGE))
     places = _settle(y, weight, _segmentation(y, 1))
     for count in range(2, most + 1):
@@ -114,14 +112,14 @@ def _between(y: Float, weight: Float, first: int, last: int) -> Directions:
     )
 
 
-def _judge(directions: Directions, first: int, settings: DriftSettings, growth: float) -> Step:
+def _judge(y: Float, weight: Float, first: int, last: int, *, settings: DriftSettings, growth: float) -> Step:
     """Return the best step with its p-value, by the largest statistic of random orders, and its interval of 95 %.
 
     With few sessions the variance is uncertain: the bound of the likelihood ratio grows as that of a t-test does.
     """
     from scipy.stats import chi2, f
 
-    length = len(directions.residual)
+    directions, length = _between(y, weight, first, last), last - first
     rng = np.random.Generator(np.random.PCG64(settings.seed).advance(settings.permutations * length))
     drawn, _ = change_test.permute([directions], [np.arange(length, dtype=float)], rng, length, settings)
     real = np.abs(change_test.studentise(directions.residual[None, :], directions))[0] / growth

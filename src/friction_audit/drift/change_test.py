@@ -155,11 +155,6 @@ class Autocorrelation:
     first: float = 0.0  # correlation of one session's scatter with the next one's; 0 where chance would do
     growth: float = 1.0  # how much larger it makes the largest statistic, at the upper limit of what it may be
 
-    @property
-    def inflation(self) -> float:
-        """Variance of a mean of many sessions over that of independent ones."""
-        return (1.0 + self.first) / (1.0 - self.first)
-
 
 def estimate_autocorrelation(family: Sequence[Directions], rng: np.random.Generator) -> Autocorrelation:
     """Estimate the autocorrelation of series that are alike in it: one coefficient of all joints.
