@@ -20,7 +20,7 @@ class Balance:
     """One row of the balance: F_m = sign * (source - each of the torques removed).
 
     ``inertial`` is M ddq + c of the model, or None; ``modelled_means`` is what the model removes at the times of the
-    coarse log, shape (m, j).
+    coarse log, shape (m, j), None without one.
     """
 
     plan: Plan
@@ -36,11 +36,6 @@ class Balance:
     def proved(self) -> bool:
         """True if the energy rises on most of the moving joints."""
         return most(self.evidence, "rises")
-
-    @property
-    def modelled(self) -> bool:
-        """True if a model of the arm gives one of the torques removed."""
-        return self.modelled_means is not None
 
     @property
     def inertia_left(self) -> bool:
@@ -85,7 +80,7 @@ class Balance:
         It is the recorded array itself where nothing is to be done.
         """
         source, logged = getattr(log, CHANNELS[self.plan.source]), None if self.logged is None else log.gravity
-        if self.sign > 0 and logged is None and not self.modelled and len(columns) == source.shape[1]:
+        if self.sign > 0 and logged is None and self.modelled_means is None and len(columns) == source.shape[1]:
             return cast("Float", source)
         torque = np.empty((len(log.t), len(columns)), order="F")
         weight = self.plan.arm.gravity(log.q) if self.plan.arm is not None and self.plan.gravity == "model" else None

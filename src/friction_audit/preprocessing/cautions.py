@@ -25,7 +25,7 @@ SIGNIFICANCE = 0.01
 
 def not_used(log: JointLog, balance: Balance, settings: TorqueSettings, *, hand: bool) -> tuple[Caution, ...]:
     """Name options about the arm that change nothing, because the torque needs no model of it."""
-    known, modelled = balance.plan.arm is not None, balance.modelled
+    known, modelled = balance.plan.arm is not None, balance.modelled_means is not None
     if settings.urdf is not None and not known:
         check_urdf(settings.urdf)  # a file that is no arm is refused though it is not used
     given = (

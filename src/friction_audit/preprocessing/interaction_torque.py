@@ -172,7 +172,7 @@ def _refuse_wrong_model(log: JointLog, coarse: CoarseLog, balance: Balance, sett
         UsageError: If the model is further from the torque than none.
     """
     plan = balance.plan
-    if not balance.modelled or plan.gravity != "model":
+    if plan.gravity != "model":
         return
     alive = [number not in log.source.dead_torque for number in range(1, len(log.joint_names) + 1)]
     measured, left = coarse.mean(balance.source)[:, alive], balance.coarse(coarse)[:, alive]
@@ -203,7 +203,7 @@ def _hand_speed(log: JointLog, settings: TorqueSettings, grids: tuple[Grid, ...]
 
 
 def _choice(balance: Balance, settings: TorqueSettings, *, turned: bool) -> TorqueChoice:
-    plan, modelled = balance.plan, balance.modelled
+    plan, modelled = balance.plan, balance.modelled_means is not None
     return TorqueChoice(
         source=plan.source,
         gravity=plan.gravity,
