@@ -16,8 +16,8 @@ from friction_audit.compensation.comparison.trial import find_reference, measure
 from friction_audit.compensation.compensators import Coefficients, DisturbanceObserver, EnergyCompensator
 from friction_audit.compensation.compensators.law import PUBLISHED, RIDGE, payback_s
 from friction_audit.parallel import own_process
-from friction_audit.reproduce.one_joint import LOW_PEAK_NM, compensated, leaves_by, peak_nm
-from friction_audit.reproduce.reproduction import make_course
+from friction_audit.reproduce.one_joint import LOW_PEAK_NM, compensated, peak_nm
+from friction_audit.reproduce.reproduction import SECOND, make_course
 from friction_audit.simulation import PANDA_SENSORS, JointParameters, Operator
 from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.bench import BenchSettings
@@ -65,7 +65,7 @@ def single_joint(persons: int) -> Iterator[str]:
         energy = replace(fig10.settings.compensator, ridge=ridge)
         settings = replace(fig10.settings, compensator=energy, sensors=(sensors,))
         courses = [make_course(simulate(settings, seed)) for seed in range(persons)]
-        leaves = np.array([leaves_by(course) for course in courses])
+        leaves = np.array([np.abs(one.ends_j[SECOND + 1 :] / one.ends_j[SECOND] - 1.0).max() for one in courses])
         peaks = np.array([peak_nm(compensated(course)) for course in courses])
         inside = f"{np.sum(leaves < 0.05)} | {np.sum(leaves < 0.25)} | {leaves.max():.3f}"
         noise = "white" if sensors is white else "a tenth slow"

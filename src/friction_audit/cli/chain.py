@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from friction_audit.io.readers.read import Listen
     from friction_audit.joint_log import JointLog
     from friction_audit.pipeline import AuditSettings, Estimate
-    from friction_audit.reporting.notices import Notice, Reasoned
+    from friction_audit.reporting.notices import Joint, Notice
 
 
 BUG = 1  # exit code: part of the result is missing because of a bug
@@ -105,7 +105,7 @@ def warn_about(log: "JointLog", notices: "Iterable[Notice]", voice: Voice, *, ma
     voice.warn(lines, f"{', '.join(kinds)}{legend}" if len(data + physics) > 1 or (marked and physics) else "")
 
 
-def require_one(log: "JointLog", joints: "Sequence[Reasoned]", lack: str = "no joint has an estimate") -> None:
+def require_one(log: "JointLog", joints: "Sequence[Joint]", lack: str = "no joint has an estimate") -> None:
     """Refuse a result in which every joint has a reason why it has none."""
     from friction_audit.reporting.notices import reason_lines
 
