@@ -4,8 +4,6 @@ C. G. Atkeson, C. H. An, J. M. Hollerbach, Estimation of inertial parameters of 
 International Journal of Robotics Research 5(3), 1986.
 """
 
-from copy import copy
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -31,9 +29,7 @@ def regressor_entries(arm: Arm, motion: Motion, joints: Index, links: Index, pla
     joints, links = place[joints], place[links]
     found = np.zeros((len(joints), len(motion[0])))
     for rows in chunks(len(motion[0])):
-        # Samples last, so that each component of a vector is one piece.
-        poses = [np.ascontiguousarray(np.moveaxis(one, 0, -1)) for one in arm.poses(motion[0][rows])]
-        origin, orientation, axis = poses
+        origin, orientation, axis = arm.poses(motion[0][rows])
         accelerations = _accelerations(arm, origin, axis, arm.to_model(motion[1][rows]), arm.to_model(motion[2][rows]))
         for link in np.unique(links):
             force, moment = _wrench(*(_times(part[link], orientation[link]) for part in accelerations))
@@ -129,16 +125,5 @@ def random_motion(joints: int, *, moving: bool) -> Motion:
 
 def tilt_torque(arm: Arm, q: Float) -> Float:
     """Return the gravity torque per unit of gravity along two directions across the vertical, shape (n, j, 2)."""
-    import mujoco as mj
-
-    one, other = copy(arm.model), copy(arm.model)
-    one.opt.gravity[:], other.opt.gravity[:] = np.linalg.svd(arm.model.opt.gravity[None])[2][1:]
-    data, found = mj.MjData(one), np.empty((2, *q.shape))
-    place = data.qpos
-    for position, along, across in zip(arm.to_model(q), *found, strict=True):
-        place[:] = position
-        mj.mj_kinematics(one, data)
-        mj.mj_comPos(one, data)
-        mj.mj_rne(one, data, 0, along)
-        mj.mj_rne(other, data, 0, across)
-    return np.stack([arm.from_model(torque) for torque in found], axis=-1)
+    across = np.linalg.svd(arm.model.opt.gravity[None])[2][1:]
+    return np.stack([arm.with_gravity(one).gravity(q) for one in across], axis=-1)
