@@ -10,7 +10,7 @@ from friction_audit.dynamics.motion import INERTIAL_PARAMETERS, RigidBody
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.even_grid import on_finer_grid
 from friction_audit.preprocessing.interaction import TorqueChoice
-from friction_audit.robot import Arm
+from friction_audit.robot.arm import Arm, chunks
 from friction_audit.robot.regressor import Index, Motion, random_motion, regressor_entries, significant, tilt_torque
 
 # Above twice the bandwidth of the motion on the grid; at 100 Hz the noise of accelerations folds back: the floor of a
@@ -18,7 +18,6 @@ from friction_audit.robot.regressor import Index, Motion, random_motion, regress
 RATE_HZ = 200.0
 MOMENTS_AND_MASS = (1, 2, 3, 0)  # inertial parameters that gravity acts on, in the order in which they are kept
 ROUNDING = 1e-9  # a smaller torque per kg or kg m is none [N m]
-AT_ONCE = 1 << 14  # samples of columns that are worked on
 INERTIA_POSES = 50  # of a recording, evenly spread
 
 
@@ -108,11 +107,10 @@ def _tips(arm: Arm, motion: Motion, sign: int) -> list[NDArray[np.float32]]:
 def _columns(
     arm: Arm, motion: Motion, entries: tuple[Index, Index, Index], kept: NDArray[np.bool_], sign: int
 ) -> NDArray[np.float32]:
-    """Entries (p,) of the regressor, zero if not kept, some samples at a time, never all as doubles, (p, n)."""
+    """Entries (p,) of the regressor, zero if not kept, by chunks, so that few are there as doubles, (p, n)."""
     out = np.zeros((len(kept), len(motion[0])), np.float32)
     joints, links, places = (one[kept] for one in entries)
-    for k in range(0, out.shape[1], AT_ONCE):
-        part = slice(k, k + AT_ONCE)
+    for part in chunks(out.shape[1]):
         moved = motion[0][part], motion[1][part], motion[2][part]
         out[kept, part] = sign * regressor_entries(arm, moved, joints, links, places).T
     return out

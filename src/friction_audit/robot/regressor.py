@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.joint_log import Float
-from friction_audit.robot.arm import Arm, chunks
+from friction_audit.robot.arm import Arm
 
 # Of a link, in its own frame: mass, first moments x, y, z, moments of inertia xx, xy, yy, xz, yz, zz.
-PARAMETERS = 10
+PARAMETERS, MOMENTS = 10, 3  # and the last first moment
 SEED = 0
 POSES = 60
 SIGNIFICANT = 1e-7  # of the largest column's square: what a column must add to those before it
@@ -28,18 +28,18 @@ def regressor_entries(arm: Arm, motion: Motion, joints: Index, links: Index, pla
     place = np.argsort(arm.columns)
     joints, links = place[joints], place[links]
     found = np.zeros((len(joints), len(motion[0])))
-    for rows in chunks(len(motion[0])):
-        origin, orientation, axis = arm.poses(motion[0][rows])
-        accelerations = _accelerations(arm, origin, axis, arm.to_model(motion[1][rows]), arm.to_model(motion[2][rows]))
-        for link in np.unique(links):
-            force, moment = _wrench(*(_times(part[link], orientation[link]) for part in accelerations))
-            for joint in _chain(arm, int(link)):
-                entries = np.flatnonzero((links == link) & (joints == joint))
-                if len(entries):
-                    across = np.cross(axis[joint], origin[link] - origin[joint], axis=0)
-                    pull, turn = (_times(side, orientation[link]) for side in (across, axis[joint]))
-                    own = places[entries]
-                    found[entries, rows] = _times(pull, force[:, own]) + _times(turn, moment[:, own])
+    origin, orientation, axis = arm.poses(motion[0])
+    accelerations = _accelerations(arm, origin, axis, arm.to_model(motion[1]), arm.to_model(motion[2]))
+    for link in np.unique(links):
+        highest = int(places[links == link].max())
+        force, moment = _wrench(*(_times(part[link], orientation[link]) for part in accelerations), highest=highest)
+        for joint in _chain(arm, int(link)):
+            entries = np.flatnonzero((links == link) & (joints == joint))
+            if len(entries):
+                across = np.cross(axis[joint], origin[link] - origin[joint], axis=0)
+                pull, turn = (_times(side, orientation[link]) for side in (across, axis[joint]))
+                own = places[entries]
+                found[entries] = _times(pull, force[:, own]) + _times(turn, moment[:, own])
     return found.T
 
 
@@ -70,17 +70,19 @@ def _chain(arm: Arm, link: int) -> list[int]:
     return found
 
 
-def _wrench(turning: Float, angular: Float, linear: Float) -> tuple[Float, Float]:
+def _wrench(turning: Float, angular: Float, linear: Float, *, highest: int) -> tuple[Float, Float]:
     """Return force and moment about a link's origin per unit of its parameters, in its frame, shape (3, 10, n) each.
 
-    Atkeson, An and Hollerbach, equation (8); ``linear`` is the acceleration of the origin less gravity.
+    They are zero for moments of inertia where no parameter after the first moments is asked for. Atkeson, An and
+    Hollerbach, equation (8); ``linear`` is the acceleration of the origin less gravity.
     """
     force, moment = np.zeros((2, 3, PARAMETERS, linear.shape[1]))
     spin = _skew(turning)
     force[:, 0] = linear
     force[:, 1:4] = _skew(angular) + np.einsum("ijn,jkn->ikn", spin, spin)
     moment[:, 1:4] = -_skew(linear)
-    moment[:, 4:] = _inertia_columns(angular) + np.einsum("ijn,jkn->ikn", spin, _inertia_columns(turning))
+    if highest > MOMENTS:
+        moment[:, 4:] = _inertia_columns(angular) + np.einsum("ijn,jkn->ikn", spin, _inertia_columns(turning))
     return force, moment
 
 
