@@ -1,6 +1,6 @@
 """The load on every joint by the rigid-body model of the arm, and the torque per unit of that model's errors."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -10,15 +10,14 @@ from friction_audit.dynamics.motion import INERTIAL_PARAMETERS, RigidBody
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.even_grid import on_finer_grid
 from friction_audit.preprocessing.interaction import TorqueChoice
-from friction_audit.robot import Arm
-from friction_audit.robot.regressor import Motion, random_motion, regressor_entries, significant, tilt_torque
+from friction_audit.robot.arm import Arm, chunks
+from friction_audit.robot.regressor import Index, Motion, random_motion, regressor_entries, significant, tilt_torque
 
 # Above twice the bandwidth of the motion on the grid; at 100 Hz the noise of accelerations folds back: the floor of a
 # measured Panda's joints 1 to 4 rises by half, and joint 4 is unexplained.
 RATE_HZ = 200.0
 MOMENTS_AND_MASS = (1, 2, 3, 0)  # inertial parameters that gravity acts on, in the order in which they are kept
 ROUNDING = 1e-9  # a smaller torque per kg or kg m is none [N m]
-AT_ONCE = 1 << 14  # samples of columns that are worked on
 INERTIA_POSES = 50  # of a recording, evenly spread
 
 
@@ -89,7 +88,7 @@ def _weights(arm: Arm, motion: Motion, links: Sequence[tuple[int, ...]], sign: i
     anywhere = regressor_entries(arm, random_motion(motion[0].shape[1], moving=False), joints, carried, places)
     kept = np.concatenate([significant(one) for one in np.hsplit(anywhere, len(carried) // many)])
     kept &= np.abs(anywhere).max(axis=0) > ROUNDING
-    along = _in_parts(lambda part: regressor_entries(arm, part, joints, carried, places), float(sign) * kept, motion)
+    along = _columns(arm, motion, (joints, carried, places), kept, sign)
     borders = np.cumsum([many * len(own) for own in links])[:-1]
     return [one.reshape(-1, many, len(motion[0])).transpose(2, 0, 1) for one in np.split(along, borders)]
 
@@ -98,24 +97,22 @@ def _tips(arm: Arm, motion: Motion, sign: int) -> list[NDArray[np.float32]]:
     """Inertial torque of each joint per inertial parameter of the last link, zero where not identifiable, (10, n)."""
     joints = np.repeat(np.arange(motion[0].shape[1]), INERTIAL_PARAMETERS)
     last = np.full(len(joints), arm.columns[-1])
-    places = np.tile(np.arange(INERTIAL_PARAMETERS), motion[0].shape[1])
-
-    def torque(moved: Motion) -> Float:
-        still = np.zeros_like(moved[0])
-        whole = regressor_entries(arm, moved, joints, last, places)
-        return whole - regressor_entries(arm, (moved[0], still, still), joints, last, places)
-
-    anywhere = torque(random_motion(motion[0].shape[1], moving=True))
+    entries = joints, last, np.tile(np.arange(INERTIAL_PARAMETERS), motion[0].shape[1])
+    weightless = arm.with_gravity((0.0, 0.0, 0.0))
+    anywhere = regressor_entries(weightless, random_motion(motion[0].shape[1], moving=True), *entries)
     kept = np.concatenate([significant(one) for one in np.hsplit(anywhere, motion[0].shape[1])])
-    return np.split(_in_parts(torque, float(sign) * kept, motion), motion[0].shape[1])
+    return np.split(_columns(weightless, motion, entries, kept, sign), motion[0].shape[1])
 
 
-def _in_parts(columns: Callable[[Motion], Float], factors: Float, motion: Motion) -> NDArray[np.float32]:
-    """Columns (n, p) times factors (p,), some samples at a time, so that they are never there as doubles, (p, n)."""
-    out = np.empty((len(factors), len(motion[0])), np.float32)
-    for k in range(0, out.shape[1], AT_ONCE):
-        part = slice(k, k + AT_ONCE)
-        out[:, part] = (columns((motion[0][part], motion[1][part], motion[2][part])) * factors).T
+def _columns(
+    arm: Arm, motion: Motion, entries: tuple[Index, Index, Index], kept: NDArray[np.bool_], sign: int
+) -> NDArray[np.float32]:
+    """Entries (p,) of the regressor, zero if not kept, by chunks, so that few are there as doubles, (p, n)."""
+    out = np.zeros((len(kept), len(motion[0])), np.float32)
+    joints, links, places = (one[kept] for one in entries)
+    for part in chunks(out.shape[1]):
+        moved = motion[0][part], motion[1][part], motion[2][part]
+        out[kept, part] = sign * regressor_entries(arm, moved, joints, links, places).T
     return out
 
 

@@ -1,6 +1,6 @@
 """The rigid-body model of an arm, evaluated on whole arrays. MuJoCo does the dynamics."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from copy import copy
 from dataclasses import dataclass, replace
@@ -55,15 +55,13 @@ class Arm:
     def gravity(self, q: Float) -> Float:
         """Return the torque that holds the arm against gravity, shape (n, j). [N m]"""
         model, torque = self.model, np.empty(q.shape, order="F")
-        axes, turns = self._joint_axes()
-        mass, anchor = model.body_mass.copy(), np.zeros((model.nbody, 3))
-        anchor[model.jnt_bodyid] = model.jnt_pos
+        axes, turns, reaches, anchor = self._joint_axes()
+        mass = model.body_mass.copy()
         # Mass times centre of mass of each body with those that it carries, joints at 0, about its own joint.
         still = [axes[body] @ (mass[body] * (model.body_ipos[body] - anchor[body])) for body in range(model.nbody)]
         for body in range(model.nbody - 1, 0, -1):
             parent = model.body_parentid[body]
-            reach = axes[parent] @ (model.body_pos[body] - anchor[parent]) + turns[body].T @ axes[body] @ anchor[body]
-            still[parent], mass[parent] = still[parent] + mass[body] * reach, mass[parent] + mass[body]
+            still[parent], mass[parent] = still[parent] + mass[body] * reaches[body], mass[parent] + mass[body]
         for rows in chunks(len(q)):
             cosine, sine, down = self._down(q[rows], turns)
             moment = [one[:, None] for one in still]
@@ -116,29 +114,35 @@ class Arm:
         Returns:
             Two components of the unit vector of gravity, across the axis and at right angles, shape (n, j, 2).
         """
-        direction, (_, turns) = np.empty((*q.shape, 2)), self._joint_axes()
+        direction, (_, turns, *_) = np.empty((*q.shape, 2)), self._joint_axes()
         for rows in chunks(len(q)):
             _, _, down = self._down(q[rows], turns)
             for joint, body in enumerate(self.model.jnt_bodyid):
                 direction[rows, joint] = down[body][:2].T
         return self.from_model(direction / np.linalg.norm(self.model.opt.gravity))
 
-    def _joint_axes(self) -> tuple[Float, Float]:
-        """Return axes for each body, the third along its joint, and the matrix to them from its parent's, joints at 0.
+    def _joint_axes(self) -> tuple[Float, Float, Float, Float]:
+        """Return axes for each body, the third along its joint, so that it turns two components of a vector only.
 
-        Shape (b, 3, 3) each. A joint then turns only the first two components of a vector.
+        Returns:
+            The axes in its frame, the matrix to them from its parent's, joints at 0, shape (b, 3, 3) each, its joint in
+            the parent's axes from the parent's joint, and in its own frame, shape (b, 3) each.
         """
         import mujoco as mj
 
         model, fixed = self.model, np.empty(9)
         axes, turns = np.tile(np.eye(3), (2, model.nbody, 1, 1))
+        reaches, anchor = np.zeros((2, model.nbody, 3))
+        anchor[model.jnt_bodyid] = model.jnt_pos
         for body, axis in zip(model.jnt_bodyid, model.jnt_axis, strict=True):
             across = np.linalg.svd(axis[None])[2][1]
             axes[body] = across, np.cross(axis, across), axis
         for body, parent in enumerate(model.body_parentid):
             mj.mju_quat2Mat(fixed, model.body_quat[body])
             turns[body] = axes[body] @ fixed.reshape(3, 3).T @ axes[parent].T
-        return axes, turns
+            reach = model.body_pos[body] - anchor[parent]
+            reaches[body] = axes[parent] @ reach + turns[body].T @ axes[body] @ anchor[body]
+        return axes, turns, reaches, anchor
 
     def _down(self, q: Float, turns: Float) -> tuple[Float, Float, list[Float]]:
         """Return cosine and sine of the model's joints, shape (j, n), and gravity in the axes of each body, (3, n)."""
@@ -151,6 +155,12 @@ class Arm:
             vector, joint = turns[body] @ down[parent], model.body_jntadr[body]
             down.append(vector if joint < 0 else _turned(vector, cosine[joint], -sine[joint]))
         return cosine, sine, down
+
+    def with_gravity(self, vector: Sequence[float] | Float) -> "Arm":
+        """Return the arm where gravity is another vector in the base frame, shape (3,). [m/s^2]"""
+        model = copy(self.model)
+        model.opt.gravity[:] = vector
+        return replace(self, model=model)
 
     def with_load(self, mass_kg: float, centre_m: Float, inertia_kg_m2: Float) -> "Arm":
         """Return the arm with a body fixed to the flange.
@@ -172,20 +182,24 @@ class Arm:
         """Return poses of the links that the joints move, in the order of the model and in the axes of the base.
 
         Returns:
-            Origin of each link, which lies on its joint's axis, shape (n, j, 3) [m], orientation, shape (n, j, 3, 3),
-            and axis of the joint, shape (n, j, 3).
+            Origin of each link, which lies on its joint's axis, shape (j, 3, n) [m], orientation, shape (j, 3, 3, n),
+            and axis of the joint, shape (j, 3, n).
         """
-        import mujoco as mj
-
-        model, data = self.model, mj.MjData(self.model)
-        origin, axis = np.empty((*q.shape, 3)), np.empty((*q.shape, 3))
-        orientation = np.empty((len(q), model.nbody, 9))
-        place, anchor, along, turned = data.qpos, data.xanchor, data.xaxis, data.xmat
-        for k, position in enumerate(self.to_model(q)):
-            place[:] = position
-            mj.mj_kinematics(model, data)
-            origin[k], axis[k], orientation[k] = anchor, along, turned
-        return origin, orientation[:, model.jnt_bodyid].reshape(*q.shape, 3, 3), axis
+        model, angle = self.model, self.to_model(q).T
+        axes, turns, reaches, _ = self._joint_axes()
+        # Of each body, where its joint is, and its axes as columns of a matrix (3, 3, n).
+        places, bodies = [np.zeros((3, 1))], [np.eye(3)[:, :, None]]
+        for body, parent in enumerate(model.body_parentid[1:], start=1):
+            joint, turned = model.body_jntadr[body], turns[body] @ bodies[parent]
+            if joint >= 0:
+                turned = _turned(turned.swapaxes(0, 1), np.cos(angle[joint]), -np.sin(angle[joint])).swapaxes(0, 1)
+            places.append(places[parent] + reaches[body] @ bodies[parent])
+            bodies.append(turned)
+        origin, orientation, axis = (np.empty((len(angle), *shape, len(q))) for shape in ((3,), (3, 3), (3,)))
+        for joint, body in enumerate(model.jnt_bodyid):
+            origin[joint], axis[joint] = places[body], bodies[body][:, 2]
+            orientation[joint] = axes[body].T @ bodies[body]
+        return origin, orientation, axis
 
     def to_model(self, array: Float) -> Float:
         """Arrange the columns of an array of a log, shape (n, j), in the order of the model."""
@@ -197,9 +211,9 @@ class Arm:
 
 
 def _turned(vectors: Float, cosine: Float, sine: Float) -> Float:
-    """Return vectors, shape (3, n) or (3, 1), turned about the third axis by n angles."""
+    """Return vectors, shape (3, ..., n) or (3, ..., 1), turned about the third axis by n angles."""
     x, y, z = vectors
-    turned = np.empty((3, len(cosine)))
+    turned = np.empty((*vectors.shape[:-1], len(cosine)))
     turned[0], turned[1], turned[2] = cosine * x - sine * y, sine * x + cosine * y, z
     return turned
 

@@ -4,16 +4,14 @@ C. G. Atkeson, C. H. An, J. M. Hollerbach, Estimation of inertial parameters of 
 International Journal of Robotics Research 5(3), 1986.
 """
 
-from copy import copy
-
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.joint_log import Float
-from friction_audit.robot.arm import Arm, chunks
+from friction_audit.robot.arm import Arm
 
 # Of a link, in its own frame: mass, first moments x, y, z, moments of inertia xx, xy, yy, xz, yz, zz.
-PARAMETERS = 10
+PARAMETERS, MOMENTS = 10, 3  # and the last first moment
 SEED = 0
 POSES = 60
 SIGNIFICANT = 1e-7  # of the largest column's square: what a column must add to those before it
@@ -30,20 +28,18 @@ def regressor_entries(arm: Arm, motion: Motion, joints: Index, links: Index, pla
     place = np.argsort(arm.columns)
     joints, links = place[joints], place[links]
     found = np.zeros((len(joints), len(motion[0])))
-    for rows in chunks(len(motion[0])):
-        # Samples last, so that each component of a vector is one piece.
-        poses = [np.ascontiguousarray(np.moveaxis(one, 0, -1)) for one in arm.poses(motion[0][rows])]
-        origin, orientation, axis = poses
-        accelerations = _accelerations(arm, origin, axis, arm.to_model(motion[1][rows]), arm.to_model(motion[2][rows]))
-        for link in np.unique(links):
-            force, moment = _wrench(*(_times(part[link], orientation[link]) for part in accelerations))
-            for joint in _chain(arm, int(link)):
-                entries = np.flatnonzero((links == link) & (joints == joint))
-                if len(entries):
-                    across = np.cross(axis[joint], origin[link] - origin[joint], axis=0)
-                    pull, turn = (_times(side, orientation[link]) for side in (across, axis[joint]))
-                    own = places[entries]
-                    found[entries, rows] = _times(pull, force[:, own]) + _times(turn, moment[:, own])
+    origin, orientation, axis = arm.poses(motion[0])
+    accelerations = _accelerations(arm, origin, axis, arm.to_model(motion[1]), arm.to_model(motion[2]))
+    for link in np.unique(links):
+        highest = int(places[links == link].max())
+        force, moment = _wrench(*(_times(part[link], orientation[link]) for part in accelerations), highest=highest)
+        for joint in _chain(arm, int(link)):
+            entries = np.flatnonzero((links == link) & (joints == joint))
+            if len(entries):
+                across = np.cross(axis[joint], origin[link] - origin[joint], axis=0)
+                pull, turn = (_times(side, orientation[link]) for side in (across, axis[joint]))
+                own = places[entries]
+                found[entries] = _times(pull, force[:, own]) + _times(turn, moment[:, own])
     return found.T
 
 
@@ -74,17 +70,19 @@ def _chain(arm: Arm, link: int) -> list[int]:
     return found
 
 
-def _wrench(turning: Float, angular: Float, linear: Float) -> tuple[Float, Float]:
+def _wrench(turning: Float, angular: Float, linear: Float, *, highest: int) -> tuple[Float, Float]:
     """Return force and moment about a link's origin per unit of its parameters, in its frame, shape (3, 10, n) each.
 
-    Atkeson, An and Hollerbach, equation (8); ``linear`` is the acceleration of the origin less gravity.
+    They are zero for moments of inertia where no parameter after the first moments is asked for. Atkeson, An and
+    Hollerbach, equation (8); ``linear`` is the acceleration of the origin less gravity.
     """
     force, moment = np.zeros((2, 3, PARAMETERS, linear.shape[1]))
     spin = _skew(turning)
     force[:, 0] = linear
     force[:, 1:4] = _skew(angular) + np.einsum("ijn,jkn->ikn", spin, spin)
     moment[:, 1:4] = -_skew(linear)
-    moment[:, 4:] = _inertia_columns(angular) + np.einsum("ijn,jkn->ikn", spin, _inertia_columns(turning))
+    if highest > MOMENTS:
+        moment[:, 4:] = _inertia_columns(angular) + np.einsum("ijn,jkn->ikn", spin, _inertia_columns(turning))
     return force, moment
 
 
@@ -129,16 +127,5 @@ def random_motion(joints: int, *, moving: bool) -> Motion:
 
 def tilt_torque(arm: Arm, q: Float) -> Float:
     """Return the gravity torque per unit of gravity along two directions across the vertical, shape (n, j, 2)."""
-    import mujoco as mj
-
-    one, other = copy(arm.model), copy(arm.model)
-    one.opt.gravity[:], other.opt.gravity[:] = np.linalg.svd(arm.model.opt.gravity[None])[2][1:]
-    data, found = mj.MjData(one), np.empty((2, *q.shape))
-    place = data.qpos
-    for position, along, across in zip(arm.to_model(q), *found, strict=True):
-        place[:] = position
-        mj.mj_kinematics(one, data)
-        mj.mj_comPos(one, data)
-        mj.mj_rne(one, data, 0, along)
-        mj.mj_rne(other, data, 0, across)
-    return np.stack([arm.from_model(torque) for torque in found], axis=-1)
+    across = np.linalg.svd(arm.model.opt.gravity[None])[2][1:]
+    return np.stack([arm.with_gravity(one).gravity(q) for one in across], axis=-1)
