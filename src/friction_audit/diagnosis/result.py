@@ -1,7 +1,7 @@
 """Discrepancy: what a diagnosis says of every joint, and all that a figure of it needs."""
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,17 +11,8 @@ from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 
 Verdict = Literal["adequate", "named", "ambiguous", "unexplained", "not_testable", "data_fault", "failed"]
-VERDICTS: tuple[Verdict, ...] = (
-    "adequate",
-    "named",
-    "ambiguous",
-    "unexplained",
-    "not_testable",
-    "data_fault",
-    "failed",
-)
-UNANSWERED: tuple[Verdict, ...] = ("not_testable", "data_fault", "failed")
-"""Verdicts that are no answer."""
+VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
+UNANSWERED: tuple[Verdict, ...] = ("not_testable", "data_fault", "failed")  # verdicts that are no answer
 CONTACT_EVENT = "contact_event"
 
 
@@ -133,9 +124,8 @@ class Traces:
 class SimulationGap:
     """Velocity error of a forward simulation under the measured torque, on held-out cycles."""
 
-    before: float  # root mean square of the velocity's error with the nominal model [unit]
-    after: float  # the same with the augmented model [unit]
-    unit: str  # ``"rad/s"``
+    before: float  # root mean square of the velocity's error with the nominal model [rad/s]
+    after: float  # the same with the augmented model [rad/s]
     t: Float  # time of the cycles simulated, NaN between them, shape (k,) [s]
     measured: Float  # velocity as measured, shape (k,) [rad/s]
     nominal: Float  # velocity of the nominal model, shape (k,) [rad/s]

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from friction_audit.diagnosis.diagnose_joint import diagnose_joint
+from friction_audit.diagnosis.diagnose import diagnose_joint
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.problem import Index, RegressionProblem
 from friction_audit.diagnosis.result import Verdict
