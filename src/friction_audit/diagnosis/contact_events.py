@@ -13,12 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.noise_model import NoiseModel
 from friction_audit.diagnosis.problem import RegressionProblem
+from friction_audit.diagnosis.samples import Index, NoiseModel
 from friction_audit.effects.slow import Contact
 from friction_audit.joint_log import Float
 
-Index = NDArray[np.int64]
 Marks = NDArray[np.bool_]
 LENGTHS_S = (0.1, 0.2, 0.4, 0.8)  # twice as long each: half a sine between two of them loses 5 % of its size
 BY_CHANCE = 2e-3  # probability that normal noise holds a contact: model error has longer tails (flips, seed 16004)
@@ -98,21 +97,14 @@ class MatchedFilters:
         return max(len(push) for push in self.pushes) + int(self.operator.shape[1])
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Reference:
     """Where else in a log of m samples the joint moves as at one moment."""
 
-    states: tuple[Float, ...]  # position and velocity, velocity and acceleration, in standard deviations, (m, 2) each
-    way: Float  # sign of the velocity, shape (m,)
-    cycle: Index  # number of the cycle, shape (m,)
-    slot: Index  # slot of each sample, shape (m,)
-
-    @classmethod
-    def of(cls, problem: RegressionProblem, slot: Index) -> "Reference":
-        """The motion of a joint."""
+    def __init__(self, problem: RegressionProblem, slot: Index) -> None:
+        """Take the motion of a joint, and the slot of each sample, shape (m,)."""
         q, dq, ddq = (one / max(float(np.std(one)), 1e-12) for one in problem.kinematics)
-        states = np.column_stack([q, dq]), np.column_stack([dq, ddq])
-        return cls(states=states, way=np.sign(dq), cycle=problem.samples.cycle, slot=slot)
+        self.states = np.column_stack([q, dq]), np.column_stack([dq, ddq])
+        self.way, self.cycle, self.slot = np.sign(dq), problem.samples.cycle, slot
 
     def compare(self, output: Float, at: int, wide: int, near: int) -> tuple[float, int, float, bool]:
         """Local scale of a filter's outputs, shape (s,), at a push, its degrees of freedom, what the motion repeats.
@@ -156,17 +148,13 @@ def detect(
 ) -> tuple[Contact, ...]:
     """Find the contacts of a joint in the order of time; none where they are no rare events.
 
-    Args:
-        problem: The joint with all its samples.
-        residual: What a model leaves of them, shape (m,). [N m]
-        noise: Noise model of the same samples.
-        errors: What the formulas of the named effects may get wrong, shape (m,) each. [N m]
+    Given are what a model leaves of all samples, and what the formulas of named effects may get wrong, (m,) each. [N m]
     """
     filters = MatchedFilters.of(problem, residual, noise, errors)
     reach, start = _reach(problem), float(problem.samples.t[0])
     spans = [
         (start + at * filters.slot_s + reach, start + (at + len(filters.pushes[k])) * filters.slot_s - reach)
-        for k, at in _stand_out(filters, Reference.of(problem, filters.slot))
+        for k, at in _stand_out(filters, Reference(problem, filters.slot))
     ]
     first, last = problem.data.t[0] + END_S, problem.data.t[-1] - END_S
     contacts: list[Contact] = []

@@ -6,10 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from friction_audit.diagnosis import intervals, profiles, residual_checks, selection
+from friction_audit.diagnosis import profiles, residual_checks, selection
 from friction_audit.diagnosis.augmented_model import gap_in_motion
 from friction_audit.diagnosis.data_audit import faults
 from friction_audit.diagnosis.dictionary import Block
+from friction_audit.diagnosis.nonlinear import Estimates, intervals
 from friction_audit.diagnosis.prepare import Subject
 from friction_audit.diagnosis.procedure import State, accepted, fitted, nominal, select, sizes
 from friction_audit.diagnosis.residual_checks import residual_of
@@ -133,16 +134,17 @@ def _result(subject: Subject, state: State, settings: DiagnosisSettings) -> Join
     gram, problem, active = state.gram, state.problem, state.active
     closed, before, after = gap(gram, active)
     baseline = nominal(problem, state.search.training, active)
-    estimates = intervals.of(gram, state.dictionary, active, baseline)
+    estimates = intervals(gram, state.dictionary, active, baseline)
     tests = wild_cluster_bootstrap(gram, (), settings.seed)
     first = profiles.profiles_of(problem, before.residual, tests)
     plain, last, remaining = estimates, tests, first
     if active:
-        plain = intervals.of(gram, state.dictionary, (), nominal(problem, state.search.training, ()))
+        plain = intervals(gram, state.dictionary, (), nominal(problem, state.search.training, ()))
         last = wild_cluster_bootstrap(gram, active, settings.seed)
         remaining = profiles.profiles_of(problem, after.residual, last)
     named, negligible = _effects(state, estimates, settings.min_effect_nm)
     checks = residual_checks.run(gram, active)
+    bare = held_out(gram, [b for b in active if b.name == "gravity_error"], replaced=active).rms
     verdict, lacking = verdict_of(state, named, checks), _lacking(state, checks)
     slow = f"the residual follows the time, and this log cannot test slow effects: {lacking}"
     return JointDiagnosis(
@@ -171,7 +173,7 @@ def _result(subject: Subject, state: State, settings: DiagnosisSettings) -> Join
         negligible=negligible,
         checks=checks,
         remainder_share=max((check.share for check in checks), default=0.0),
-        share_explained=_without_gravity(state, closed.floor),
+        share_explained=float("nan") if bare <= closed.floor else (bare - after.rms) / (bare - closed.floor),
     )
 
 
@@ -198,7 +200,7 @@ def _lacking(state: State, checks: Sequence[ResidualCheck]) -> str:
 
 
 def _effects(
-    state: State, estimates: intervals.Estimates, least_nm: float
+    state: State, estimates: Estimates, least_nm: float
 ) -> tuple[tuple[NamedEffect, ...], tuple[NamedEffect, ...]]:
     """Effects that count, and those that stand and are too small to count, the largest first.
 
@@ -244,13 +246,6 @@ def _effects(
             )
         )
     return tuple(found[False]), tuple(found[True])
-
-
-def _without_gravity(state: State, floor: float) -> float:
-    """Share of the gap that the effects close, gravity in the model before and after."""
-    gravity = [b for b in state.active if b.name == "gravity_error"]
-    before, after = held_out(state.gram, gravity, replaced=state.active).rms, held_out(state.gram, state.active).rms
-    return float("nan") if before <= floor else (before - after) / (before - floor)
 
 
 def _detection_limit(state: State, left_nm: float) -> float:

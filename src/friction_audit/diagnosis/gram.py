@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
 from friction_audit.diagnosis.dictionary import Block
-from friction_audit.diagnosis.noise_model import NoiseModel
-from friction_audit.diagnosis.problem import Index, Nuisance, RegressionProblem
+from friction_audit.diagnosis.problem import Nuisance, RegressionProblem
+from friction_audit.diagnosis.samples import Index, NoiseModel
 from friction_audit.joint_log import Float
 
 COPY = 1e-5  # eigenvalue of a block given everything else, over its own size, of what is a copy of that
@@ -138,8 +138,9 @@ class Gram:
         for block in blocks:
             at = block.start - blocks[0].start
             own = white[at : at + block.p]
+            several = block.p > 1
             found.append(
-                squares[:, at, None, None] if block.p == 1 else np.stack([own[:, f] @ own[:, f].T for f in self.slices])
+                np.stack([own[:, f] @ own[:, f].T for f in self.slices]) if several else squares[:, at, None, None]
             )
         return found
 
@@ -217,17 +218,13 @@ class Training:
         names = {b.name for b in active} | set(unpinned)
         out = [len(gram.problem.X) + k for k, one in enumerate(gram.nuisances) if names & set(one.replaced_by)]
         kept = np.setdiff1d(np.arange(len(gram.base)), out)
-        cols = [np.arange(b.start, b.start + b.p) for b in active]
-        at = np.concatenate([np.zeros(0, int), *cols]).astype(int)
-        bb = gram.bb[folds].sum(axis=0)[np.ix_(kept, kept)] + np.diag(gram.precision[kept])
-        rows = [self._cross(b)[:, at] for b in active]
-        whole = np.zeros((len(kept) + len(at),) * 2)
-        b = len(kept)
-        whole[:b, :b] = bb
-        whole[:b, b:] = self._cross(None)[kept][:, at]
-        whole[b:, :b] = whole[:b, b:].T
-        if rows:
-            whole[b:, b:] = np.vstack(rows)
+        at = np.concatenate([np.zeros(0, int), *(np.arange(b.start, b.start + b.p) for b in active)])
+        n, cross = len(kept), self._cross(None)[kept][:, at]
+        whole = np.empty((n + len(at),) * 2)
+        whole[:n, :n] = gram.bb[folds].sum(axis=0)[np.ix_(kept, kept)] + np.diag(gram.precision[kept])
+        whole[:n, n:], whole[n:, :n] = cross, cross.T
+        for block, rows in zip(active, np.split(whole[n:, n:], np.cumsum([b.p for b in active])), strict=False):
+            rows[:] = self._cross(block)[:, at]
         right = np.append(gram.by[folds].sum(axis=0)[kept], gram.zy[folds].sum(axis=0)[at])
         scale = np.sqrt(np.diag(whole))
         scale[scale == 0] = 1.0
@@ -247,13 +244,11 @@ class Training:
 
     def gain(self, active: Sequence[Block]) -> tuple[Float, list[Float]]:
         """L = n ln(RSS / RSS with the block) of every block given an active set, and its coefficients."""
-        blocks = self.gram.blocks
-        gains, coefficients = np.zeros(len(blocks)), [np.zeros(0)] * len(blocks)
-        names = {n for one in self.gram.nuisances for n in one.replaced_by} - {b.name for b in active}
         known = self.gram.names
-        apart = {k: known[k] for name in names for k in np.flatnonzero(known == name)}
+        gains, coefficients = np.zeros(len(known)), [np.zeros(0)] * len(known)
+        names = {n for one in self.gram.nuisances for n in one.replaced_by} - {b.name for b in active}
         self._gain(active, "", np.flatnonzero(~np.isin(known, list(names))), gains, coefficients)
-        for name in names & set(apart.values()):
+        for name in names.intersection(known.tolist()):
             which = np.flatnonzero(known == name)
             # A nuisance that stands for the effect is left out with it, so that the two compete for the same torque.
             lost = self.samples * np.log(self.fit(active, (name,)).rss / self.fit(active).rss)

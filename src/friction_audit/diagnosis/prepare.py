@@ -206,8 +206,8 @@ def _filtered_motion(
 
     # One array each, not a list of columns that is stacked: half of the memory.
     many = log.q.shape[1]
-    arrays = [np.empty((len(low_pass.t), many)) for _ in range(4)]
-    moved = _Motion(*arrays, derived_from=[""] * many, crossover_hz=[0.0] * many)
+    q, dq, ddq, logged = (np.empty((len(low_pass.t), many)) for _ in range(4))
+    moved = _Motion(q, dq, ddq, logged, derived_from=[""] * many, crossover_hz=[0.0] * many)
 
     def one(column: int) -> None:
         q, slope = low_pass.with_slope(t, log.q[fresh, column])
