@@ -42,8 +42,7 @@ def augment_models(found: Discrepancy, log: JointLog, nominal: ArmModel | None) 
 
     A joint that was not fitted, or whose numbers no model allows, keeps its nominal one.
     """
-    unknown: tuple[JointModel | None, ...] = (None,) * len(log.joint_names)
-    joints = list(unknown if nominal is None else nominal.joints)
+    joints: list[JointModel | None] = [None] * len(log.joint_names) if nominal is None else [*nominal.joints]
     lacking, known = [], {term.name for term in terms()}
     for joint in (joint for joint in found.joints if joint.augmented):
         cycles = 0 if joint.traces is None else len(np.unique(joint.traces.cycle))

@@ -8,7 +8,6 @@ the scale is estimated. Innovations of a contact are left out before the next on
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,24 +37,16 @@ TINY = float(np.finfo(float).tiny)
 SIGMA_PER_MEDIAN, SIGMA_PER_NINTH_DECILE = 1.4826, 0.6080  # of the absolute value of a normal variable
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class MatchedFilters:
     """Filters for pushes that begin at each of s evenly spaced slots, f of them, on m samples."""
 
-    pushes: tuple[Float, ...]  # a pulse, then each push, as the samples see it, shape (k,) each
-    slot: Index  # slot of each sample, shape (m,)
-    slot_s: float  # time from slot to slot [s]
-    innovations: Float  # whitened residual, torque of the model, and errors of the formulas, shape (2 + e, m)
-    operator: Float  # weights of each sample and of the p before it in its innovation, shape (m, p + 1)
-
-    @classmethod
-    def of(
-        cls, problem: RegressionProblem, residual: Float, noise: NoiseModel, errors: Sequence[Float]
-    ) -> "MatchedFilters":
+    def __init__(self, problem: RegressionProblem, residual: Float, noise: NoiseModel, errors: Sequence[Float]) -> None:
         """Build the filters for what a model leaves of all samples, and errors, shape (m,) each. [N m]"""
         samples, step_s, row = problem.samples, problem.data.step_s, problem.samples.place
         every = int(np.min(np.diff(row)[problem.age[1:] > 0], initial=int(row[-1]) + 1))
-        operator = np.zeros((len(row), noise.predictors.shape[1] + 1))
+        self.slot, self.slot_s = (row - row[0]) // every, step_s * samples.every * every  # of samples; from one to next
+        # Weights of each sample and of the p before it in its innovation, shape (m, p + 1).
+        self.operator = operator = np.zeros((len(row), noise.predictors.shape[1] + 1))
         operator[:, 0] = noise.weight
         for lag in range(1, operator.shape[1]):
             operator[lag:, lag] = -noise.predictors[noise.age[lag:], lag - 1] * noise.weight[:-lag]
@@ -65,15 +56,12 @@ class MatchedFilters:
         for length_s in LENGTHS_S:
             n = max(round(length_s / step_s), 1)
             forms += [np.sin(np.pi * (np.arange(n) + 0.5) / n), np.ones(n)]
-        return cls(
-            pushes=tuple(np.convolve(form, samples.kernel)[:: samples.every * every] for form in forms),
-            slot=(row - row[0]) // every,
-            slot_s=step_s * samples.every * every,
-            innovations=np.where(
-                samples.breakaway, 0.0, noise.whiten(np.stack([residual, problem.y - residual, *errors]))
-            ),
-            operator=operator,
-        )
+        # A pulse, then each push, as the samples see it; slots from its beginning to the last innovation that holds it.
+        self.pushes = tuple(np.convolve(form, samples.kernel)[:: samples.every * every] for form in forms)
+        self.reach = max(len(push) for push in self.pushes) + operator.shape[1]
+        # Whitened residual, torque of the model, and errors of the formulas, shape (2 + e, m).
+        white = noise.whiten(np.stack([residual, problem.y - residual, *errors]))
+        self.innovations = np.where(samples.breakaway, 0.0, white)
 
     def sums(self, kept: Marks, which: int, first: int, last: int) -> tuple[Float, Float]:
         """Products with innovations, and energies, of pushes that begin at slots first to last, shape (f, k) each."""
@@ -90,11 +78,6 @@ class MatchedFilters:
             products.append(np.bincount(begin, (white * innovations[:, None]).ravel(), n)[inside])
             energies.append(np.bincount(begin, (white**2).ravel(), n)[inside])
         return np.stack(products), np.stack(energies)
-
-    @property
-    def reach(self) -> int:
-        """Slots from the beginning of the longest push to the last innovation that holds it."""
-        return max(len(push) for push in self.pushes) + int(self.operator.shape[1])
 
 
 class Reference:
@@ -150,7 +133,7 @@ def detect(
 
     Given are what a model leaves of all samples, and what the formulas of named effects may get wrong, (m,) each. [N m]
     """
-    filters = MatchedFilters.of(problem, residual, noise, errors)
+    filters = MatchedFilters(problem, residual, noise, errors)
     reach, start = _reach(problem), float(problem.samples.t[0])
     spans = [
         (start + at * filters.slot_s + reach, start + (at + len(filters.pushes[k])) * filters.slot_s - reach)

@@ -136,12 +136,12 @@ def _result(subject: Subject, state: State, settings: DiagnosisSettings) -> Join
     baseline = nominal(problem, state.search.training, active)
     estimates = intervals(gram, state.dictionary, active, baseline)
     tests = wild_cluster_bootstrap(gram, (), settings.seed)
-    first = profiles.profiles_of(problem, before.residual, tests)
+    first = profiles.profiles_of(problem, before.residual, tests.curves)
     plain, last, remaining = estimates, tests, first
     if active:
         plain = intervals(gram, state.dictionary, (), nominal(problem, state.search.training, ()))
         last = wild_cluster_bootstrap(gram, active, settings.seed)
-        remaining = profiles.profiles_of(problem, after.residual, last)
+        remaining = profiles.profiles_of(problem, after.residual, last.curves)
     named, negligible = _effects(state, estimates, settings.min_effect_nm)
     checks = residual_checks.run(gram, active)
     bare = held_out(gram, [b for b in active if b.name == "gravity_error"], replaced=active).rms
@@ -235,7 +235,7 @@ def _effects(
                 gap_before_nm=before,
                 gap_after_nm=held_out(gram, added[small], replaced=active).rms,
                 torque=torque,
-                curve=profiles.along_effect(problem, left + torque, effect.axis),
+                curve=profiles.profiles_of(problem, left + torque, {}, effect.axis)[0],
                 size_nm=size,
                 friction_share=share,
                 residual_share=min(size**2 * len(torque) / max(power, 1e-300), 1.0),

@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
 from friction_audit.diagnosis.dictionary import Block
@@ -14,6 +14,7 @@ from friction_audit.joint_log import Float
 
 COPY = 1e-5  # eigenvalue of a block given everything else, over its own size, of what is a copy of that
 RIDGE = 1e-10
+ByWidth = list[tuple[Index, Index, Float]]  # of blocks of one width each: numbers, columns, own products
 AT_ONCE = 2**18  # numbers of a dictionary that are worked on at once: 2 MB stay in the cache of a core
 
 
@@ -31,6 +32,7 @@ class Gram:
         self.problem, self.noise, self.nuisances = problem, noise, tuple(nuisances)
         self.order = problem.order
         self.ends = np.searchsorted(problem.fold[self.order], np.arange(problem.folds + 1))
+        self.slices = [slice(a, b) for a, b in pairwise(self.ends.tolist())]  # columns of each fold
         self.sorted_noise = replace(noise, age=noise.age[self.order], weight=noise.weight[self.order])
         self.base_raw = np.vstack([problem.X, *(one.column[None] for one in nuisances)])
         self.precision = np.append(np.zeros(len(problem.X)), [1.0 / one.sd**2 for one in nuisances])
@@ -46,11 +48,6 @@ class Gram:
         self.cross: dict[int | None, Float] = {None: np.empty((problem.folds, len(white), 0))}
         self.version = 0
         self.add(blocks)
-
-    @property
-    def slices(self) -> list[slice]:
-        """Columns of each fold."""
-        return [slice(a, b) for a, b in zip(self.ends[:-1], self.ends[1:], strict=True)]
 
     @property
     def zy(self) -> Float:
@@ -162,7 +159,7 @@ def _transposed(rows: Float, predictors: Float, scales: Float, age: Index) -> Fl
 class Fit:
     """The model with some blocks, fitted on some folds."""
 
-    kept: NDArray[np.int64]  # rows of the base that take part: nuisances that a block replaces do not
+    kept: Index  # rows of the base that take part: nuisances that a block replaces do not
     coefficients: Float  # of these and of the blocks, one after the other
     rss: float  # weighted residual sum of squares, priors included
     factor: Float  # of Cholesky, of the scaled Gram matrix
@@ -178,9 +175,7 @@ class Training:
     folds: tuple[int, ...] = ()
     _sums: dict[int | None, tuple[int, Float]] = field(default_factory=dict)
     _fits: dict[tuple[object, ...], Fit] = field(default_factory=dict)
-    _own: dict[tuple[str, int], tuple[int, list[tuple[NDArray[np.int64], NDArray[np.int64], Float]]]] = field(
-        default_factory=dict
-    )
+    _own: dict[tuple[str, int], tuple[int, ByWidth]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Take all folds if none are given."""
@@ -257,7 +252,7 @@ class Training:
         return gains, coefficients
 
     def _gain(
-        self, active: Sequence[Block], unpinned: str, which: NDArray[np.int64], gains: Float, coefficients: list[Float]
+        self, active: Sequence[Block], unpinned: str, which: Index, gains: Float, coefficients: list[Float]
     ) -> None:
         """Write gains and coefficients of some blocks."""
         from scipy.linalg import solve_triangular
@@ -286,7 +281,7 @@ class Training:
             for k, one in zip(members, found, strict=True):
                 coefficients[k] = one
 
-    def _by_width(self, key: str, which: NDArray[np.int64]) -> list[tuple[NDArray[np.int64], NDArray[np.int64], Float]]:
+    def _by_width(self, key: str, which: Index) -> ByWidth:
         version, found = self._own.get((key, len(which)), (-1, []))
         if version != (gram := self.gram).version:
             found, widths = [], gram.widths[which]

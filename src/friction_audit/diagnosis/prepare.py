@@ -7,7 +7,7 @@ them would look like a delay.
 """
 
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,11 +73,11 @@ def prepare(
     t = moments_of_samples(log.t[fresh], log.q[fresh], log.dq[fresh])
     low_pass = LowPass.for_stamps(t)
     valid = low_pass.away_from_gaps(t)
-    motion = _filtered_motion(log, low_pass, t, fresh, valid)
+    (all_q, all_dq, all_ddq, logged_dq), derived_from, crossovers_hz = _filtered_motion(log, low_pass, t, fresh, valid)
     read: Float = getattr(log, CHANNELS[choice.source])
     sensed = choice.sign * low_pass.all_of(t, read, fresh)
     logged = None if log.gravity is None else low_pass.all_of(t, log.gravity, fresh)
-    load, removed, rigid = know_load(choice, arm, low_pass.t, (motion.q, motion.dq, motion.ddq), logged)
+    load, removed, rigid = know_load(choice, arm, low_pass.t, (all_q, all_dq, all_ddq), logged)
 
     def one(joint: int) -> JointData:
         column = interaction.joint_numbers[joint] - 1
@@ -90,11 +90,11 @@ def prepare(
         if interaction.compensation is not None:
             torque = torque + low_pass.of(t, interaction.compensation[fresh, joint])
         # Copies: columns of a matrix of all joints are read at an eighth of the speed.
-        q, own_dq = (np.ascontiguousarray(every[:, column]) for every in (motion.q, motion.dq))
+        q, own_dq = (np.ascontiguousarray(every[:, column]) for every in (all_q, all_dq))
         usual = float(np.quantile(np.abs(own_dq[valid]), 0.95)) if valid.any() else 0.0
         dead = max(DEAD_SIGMAS * grid_noise(own_dq[valid]), DEAD_SHARE * usual, TINY_SPEED)
         breakaways = find_breakaways(q, own_dq, dead, low_pass.step_s)
-        dq, ddq = signed_rest(own_dq, motion.ddq[:, column], breakaways, dead)
+        dq, ddq = signed_rest(own_dq, all_ddq[:, column], breakaways, dead)
         return JointData(
             joint=joint,
             t=low_pass.t,
@@ -103,20 +103,20 @@ def prepare(
             ddq=ddq,
             torque=torque,
             temperature=None if log.temperature is None else low_pass.of(t, log.temperature[fresh, column]),
-            others_dq=motion.dq,
-            others_ddq=motion.ddq,
+            others_dq=all_dq,
+            others_ddq=all_ddq,
             others_torque=sensed,
             cycle=_cycle_of(low_pass.t, cycles, joint),
             moving=certain_direction(own_dq, dead, low_pass.step_s),
             valid=valid,
             dead_speed_rad_s=dead,
-            derived_from=motion.derived_from[column],
-            logged_dq=motion.logged[:, column],
+            derived_from=derived_from[column],
+            logged_dq=logged_dq[:, column],
             load=None if load is None else np.ascontiguousarray(load[:, column]),
             rigid=None if rigid is None else rigid[column],
             others_joint=column,
             sample_s=median_step(log.t),
-            crossover_hz=motion.crossover_hz[column],
+            crossover_hz=crossovers_hz[column],
         )
 
     return tuple(per_joint(one, len(interaction.joint_numbers)))
@@ -186,48 +186,37 @@ def _cubics(data: JointData, end: Index, begin: Index, samples: int) -> tuple[Fl
     return q, ((3.0 * three * x + 2.0 * two) * x + one) / time_s, (6.0 * three * x + 2.0 * two) / time_s**2
 
 
-class _Motion(NamedTuple):
-    """Motion of all joints of a log on the grid, and their velocities as logged, shape (n, j) each."""
-
-    q: Float
-    dq: Float
-    ddq: Float
-    logged: Float
-    derived_from: list[str]
-    crossover_hz: list[float]
-
-
 def _filtered_motion(
     log: JointLog, low_pass: LowPass, t: Float, fresh: NDArray[np.bool_] | slice, valid: NDArray[np.bool_]
-) -> _Motion:
+) -> tuple[list[Float], list[str], list[float]]:
+    """Position, velocity, acceleration and logged velocity, (n, j) each; what they are derived from, and crossovers."""
     coarse = coarse_log(log)
     lag = find_lag(coarse, median_step(log.t))
     acceleration = np.sqrt(np.mean(np.gradient(coarse.dq, coarse.t, axis=0) ** 2, axis=0))
 
     # One array each, not a list of columns that is stacked: half of the memory.
     many = log.q.shape[1]
-    q, dq, ddq, logged = (np.empty((len(low_pass.t), many)) for _ in range(4))
-    moved = _Motion(q, dq, ddq, logged, derived_from=[""] * many, crossover_hz=[0.0] * many)
+    moved = [np.empty((len(low_pass.t), many)) for _ in range(4)]
+    derived_from, crossovers_hz = ["dq"] * many, [0.0] * many
 
     def one(column: int) -> None:
         q, slope = low_pass.with_slope(t, log.q[fresh, column])
         logged = low_pass.of(t, log.dq[fresh, column])
-        moved.q[:, column], moved.logged[:, column] = q, logged
         derived = log.source.channels.get("dq") == DERIVATIVE
         if derived or grid_noise(slope) < np.hypot(grid_noise(logged), lag[column] * acceleration[column]):
-            moved.derived_from[column] = "q"
-            moved.dq[:, column], moved.ddq[:, column] = slope, np.gradient(slope, low_pass.t)
-            return
-        dq, ddq = low_pass.with_slope(t - lag[column], log.dq[fresh, column])
-        # With the logged velocity alone the inertial_coupling of a real Panda's joints 5 and 6 is ambiguous.
-        if crossover_hz := crossover_of(slope, dq, low_pass.step_s):
-            dq = complementary_mean(slope, dq, valid, low_pass.step_s, crossover_hz)
-            ddq = np.gradient(dq, low_pass.t)
-        moved.derived_from[column], moved.crossover_hz[column] = "dq", crossover_hz
-        moved.dq[:, column], moved.ddq[:, column] = dq, ddq
+            derived_from[column], dq, ddq = "q", slope, np.gradient(slope, low_pass.t)
+        else:
+            dq, ddq = low_pass.with_slope(t - lag[column], log.dq[fresh, column])
+            # With the logged velocity alone the inertial_coupling of a real Panda's joints 5 and 6 is ambiguous.
+            if crossover_hz := crossover_of(slope, dq, low_pass.step_s):
+                crossovers_hz[column] = crossover_hz
+                dq = complementary_mean(slope, dq, valid, low_pass.step_s, crossover_hz)
+                ddq = np.gradient(dq, low_pass.t)
+        for every, own in zip(moved, (q, dq, ddq, logged), strict=True):
+            every[:, column] = own
 
     per_joint(one, many)
-    return moved
+    return moved, derived_from, crossovers_hz
 
 
 def _cycle_of(t: Float, cycles: EnergyCycles, joint: int) -> Index:

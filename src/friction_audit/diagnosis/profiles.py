@@ -18,7 +18,6 @@ from friction_audit.diagnosis.result import (
     Profile,
     Traces,
 )
-from friction_audit.diagnosis.validation import Screening
 from friction_audit.effects.slow import CONTACT_EVENT as CONTACT
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
@@ -58,15 +57,12 @@ def profile_all(
     return tuple(sorted(found, key=lambda profile: -profile.share))
 
 
-def profiles_of(problem: RegressionProblem, residual: Float, test: Screening) -> tuple[Profile, ...]:
-    """The same for a joint."""
-    return profile_all(residual, problem.curves, problem.kinematics[1], problem.samples.cycle, test.curves)
-
-
-def along_effect(problem: RegressionProblem, shown: Float, axis: str) -> Profile:
-    """What an effect and the noise leave along the effect's quantity."""
+def profiles_of(
+    problem: RegressionProblem, residual: Float, p_values: Mapping[str, float], axis: str = ""
+) -> tuple[Profile, ...]:
+    """The same for a joint, along one axis alone if there is one of that name."""
     own = [one for one in problem.curves if one.axis.name == axis] or problem.curves
-    return profile_all(shown, own, problem.kinematics[1], problem.samples.cycle, {})[0]
+    return profile_all(residual, own, problem.kinematics[1], problem.samples.cycle, p_values)
 
 
 def _bins(values: Float, edges: Float) -> NDArray[np.int64]:

@@ -262,21 +262,17 @@ def split(fit: Fit, active: Sequence[Block]) -> list[Float]:
 
 def shares_of_folds(gram: Gram, active: Sequence[Block], numbers: int) -> dict[str, int]:
     """In how many of the selections without one fold each an effect, or one that stands for it there, is chosen."""
-    count = dict.fromkeys((b.name for b in active), 0)
+    count, given = dict.fromkeys((b.name for b in active), 0), Projected(Training(gram), ())
     folds = range(gram.problem.folds)
     for left_out in folds:
         others = Training(gram, tuple(k for k in folds if k != left_out))
         search = Search(others, None, numbers, PRIOR_OF_FOLDS, ROUNDS_OF_FOLDS)
         chosen = search.run(search.settle(active))
         for block in active:
-            count[block.name] += any(b.name == block.name or alike(gram, b, block) for b in chosen)
+            own = given.torque(gram.of(block))
+            same = (b.name == block.name or abs(correlation(given.torque(gram.of(b)), own)) > ALIKE for b in chosen)
+            count[block.name] += any(same)
     return count
-
-
-def alike(gram: Gram, one: Block, other: Block) -> bool:
-    """Whether two blocks add the same torque given the nominal model."""
-    given = Projected(Training(gram), ())
-    return abs(correlation(given.torque(gram.of(one)), given.torque(gram.of(other)))) > ALIKE
 
 
 def correlation(one: Float, other: Float) -> float:

@@ -7,7 +7,6 @@ over all columns controls the family-wise error (J. P. Romano, M. Wolf, Economet
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -39,24 +38,33 @@ def held_out(
 
     The nuisances of effects that are replaced are left out as well: what stands for an effect must not hide it.
     """
-    model = _model(gram, active, [] if extra is None else [extra], replaced)
-    residual, innovation = model.predict(gram, np.arange(len(model.prior)))
+    model = _Model(gram, active, [] if extra is None else [extra], replaced)
+    residual, innovation = model.predict(np.arange(len(model.prior)))
     out = np.empty((2, len(gram.y)))
     out[:, gram.order] = residual, innovation
     return HeldOut(residual=out[0], innovation=out[1], rms=float(np.sqrt(np.mean(residual**2))))
 
 
-class _Model(NamedTuple):
+class _Model:
     """Columns of a model in the order of the folds, shape (k, m), whitened too, with their products in each fold."""
 
-    raw: Float
-    white: Float
-    prior: Float  # precision of each coefficient, shape (k,)
-    grams: Float
-    rights: Float
+    def __init__(
+        self, gram: Gram, active: Sequence[Block], extra: Sequence[Float], replaced: Sequence[Block] = ()
+    ) -> None:
+        kept = Training(gram).fit(active, [b.name for b in replaced]).kept
+        added = [gram.whiten(one) for one in extra]
+        raw = [gram.base_raw[kept][:, gram.order], *(b.stored for b in active), *(e[:, gram.order] for e in extra)]
+        free = np.zeros(sum(b.p for b in active))
+        self.gram, self.raw = gram, np.vstack(raw)
+        self.white = white = np.vstack([gram.base[kept], *(gram.of(b) for b in active), *added])
+        # Precision of each coefficient, shape (k,).
+        self.prior = np.concatenate([gram.precision[kept], free, *(RIDGE * np.sum(one**2, axis=1) for one in added)])
+        self.grams = np.stack([white[:, f] @ white[:, f].T for f in gram.slices])
+        self.rights = np.stack([white[:, f] @ gram.y[f] for f in gram.slices])
 
-    def predict(self, gram: Gram, which: Index) -> tuple[Float, Float]:
+    def predict(self, which: Index) -> tuple[Float, Float]:
         """What some of the columns, fitted to the other folds, leave of each sample, and of its innovation."""
+        gram = self.gram
         grams, rights = self.grams[:, which[:, None], which], self.rights[:, which]
         total, right = grams.sum(axis=0) + np.diag(self.prior[which]), rights.sum(axis=0)
         scale = np.sqrt(np.maximum(np.diag(grams.sum(axis=0)), 1e-300))
@@ -69,20 +77,6 @@ class _Model(NamedTuple):
             residual[part] -= own @ self.raw[:, part]
             innovation[part] -= own @ self.white[:, part]
         return residual, innovation
-
-
-def _model(gram: Gram, active: Sequence[Block], extra: Sequence[Float], replaced: Sequence[Block] = ()) -> _Model:
-    kept = Training(gram).fit(active, [b.name for b in replaced]).kept
-    added = [gram.whiten(one) for one in extra]
-    raw = np.vstack(
-        [gram.base_raw[kept][:, gram.order], *(b.stored for b in active), *(e[:, gram.order] for e in extra)]
-    )
-    white = np.vstack([gram.base[kept], *(gram.of(b) for b in active), *added])
-    free = np.zeros(sum(b.p for b in active))
-    prior = np.concatenate([gram.precision[kept], free, *(RIDGE * np.sum(one**2, axis=1) for one in added)])
-    grams = np.stack([white[:, f] @ white[:, f].T for f in gram.slices])
-    rights = np.stack([white[:, f] @ gram.y[f] for f in gram.slices])
-    return _Model(raw, white, prior, grams, rights)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -127,11 +121,11 @@ def gap(gram: Gram, active: Sequence[Block]) -> tuple[Gap, HeldOut, HeldOut]:
     The noise is the held-out rms of the best of the plain model, that with a curve over one quantity, that with all.
     """
     before, after = held_out(gram, (), replaced=active), held_out(gram, active)
-    model = _model(gram, active, [c.columns for c in gram.problem.curves])
+    model = _Model(gram, active, [c.columns for c in gram.problem.curves])
     every, wide = np.arange(len(model.prior)), [len(c.columns) for c in gram.problem.curves]
     base, *curves = np.split(every, len(every) - sum(wide) + np.cumsum([0, *wide[:-1]]))
     tried = [every, *(np.append(base, one) for one in curves)] if wide else []
-    floor = min([after.rms, *(float(np.sqrt(np.mean(model.predict(gram, one)[0] ** 2))) for one in tried)])
+    floor = min([after.rms, *(float(np.sqrt(np.mean(model.predict(one)[0] ** 2))) for one in tried)])
     return measure_gap(before.residual, after.residual, floor, gram.problem.samples.cycle), before, after
 
 
