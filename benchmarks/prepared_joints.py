@@ -25,7 +25,8 @@ from benchmarks.answers import answer_of
 from benchmarks.diagnosis_figures import ROWS, Figures
 from benchmarks.resume import Job, Row, read
 from friction_audit.diagnosis import diagnose as stage
-from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
+from friction_audit.diagnosis.diagnose import diagnose_joint
+from friction_audit.diagnosis.prepare import Subject
 from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.registry import effects

@@ -91,7 +91,8 @@ def torque_alone(case: Case, which: int, samples: SampledJoint) -> Float:
 def same_moments(rows: Samples, others: Samples) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Which rows of two logs are the same moment, or the same start from a standstill: places in both, shape (k,)."""
     here, there = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)]
-    for starts, apart in ((False, rows.step_s / 2.0), (True, SAME_START_S)):
+    step_s = float(np.min(np.diff(rows.t))) if len(rows.t) > 1 else 0.0
+    for starts, apart in ((False, step_s / 2.0), (True, SAME_START_S)):
         one, other = (np.flatnonzero(r.breakaway == starts) for r in (rows, others))
         if len(one) and len(other):
             distance, nearest = map(np.asarray, cKDTree(others.t[other, None]).query(rows.t[one, None]))

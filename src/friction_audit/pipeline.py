@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from friction_audit.compensation.result import Replay
     from friction_audit.compensation.settings import ReplaySettings
     from friction_audit.diagnosis.data_audit import DataFinding
-    from friction_audit.diagnosis.diagnose_joint import Subject
+    from friction_audit.diagnosis.prepare import Subject
     from friction_audit.diagnosis.result import Discrepancy
     from friction_audit.diagnosis.settings import DiagnosisSettings
     from friction_audit.io.checks import Take
@@ -287,8 +287,7 @@ def diagnose_estimate(
 def diagnosis_subjects(estimate: Estimate, settings: "DiagnosisSettings") -> "tuple[Subject, ...]":
     """Prepare the joints of a log that was estimated before, or of the part of a long one that tells most."""
     from friction_audit.diagnosis.data_audit import audit_part
-    from friction_audit.diagnosis.diagnose import PREPARED, best_window, subjects_of
-    from friction_audit.diagnosis.prepare import parts_of
+    from friction_audit.diagnosis.prepare import PREPARED, best_window, parts_of, subjects_of
 
     part, whole_s = estimate, estimate.log.duration_s
     findings: tuple[DataFinding, ...] = ()

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from friction_audit.diagnosis import diagnose as engine
-from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
+from friction_audit.diagnosis.diagnose import diagnose_joint
+from friction_audit.diagnosis.prepare import Subject
 from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.io.writers.write_log import write_log
 from friction_audit.reporting import report as log_report

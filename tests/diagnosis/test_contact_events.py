@@ -7,9 +7,8 @@ import pytest
 from scipy.signal import lfilter
 
 from friction_audit.diagnosis.contact_events import detect, touched, without_impulses
-from friction_audit.diagnosis.noise_model import NoiseModel
 from friction_audit.diagnosis.problem import RegressionProblem
-from friction_audit.diagnosis.samples import least_squares
+from friction_audit.diagnosis.samples import NoiseModel, least_squares
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.slow import Contact
 from friction_audit.joint_log import Float
@@ -34,7 +33,7 @@ def found(torque: Float, data: JointData = MOTION) -> tuple[Contact, ...]:
     factors = least_squares(problem.nominal.columns, problem.y)
     residual = problem.y - factors @ problem.X
     model_error = problem.model_error(problem.nominal.baseline(factors))
-    return detect(problem, residual, NoiseModel.fit(problem, [residual], model_error))
+    return detect(problem, residual, NoiseModel.fit(problem.age, [residual], model_error))
 
 
 @pytest.mark.parametrize("memory_s", [0.002, 0.02, 0.1])
@@ -93,7 +92,7 @@ def test_a_smaller_push_during_similar_motion_is_not_its_repetition() -> None:
 def test_what_is_far_smaller_than_the_modelled_torque_may_be_its_error() -> None:
     brisk = np.where(np.abs(MOTION.t - 30.0) < 0.1, 1.0, 0.0)
     problem = RegressionProblem.build(replace(MOTION, torque=noise(0.01) + 0.2 * brisk), None)
-    quiet = NoiseModel.fit(problem, [problem.y], np.zeros(len(problem.y)))
+    quiet = NoiseModel.fit(problem.age, [problem.y], np.zeros(len(problem.y)))
     assert detect(problem, problem.y, quiet)
     sudden = replace(problem, nominal=replace(problem.nominal, y=problem.y + problem.columns(20.0 * brisk[:, None])[0]))
     assert detect(sudden, problem.y, quiet) == ()

@@ -9,7 +9,8 @@ import pytest
 from scipy.signal import lfilter
 
 from friction_audit.diagnosis.data_audit import DataFinding
-from friction_audit.diagnosis.diagnose_joint import FEWEST_CYCLES, Subject, diagnose_joint
+from friction_audit.diagnosis.diagnose import FEWEST_CYCLES, diagnose_joint
+from friction_audit.diagnosis.prepare import Subject
 from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.effect import Effect

@@ -12,14 +12,13 @@ from scipy.optimize import least_squares
 from scipy.signal import lfilter
 from scipy.stats import t as student
 
-from friction_audit.diagnosis import intervals
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.gram import Gram, Training
-from friction_audit.diagnosis.noise_model import NoiseModel, levinson_durbin
-from friction_audit.diagnosis.nonlinear import refine
+from friction_audit.diagnosis.nonlinear import intervals, refine
 from friction_audit.diagnosis.problem import FOLDS, RegressionProblem, folds_of
 from friction_audit.diagnosis.procedure import nominal
 from friction_audit.diagnosis.residual_checks import spectral_line
+from friction_audit.diagnosis.samples import NoiseModel, levinson_durbin
 from friction_audit.diagnosis.selection import occam
 from friction_audit.diagnosis.validation import held_out, measure_gap, wild_cluster_bootstrap
 from friction_audit.effects.effect import Effect
@@ -45,7 +44,7 @@ def prepared(
     """A joint of whose torque the nominal model misses a part, no nuisances, and columns of some effects."""
     problem = RegressionProblem.build(moved_joint(missing, noise_nm=0.02, duration_s=duration_s), None)
     baseline = problem.nominal.baseline(np.asarray(np.linalg.lstsq(problem.X.T, problem.y)[0], np.float64))
-    noise = NoiseModel.fit(problem, [problem.y - problem.X.T @ np.linalg.lstsq(problem.X.T, problem.y)[0]],
+    noise = NoiseModel.fit(problem.age, [problem.y - problem.X.T @ np.linalg.lstsq(problem.X.T, problem.y)[0]],
                            np.zeros(len(problem.y)))  # fmt: skip
     dictionary = Dictionary.build(problem, effects, baseline)
     return Gram(problem, noise, (), dictionary.blocks), dictionary
@@ -70,7 +69,7 @@ def test_innovations_are_those_of_the_cholesky_factor_of_the_covariance() -> Non
 def test_noise_is_an_autoregression_of_its_own_innovations() -> None:
     problem = RegressionProblem.build(moved_joint(duration_s=120.0), None)
     left = 0.05 * lfilter([1.0], [1.0, -0.6], np.random.default_rng(0).standard_normal(len(problem.y)))
-    noise = NoiseModel.fit(problem, [left], np.zeros(len(left)))
+    noise = NoiseModel.fit(problem.age, [left], np.zeros(len(left)))
     innovations = noise.whiten(left)[0]
     assert np.std(innovations) == pytest.approx(1.0, abs=0.05)
     assert abs(np.corrcoef(innovations[1:], innovations[:-1])[0, 1]) < 0.05
@@ -152,7 +151,7 @@ def test_variable_projection_ends_where_nonlinear_least_squares_does() -> None:
 def test_intervals_are_leaving_out_one_cycle_at_a_time() -> None:
     gram, dictionary = prepared(SQUARE, duration_s=30.0)
     active = (gram.blocks[0],)
-    found = intervals.of(gram, dictionary, active, nominal(gram.problem, Training(gram), active))
+    found = intervals(gram, dictionary, active, nominal(gram.problem, Training(gram), active))
     columns = np.vstack([gram.base, gram.of(active[0])]).T
     cycle = gram.problem.samples.cycle[gram.order]
     cycles = np.unique(cycle)
@@ -170,8 +169,8 @@ def test_intervals_are_leaving_out_one_cycle_at_a_time() -> None:
 def test_a_number_that_the_log_does_not_hold_is_not_identifiable_and_leaves_the_others_alone() -> None:
     gram, dictionary = prepared(effect_of("stribeck"))
     block = gram.blocks[0]
-    found = intervals.of(gram, dictionary, (block,), dictionary.baseline)
-    plain = intervals.of(gram, dictionary, (), dictionary.baseline)
+    found = intervals(gram, dictionary, (block,), dictionary.baseline)
+    plain = intervals(gram, dictionary, (), dictionary.baseline)
     assert found.not_identifiable == (tuple(dictionary.bounds(block)),)
     for name, one in found.nominal.items():
         assert one.high - one.low == pytest.approx(plain.nominal[name].high - plain.nominal[name].low, rel=0.5)
@@ -184,7 +183,7 @@ def test_the_screening_test_keeps_its_level() -> None:
     for seed in range(60):
         problem = RegressionProblem.build(moved_joint(noise_nm=0.02, duration_s=20.0, seed=seed), None)
         left = problem.y - problem.X.T @ np.linalg.lstsq(problem.X.T, problem.y)[0]
-        noise = NoiseModel.fit(problem, [left], np.zeros(len(left)))
+        noise = NoiseModel.fit(problem.age, [left], np.zeros(len(left)))
         blocks = Dictionary.build(problem, (BUMP, WAVE, SQUARE), problem.nominal.baseline(np.zeros(3))).blocks
         p_values.append(wild_cluster_bootstrap(Gram(problem, noise, (), blocks), (), seed).p_value)
     assert np.count_nonzero(np.array(p_values) < 0.05) <= 8

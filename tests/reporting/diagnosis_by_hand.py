@@ -75,9 +75,7 @@ def moved() -> r.SimulationGap:
     """Return a motion simulated on the held-out cycles, NaN between them."""
     pieces = [np.append(np.arange(c * ROWS, (c + 1) * ROWS) * STEP_S, np.nan) for c in range(1, CYCLES, 3)]
     t = np.concatenate(pieces)[:-1]
-    return r.SimulationGap(
-        before=0.052, after=0.013, unit="rad/s", t=t, measured=np.sin(t), nominal=0.9 * t, augmented=t
-    )
+    return r.SimulationGap(before=0.052, after=0.013, t=t, measured=np.sin(t), nominal=0.9 * t, augmented=t)
 
 
 STRIBECK = r.NamedEffect(

@@ -38,18 +38,11 @@ class AugmentedModels(NamedTuple):
 
 
 def augment_models(found: Discrepancy, log: JointLog, nominal: ArmModel | None) -> AugmentedModels:
-    """Add the effects that were found to the model of each joint.
+    """Add the effects that were found to the nominal model of each joint of the log that was diagnosed.
 
-    Args:
-        found: The diagnosis.
-        log: The log that was diagnosed.
-        nominal: The nominal models, one per joint of the log; None for inertia, Coulomb and viscous friction.
-
-    Returns:
-        A model per joint of the log: the nominal one of a joint that was not fitted or whose numbers no model allows.
+    A joint that was not fitted, or whose numbers no model allows, keeps its nominal one.
     """
-    unknown: tuple[JointModel | None, ...] = (None,) * len(log.joint_names)
-    joints = list(unknown if nominal is None else nominal.joints)
+    joints: list[JointModel | None] = [None] * len(log.joint_names) if nominal is None else [*nominal.joints]
     lacking, known = [], {term.name for term in terms()}
     for joint in (joint for joint in found.joints if joint.augmented):
         cycles = 0 if joint.traces is None else len(np.unique(joint.traces.cycle))
@@ -72,9 +65,7 @@ def augment_model(joint: JointDiagnosis, nominal: JointModel | None, origin: Pro
     Raises:
         AnalysisError: If a parameter is outside of its bounds, e.g. friction below zero, or a term is there twice.
     """
-    fitted = {
-        name: _within(number, 0.0) if name in FRICTION else number.value for name, number in joint.augmented.items()
-    }
+    fitted = {name: _within(one, 0.0) if name in FRICTION else one.value for name, one in joint.augmented.items()}
     augmented = []
     for term in terms():
         if term.name != "inertia" and all(p.name in fitted for p in term.coefficients if not p.optional):
@@ -83,16 +74,12 @@ def augment_model(joint: JointDiagnosis, nominal: JointModel | None, origin: Pro
             coefficients = (fitted.get(p.name, 0.0) for p in term.coefficients)
             augmented.append(FittedTerm(term.name, (*coefficients, *stated[len(term.coefficients) :])))
     held = () if nominal is None else nominal.held
-    augmented += [] if nominal is None else [term for term in nominal.terms if term.name in held]
+    augmented += [term for term in (nominal.terms if nominal else ()) if term.name in held]
     found = {effect.name: effect.parameters for effect in (*joint.effects, *joint.negligible)}
-    augmented += [
-        FittedTerm(
-            term.name,
-            tuple(_within(own[p.name], p.lower) if p.name in own else p.default for p in term.parameters),
-        )
-        for term in terms()
-        if (own := found.get(term.name)) is not None
-    ]
+    for term in terms():
+        if (own := found.get(term.name)) is not None:
+            values = (_within(own[p.name], p.lower) if p.name in own else p.default for p in term.parameters)
+            augmented.append(FittedTerm(term.name, tuple(values)))
     inertia = fitted["inertia_kg_m2"] if nominal is None else nominal.inertia_kg_m2
     return JointModel(inertia_kg_m2=inertia, terms=tuple(augmented), provenance=origin, held=held)
 
@@ -107,22 +94,13 @@ def simulate_cycles(
     augmented: JointModel,
     data: JointData,
     cycles: NDArray[np.int64],
-    *,
     known_inertia_kg_m2: float = 0.0,
 ) -> SimulationGap | None:
-    """Simulate whole cycles with both models.
+    """Simulate whole cycles, of some numbers, without and with the effects that were found.
 
-    Args:
-        nominal: The model without the effects that were found.
-        augmented: The model with them.
-        data: The joint.
-        cycles: Numbers of the cycles, those that no choice was made on.
-        known_inertia_kg_m2: Inertia whose torque was taken out of the recorded one, as by a rigid-body model; the joint
-            moves with it all the same.
-
-    Returns:
-        The gap; None where no cycle is without a gap, where a model cannot be simulated, or where the joint has no
-        inertia that a motion could be simulated with: then only the gap in torque is known.
+    Inertia whose torque was taken out of the recorded one, as by a rigid-body model, is known: the joint moves with it
+    all the same. None where no cycle is without a gap, where a model cannot be simulated, or where the joint has no
+    inertia that a motion could be simulated with: then only the gap in torque is known.
     """
     pieces, models = _whole(data, cycles), [_heavier(model, known_inertia_kg_m2) for model in (nominal, augmented)]
     drive = data.torque + known_inertia_kg_m2 * data.ddq
@@ -139,7 +117,6 @@ def simulate_cycles(
     return SimulationGap(
         before=_rms((before - data.dq)[inside]),
         after=_rms((after - data.dq)[inside]),
-        unit="rad/s",
         t=_traced(data.t, pieces),
         measured=_traced(data.dq, pieces),
         nominal=_traced(before, pieces),
@@ -152,19 +129,15 @@ def gap_in_motion(
     nominal: JointModel | None,
     data: JointData,
     cycles: NDArray[np.int64],
-    *,
     known_inertia_kg_m2: float = 0.0,
 ) -> SimulationGap | None:
-    """Do the same for a joint that was diagnosed, without and with what was found.
-
-    None also where a number that was fitted is none that a model allows, as friction below zero.
-    """
+    """Do the same for a diagnosis; None also where a fitted number is none that a model allows, as friction below 0."""
     bare = replace(joint, effects=(), augmented=joint.nominal)
     try:
         models = [augment_model(one, nominal, Provenance()) for one in (bare, joint)]
     except AnalysisError:
         return None
-    return simulate_cycles(models[0], models[1], data, cycles, known_inertia_kg_m2=known_inertia_kg_m2)
+    return simulate_cycles(models[0], models[1], data, cycles, known_inertia_kg_m2)
 
 
 def _heavier(model: JointModel, inertia_kg_m2: float) -> JointModel:
@@ -183,11 +156,8 @@ def _heavier(model: JointModel, inertia_kg_m2: float) -> JointModel:
 
 def _whole(data: JointData, cycles: NDArray[np.int64]) -> NDArray[np.int64]:
     """First and last sample of the cycles without a gap, shape (p, 2)."""
-    pieces = []
-    for number in cycles:
-        samples = np.flatnonzero(data.cycle == number)
-        if len(samples) >= SHORTEST and data.valid[samples].all():
-            pieces.append((samples[0], samples[-1]))
+    every = (np.flatnonzero(data.cycle == number) for number in cycles)
+    pieces = [(own[0], own[-1]) for own in every if len(own) >= SHORTEST and data.valid[own].all()]
     return np.asarray(pieces, np.int64).reshape(-1, 2)
 
 

@@ -8,17 +8,15 @@ the scale is estimated. Innovations of a contact are left out before the next on
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.noise_model import NoiseModel
 from friction_audit.diagnosis.problem import RegressionProblem
+from friction_audit.diagnosis.samples import Index, NoiseModel
 from friction_audit.effects.slow import Contact
 from friction_audit.joint_log import Float
 
-Index = NDArray[np.int64]
 Marks = NDArray[np.bool_]
 LENGTHS_S = (0.1, 0.2, 0.4, 0.8)  # twice as long each: half a sine between two of them loses 5 % of its size
 BY_CHANCE = 2e-3  # probability that normal noise holds a contact: model error has longer tails (flips, seed 16004)
@@ -39,24 +37,16 @@ TINY = float(np.finfo(float).tiny)
 SIGMA_PER_MEDIAN, SIGMA_PER_NINTH_DECILE = 1.4826, 0.6080  # of the absolute value of a normal variable
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class MatchedFilters:
     """Filters for pushes that begin at each of s evenly spaced slots, f of them, on m samples."""
 
-    pushes: tuple[Float, ...]  # a pulse, then each push, as the samples see it, shape (k,) each
-    slot: Index  # slot of each sample, shape (m,)
-    slot_s: float  # time from slot to slot [s]
-    innovations: Float  # whitened residual, torque of the model, and errors of the formulas, shape (2 + e, m)
-    operator: Float  # weights of each sample and of the p before it in its innovation, shape (m, p + 1)
-
-    @classmethod
-    def of(
-        cls, problem: RegressionProblem, residual: Float, noise: NoiseModel, errors: Sequence[Float]
-    ) -> "MatchedFilters":
+    def __init__(self, problem: RegressionProblem, residual: Float, noise: NoiseModel, errors: Sequence[Float]) -> None:
         """Build the filters for what a model leaves of all samples, and errors, shape (m,) each. [N m]"""
         samples, step_s, row = problem.samples, problem.data.step_s, problem.samples.place
         every = int(np.min(np.diff(row)[problem.age[1:] > 0], initial=int(row[-1]) + 1))
-        operator = np.zeros((len(row), noise.predictors.shape[1] + 1))
+        self.slot, self.slot_s = (row - row[0]) // every, step_s * samples.every * every  # of samples; from one to next
+        # Weights of each sample and of the p before it in its innovation, shape (m, p + 1).
+        self.operator = operator = np.zeros((len(row), noise.predictors.shape[1] + 1))
         operator[:, 0] = noise.weight
         for lag in range(1, operator.shape[1]):
             operator[lag:, lag] = -noise.predictors[noise.age[lag:], lag - 1] * noise.weight[:-lag]
@@ -66,15 +56,12 @@ class MatchedFilters:
         for length_s in LENGTHS_S:
             n = max(round(length_s / step_s), 1)
             forms += [np.sin(np.pi * (np.arange(n) + 0.5) / n), np.ones(n)]
-        return cls(
-            pushes=tuple(np.convolve(form, samples.kernel)[:: samples.every * every] for form in forms),
-            slot=(row - row[0]) // every,
-            slot_s=step_s * samples.every * every,
-            innovations=np.where(
-                samples.breakaway, 0.0, noise.whiten(np.stack([residual, problem.y - residual, *errors]))
-            ),
-            operator=operator,
-        )
+        # A pulse, then each push, as the samples see it; slots from its beginning to the last innovation that holds it.
+        self.pushes = tuple(np.convolve(form, samples.kernel)[:: samples.every * every] for form in forms)
+        self.reach = max(len(push) for push in self.pushes) + operator.shape[1]
+        # Whitened residual, torque of the model, and errors of the formulas, shape (2 + e, m).
+        white = noise.whiten(np.stack([residual, problem.y - residual, *errors]))
+        self.innovations = np.where(samples.breakaway, 0.0, white)
 
     def sums(self, kept: Marks, which: int, first: int, last: int) -> tuple[Float, Float]:
         """Products with innovations, and energies, of pushes that begin at slots first to last, shape (f, k) each."""
@@ -92,27 +79,15 @@ class MatchedFilters:
             energies.append(np.bincount(begin, (white**2).ravel(), n)[inside])
         return np.stack(products), np.stack(energies)
 
-    @property
-    def reach(self) -> int:
-        """Slots from the beginning of the longest push to the last innovation that holds it."""
-        return max(len(push) for push in self.pushes) + int(self.operator.shape[1])
 
-
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Reference:
     """Where else in a log of m samples the joint moves as at one moment."""
 
-    states: tuple[Float, ...]  # position and velocity, velocity and acceleration, in standard deviations, (m, 2) each
-    way: Float  # sign of the velocity, shape (m,)
-    cycle: Index  # number of the cycle, shape (m,)
-    slot: Index  # slot of each sample, shape (m,)
-
-    @classmethod
-    def of(cls, problem: RegressionProblem, slot: Index) -> "Reference":
-        """The motion of a joint."""
+    def __init__(self, problem: RegressionProblem, slot: Index) -> None:
+        """Take the motion of a joint, and the slot of each sample, shape (m,)."""
         q, dq, ddq = (one / max(float(np.std(one)), 1e-12) for one in problem.kinematics)
-        states = np.column_stack([q, dq]), np.column_stack([dq, ddq])
-        return cls(states=states, way=np.sign(dq), cycle=problem.samples.cycle, slot=slot)
+        self.states = np.column_stack([q, dq]), np.column_stack([dq, ddq])
+        self.way, self.cycle, self.slot = np.sign(dq), problem.samples.cycle, slot
 
     def compare(self, output: Float, at: int, wide: int, near: int) -> tuple[float, int, float, bool]:
         """Local scale of a filter's outputs, shape (s,), at a push, its degrees of freedom, what the motion repeats.
@@ -156,17 +131,13 @@ def detect(
 ) -> tuple[Contact, ...]:
     """Find the contacts of a joint in the order of time; none where they are no rare events.
 
-    Args:
-        problem: The joint with all its samples.
-        residual: What a model leaves of them, shape (m,). [N m]
-        noise: Noise model of the same samples.
-        errors: What the formulas of the named effects may get wrong, shape (m,) each. [N m]
+    Given are what a model leaves of all samples, and what the formulas of named effects may get wrong, (m,) each. [N m]
     """
-    filters = MatchedFilters.of(problem, residual, noise, errors)
+    filters = MatchedFilters(problem, residual, noise, errors)
     reach, start = _reach(problem), float(problem.samples.t[0])
     spans = [
         (start + at * filters.slot_s + reach, start + (at + len(filters.pushes[k])) * filters.slot_s - reach)
-        for k, at in _stand_out(filters, Reference.of(problem, filters.slot))
+        for k, at in _stand_out(filters, Reference(problem, filters.slot))
     ]
     first, last = problem.data.t[0] + END_S, problem.data.t[-1] - END_S
     contacts: list[Contact] = []

@@ -1,6 +1,5 @@
 """Faults of the data of one joint, with which no effect may be named, and limits of what the data can show."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -8,7 +7,6 @@ import numpy as np
 
 from friction_audit.effects.joint_data import SIGMA_PER_MEDIAN, JointData
 from friction_audit.joint_log import Float, JointLog, median_step
-from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.even_grid import fresh_samples, gaps
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.sign import SIGNIFICANT
@@ -72,10 +70,7 @@ RULES = {
     ),
     "cycles": _Rule(10, "limit", "{value:.0f} cycles; {bound:.0f} are needed", at_most=False),
     "speed_spread": _Rule(
-        0.2,
-        "limit",
-        "speeds spread by {value:.0%}: Coulomb and viscous friction cannot be separated",
-        at_most=False,
+        0.2, "limit", "speeds spread by {value:.0%}: Coulomb and viscous friction cannot be separated", at_most=False
     ),
     "reversals": _Rule(
         10, "limit", "{value:.0f} reversals: effects that follow a reversal cannot be seen", at_most=False
@@ -95,12 +90,6 @@ class DataFinding:
     message: str  # one sentence for people; empty where all is fine
 
 
-def audit_joints(log: JointLog, interaction: Interaction, joints: Sequence[JointData]) -> list[tuple[DataFinding, ...]]:
-    """Look for faults of each joint's data."""
-    clock = audit_clock(log)
-    return per_joint(lambda k: audit_data(log, interaction, joints[k], clock), len(joints))
-
-
 def audit_data(
     log: JointLog, interaction: Interaction, data: JointData, clock: tuple[DataFinding, ...]
 ) -> tuple[DataFinding, ...]:
@@ -112,8 +101,7 @@ def audit_data(
         *constant,
         *(() if faults(constant[1:]) else _velocity(interaction, data)),
         _judged("power", scores[0]) if scores and not np.isnan(scores[0]) else _stated("power", NAN, ""),
-        *_sensors(interaction, data),
-        *_excitation(data),
+        *_sensors_and_motion(interaction, data),
     )
 
 
@@ -124,8 +112,7 @@ def faults(findings: tuple[DataFinding, ...]) -> tuple[DataFinding, ...]:
 
 def audit_part(part_s: tuple[float, float], whole_s: float, most_s: float) -> DataFinding:
     """Say how much of a log is diagnosed, and where that lies, from its first sample on. [s]"""
-    start, stop = part_s
-    return _judged("part", whole_s, most_s, start=start, stop=stop, minutes=np.ceil(whole_s / 60.0))
+    return _judged("part", whole_s, most_s, start=part_s[0], stop=part_s[1], minutes=np.ceil(whole_s / 60.0))
 
 
 def _judged(code: str, value: float, bound: float | None = None, **words: object) -> DataFinding:
@@ -192,16 +179,6 @@ def _velocity(interaction: Interaction, data: JointData) -> tuple[DataFinding, .
     )
 
 
-def _sensors(interaction: Interaction, data: JointData) -> tuple[DataFinding, ...]:
-    still = (np.abs(data.dq) < data.dead_speed_rad_s) & data.valid
-    steps = np.diff(data.torque)[still[1:] & still[:-1]]
-    return (
-        _stated("standstill_noise", float(np.std(steps) / np.sqrt(2)) if len(steps) else NAN, "N m"),
-        _stated("torque_step", _resolution(interaction.torque[:, data.joint]), "N m"),
-        _judged("standstill", float(still.sum()) * data.step_s),
-    )
-
-
 def _resolution(signal: Float) -> float:
     """Smallest step that most changes are multiples of; 0 where changes are all different."""
     steps = np.abs(np.diff(signal))
@@ -213,10 +190,16 @@ def _resolution(signal: Float) -> float:
     return typical if float(np.mean(np.abs(multiples - np.round(multiples)) < WHOLE)) > MOST_CHANGES else 0.0
 
 
-def _excitation(data: JointData) -> tuple[DataFinding, ...]:
-    speed = np.abs(data.dq[data.used])
-    direction = np.sign(data.dq[data.moving & data.valid])
+def _sensors_and_motion(interaction: Interaction, data: JointData) -> tuple[DataFinding, ...]:
+    still, direction = (
+        (np.abs(data.dq) < data.dead_speed_rad_s) & data.valid,
+        np.sign(data.dq[data.moving & data.valid]),
+    )
+    steps, speed = np.diff(data.torque)[still[1:] & still[:-1]], np.abs(data.dq[data.used])
     return (
+        _stated("standstill_noise", float(np.std(steps) / np.sqrt(2)) if len(steps) else NAN, "N m"),
+        _stated("torque_step", _resolution(interaction.torque[:, data.joint]), "N m"),
+        _judged("standstill", float(still.sum()) * data.step_s),
         _judged("cycles", float(len(np.unique(data.cycle[data.used])))),
         _judged("speed_spread", float(speed.std() / speed.mean()) if len(speed) else 0.0),
         _judged("reversals", float(np.count_nonzero(np.diff(direction)))),

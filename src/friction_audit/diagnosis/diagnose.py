@@ -1,80 +1,47 @@
-"""Where simulation and measurement disagree, joint by joint."""
+"""Where simulation and measurement disagree: joint by joint, the names that stand, their sizes and the verdict."""
 
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from dataclasses import replace
-from functools import partial
-from typing import Any
 
 import numpy as np
 
-from friction_audit.diagnosis.data_audit import audit_joints
-from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
-from friction_audit.diagnosis.known_load import known_inertias
-from friction_audit.diagnosis.prepare import prepare, spread_parts
-from friction_audit.diagnosis.result import Discrepancy, JointDiagnosis
+from friction_audit.diagnosis import profiles, residual_checks, selection
+from friction_audit.diagnosis.augmented_model import gap_in_motion
+from friction_audit.diagnosis.data_audit import faults
+from friction_audit.diagnosis.dictionary import Block
+from friction_audit.diagnosis.nonlinear import Estimates, intervals
+from friction_audit.diagnosis.prepare import Subject
+from friction_audit.diagnosis.procedure import State, accepted, fitted, nominal, select, sizes
+from friction_audit.diagnosis.residual_checks import residual_of
+from friction_audit.diagnosis.result import (
+    Discrepancy,
+    Evidence,
+    JointDiagnosis,
+    NamedEffect,
+    ResidualCheck,
+    Traces,
+    Verdict,
+)
+from friction_audit.diagnosis.samples import make_samples
 from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.diagnosis.validation import gains, gap, held_out, wild_cluster_bootstrap
+from friction_audit.effects.effect import Effect
+from friction_audit.effects.joint_data import displacement
 from friction_audit.effects.registry import effects
 from friction_audit.errors import AnalysisError, FrictionAuditError, bug_sentence, traced
-from friction_audit.friction.history import FrictionHistory
-from friction_audit.joint_log import JointLog
+from friction_audit.joint_log import Float
 from friction_audit.parallel import WORKERS, in_processes, one_joint_at_a_time, per_joint, workers_for
-from friction_audit.preprocessing.energy_cycles import KEPT, EnergyCycles
-from friction_audit.preprocessing.interaction import Interaction
-from friction_audit.robot import Arm
 
 WORKING_BYTES = 1000  # of a process per sample of the fine grid (benchmarks/bench_diagnose.py)
-
-PREPARED = 2.0  # times as long as what is diagnosed is a window in which that is spread
-WINDOWS = 10  # that are tried per window's length
-SMALL = 1e-6  # of the information in the whole log: of a joint without any in a window
-
-
-def best_window(cycles: EnergyCycles, duration_s: float, length_s: float) -> tuple[float, float]:
-    """Return the window in which the cycles determine both coefficients of all joints best: D-optimality. [s]"""
-    rows = np.column_stack([cycles.sums.path_rad, cycles.sums.square_speed_rad2_s])
-    kept = [
-        (cycles.joint == joint) & (cycles.reason == KEPT) for joint in np.unique(cycles.joint[cycles.reason == KEPT])
-    ]
-
-    def information(start: float) -> float:
-        inside = (cycles.start_s >= start) & (cycles.stop_s <= start + length_s)
-        grams = [(rows[own].T @ rows[own], rows[own & inside].T @ rows[own & inside]) for own in kept]
-        return float(sum(np.linalg.slogdet(part + SMALL * whole)[1] for whole, part in grams))
-
-    starts = np.linspace(0.0, duration_s - length_s, int(WINDOWS * duration_s / length_s))
-    start = max(starts.tolist(), key=information)
-    return start, start + length_s
-
-
-def subjects_of(
-    log: JointLog,
-    interaction: Interaction,
-    cycles: EnergyCycles,
-    friction: FrictionHistory,
-    settings: DiagnosisSettings,
-    arm: Arm | None = None,
-) -> tuple[Subject, ...]:
-    """Prepare every joint of a log in the window of its interaction; of its samples nothing is needed afterwards."""
-    inertias, subjects = known_inertias(arm, interaction.choice, log.q), []
-    prepared = [*prepare(interaction, cycles, log, arm)]
-    joined: dict[str, Any] = {}
-    for findings in audit_joints(log, interaction, prepared):
-        data = spread_parts(prepared.pop(0), settings.at_most_s, joined)  # of a long log, the rest is freed at once
-        number, found = interaction.joint_numbers[data.joint], friction.joints[data.joint]
-        subjects.append(
-            Subject(
-                data=replace(data, logged_dq=None),  # the audit alone has looked at it
-                number=number,
-                name=interaction.joint_names[data.joint],
-                findings=findings,
-                from_energy={"coulomb_nm": found.coulomb, "viscous_nms_per_rad": found.viscous},
-                model=None if settings.model is None else settings.model.joints[number - 1],
-                known_inertia_kg_m2=float(inertias[number - 1]),
-                lacking=found.reason,
-            )
-        )
-    return tuple(subjects)
+FEWEST_CYCLES = 6
+ALPHA = 0.05  # family-wise error of the detection limit
+POWER_Z = 1.28  # normal quantile of 90 % power
+COMPETING_SHOWN = 6
+SIMULATED = 5  # one of so many folds is simulated forward
+NEGLIGIBLE = 0.01  # of the joint's friction torque, rms
+MINOR = 0.1
+ENOUGH = 0.5  # share of the explainable power that names must explain, or nothing holds
 
 
 def diagnose_subjects(
@@ -86,18 +53,16 @@ def diagnose_subjects(
     def one(k: int) -> JointDiagnosis:
         """Diagnose a joint; an error is the result of this joint and not the end of the others."""
         subject = subjects[k]
-        unanswered = partial(JointDiagnosis, joint=subject.number, name=subject.name, from_energy=subject.from_energy)
         # The last of an odd number of joints has a second core to itself, for the columns of its effects.
         last = k == joints - 1 and joints % (workers if workers > 1 else WORKERS) == 1
         try:
             with nullcontext() if last else one_joint_at_a_time():
                 return diagnose_joint(subject, candidates, settings)
-        except AnalysisError as error:
-            return unanswered(verdict="not_testable", reason=str(error))
         except (FrictionAuditError, MemoryError, Warning):  # warnings are errors where the tests run
             raise
         except Exception as error:  # noqa: BLE001 - reported as a bug: verdict, traceback and exit code 1
-            return unanswered(verdict="failed", reason=bug_sentence("the diagnosis", error), traceback=traced(error))
+            failed = _unanswered(subject, "failed", bug_sentence("the diagnosis", error))
+            return replace(failed, findings=(), traceback=traced(error))
 
     joints = len(subjects)
     workers = workers_for(joints, WORKING_BYTES * max(len(subject.data.t) for subject in subjects))
@@ -109,3 +74,206 @@ def diagnose_subjects(
         if report is not None:
             report(len(diagnosed) / joints)
     return Discrepancy(joints=tuple(diagnosed))
+
+
+def diagnose_joint(subject: Subject, effects: Sequence[Effect], settings: DiagnosisSettings) -> JointDiagnosis:
+    """Say whether anything is missing in the nominal model of a joint, and what: of some effects, those that count."""
+    # What is kept with a copy, columns of the arm's model above all, is freed with it.
+    rigid = subject.data.rigid
+    subject = replace(subject, data=replace(subject.data, rigid=None if rigid is None else replace(rigid)))
+    wrong = faults(subject.findings)
+    if wrong:
+        return _unanswered(subject, "data_fault", "; ".join(one.message for one in wrong))
+    cycles = len(np.unique(make_samples(subject.data).cycle))
+    if cycles < FEWEST_CYCLES:
+        lacking = subject.lacking or "move the joint back and forth, or count slower cycles with --thresholds auto"
+        counted = f"{cycles} energy {'cycle' if cycles == 1 else 'cycles'} with motion"
+        why = f"{counted}; at least {FEWEST_CYCLES} are needed: {lacking}"
+        return _unanswered(subject, "not_testable", why)
+    try:
+        state = select(subject.data, subject.model, effects)
+        if not state.gram.blocks:
+            why = "; ".join(dict.fromkeys(state.dictionary.not_testable.values()))
+            return _unanswered(subject, "not_testable", why)
+        keep_stable(state)
+        found = _result(subject, state, settings)
+    except (AnalysisError, np.linalg.LinAlgError) as error:
+        return _unanswered(subject, "not_testable", str(error))
+    test = np.unique(state.problem.samples.cycle[SIMULATED * state.problem.fold < state.problem.folds])
+    simulation = gap_in_motion(found, subject.model, subject.data, test, subject.known_inertia_kg_m2)
+    return replace(profiles.with_own_axes(found), simulation=simulation, contacts=profiles.contact_trace(state))
+
+
+def _unanswered(subject: Subject, verdict: Verdict, reason: str) -> JointDiagnosis:
+    return JointDiagnosis(
+        joint=subject.number,
+        name=subject.name,
+        verdict=verdict,
+        reason=reason,
+        from_energy=subject.from_energy,
+        findings=subject.findings,
+    )
+
+
+def keep_stable(state: State) -> None:
+    """Drop effects that too few of the folds choose, or that structure outside the catalogue replaces."""
+    while state.active:
+        state.folds = selection.shares_of_folds(state.gram, state.active, state.search.most_numbers)
+        unsteady = [
+            b
+            for b in state.active
+            if state.folds[b.name] < selection.LEAST_FOLDS * state.problem.folds
+            or residual_checks.competing_structure(state.gram, state.active, b)
+        ]
+        if not unsteady:
+            return
+        state.active = accepted(state, [b for b in state.active if b not in unsteady])
+
+
+def _result(subject: Subject, state: State, settings: DiagnosisSettings) -> JointDiagnosis:
+    gram, problem, active = state.gram, state.problem, state.active
+    closed, before, after = gap(gram, active)
+    baseline = nominal(problem, state.search.training, active)
+    estimates = intervals(gram, state.dictionary, active, baseline)
+    tests = wild_cluster_bootstrap(gram, (), settings.seed)
+    first = profiles.profiles_of(problem, before.residual, tests.curves)
+    plain, last, remaining = estimates, tests, first
+    if active:
+        plain = intervals(gram, state.dictionary, (), nominal(problem, state.search.training, ()))
+        last = wild_cluster_bootstrap(gram, active, settings.seed)
+        remaining = profiles.profiles_of(problem, after.residual, last.curves)
+    named, negligible = _effects(state, estimates, settings.min_effect_nm)
+    checks = residual_checks.run(gram, active)
+    bare = held_out(gram, [b for b in active if b.name == "gravity_error"], replaced=active).rms
+    verdict, lacking = verdict_of(state, named, checks), _lacking(state, checks)
+    slow = f"the residual follows the time, and this log cannot test slow effects: {lacking}"
+    return JointDiagnosis(
+        joint=subject.number,
+        name=subject.name,
+        verdict=verdict,
+        reason=slow if verdict == "not_testable" else "",
+        effects=(*profiles.contact_effects(state, first), *named),
+        nominal=plain.nominal,
+        augmented=estimates.nominal,
+        from_energy=subject.from_energy,
+        gap=closed,
+        ladder=(
+            ("nominal model", closed.before),
+            *((f"+ {one.name}", one.gap_after_nm) for one in named),
+            ("noise floor", closed.floor),
+        ),
+        omnibus_p=tests.p_value,
+        remaining_p=last.p_value,
+        detection_limit_nm=_detection_limit(state, after.rms),
+        profiles=first,
+        remaining=remaining,
+        untestable={k: v for k, v in state.dictionary.not_testable.items() if k not in {b.name for b in active}},
+        findings=subject.findings,
+        traces=_traces(state, before.residual, after.residual),
+        negligible=negligible,
+        checks=checks,
+        remainder_share=max((check.share for check in checks), default=0.0),
+        share_explained=float("nan") if bare <= closed.floor else (bare - after.rms) / (bare - closed.floor),
+    )
+
+
+def verdict_of(state: State, named: Sequence[NamedEffect], checks: Sequence[ResidualCheck]) -> Verdict:
+    """The one word."""
+    if not named:
+        if checks:
+            return "not_testable" if _lacking(state, checks) else "unexplained"
+        return "named" if state.contacts else "adequate"
+    # No torque of a named effect holds a spectral line, so that a line says nothing against a name.
+    remainder = max((c.share for c in checks if c.code != "line"), default=0.0)
+    before, after = (float(np.mean(residual_of(state.gram, a) ** 2)) for a in ((), state.active))
+    if before - after < ENOUGH * (before - after + remainder * after):
+        return "unexplained"
+    return "ambiguous" if any(one.alternatives for one in named) else "named"
+
+
+def _lacking(state: State, checks: Sequence[ResidualCheck]) -> str:
+    """The motion that would test slow effects where the residual follows the time; empty elsewhere."""
+    if not checks or (checks[0].code, checks[0].along) != ("curve", "time"):
+        return ""
+    why = state.dictionary.not_testable
+    return next((why[e.name] for e in state.dictionary.effects if e.name in why and e.axis == "time"), "")
+
+
+def _effects(
+    state: State, estimates: Estimates, least_nm: float
+) -> tuple[tuple[NamedEffect, ...], tuple[NamedEffect, ...]]:
+    """Effects that count, and those that stand and are too small to count, the largest first.
+
+    Each with what is left on held-out cycles before and after it is added to those before it.
+    """
+    gram, problem, active = state.gram, state.problem, state.active
+    data, baseline = problem.data, nominal(problem, state.search.training, active)
+    friction = np.abs(baseline.coulomb_nm * data.way + baseline.viscous_nms_per_rad * data.dq)[data.used]
+    friction_nm = max(float(np.sqrt(np.mean(friction**2))), 1e-12)
+    left, power = residual_of(gram, active), float(np.sum(residual_of(gram, ()) ** 2))
+    each = zip(fitted(gram, active), gains(gram, active), sizes(gram, active).tolist(), *estimates[1:], strict=True)
+    added: dict[bool, list[Block]] = {False: [], True: []}  # by whether they are negligible
+    found: dict[bool, list[NamedEffect]] = {False: [], True: []}
+    for (block, factors), gain, size, parameters, unknown in sorted(each, key=lambda one: -one[2]):
+        effect, torque, share = block.effect, factors @ block.columns, size / friction_nm
+        grade = "negligible" if share < NEGLIGIBLE or size < least_nm else ("minor" if share < MINOR else "major")
+        competing, small = selection.competing_effects(state.search, active, block), grade == "negligible"
+        before = found[small][-1].gap_after_nm if found[small] else held_out(gram, (), replaced=active).rms
+        added[small].append(block)
+        found[small].append(
+            NamedEffect(
+                name=block.name,
+                label=effect.label,
+                alternatives=selection.indistinguishable(gram, competing, block, active),
+                parameters=parameters,
+                p_value=gain.p_value,
+                evidence=(
+                    Evidence(name=block.name, two_ln_bayes_factor=0.0, correlation=1.0),
+                    *competing[:COMPETING_SHOWN],
+                ),
+                axis=effect.axis,
+                gap_before_nm=before,
+                gap_after_nm=held_out(gram, added[small], replaced=active).rms,
+                torque=torque,
+                curve=profiles.profiles_of(problem, left + torque, {}, effect.axis)[0],
+                size_nm=size,
+                friction_share=share,
+                residual_share=min(size**2 * len(torque) / max(power, 1e-300), 1.0),
+                grade=grade,
+                folds=problem.folds,
+                chosen_in=(state.folds or {}).get(block.name, 0),
+                not_identifiable=unknown,
+            )
+        )
+    return tuple(found[False]), tuple(found[True])
+
+
+def _detection_limit(state: State, left_nm: float) -> float:
+    """Rms of an effect, free of the nominal model, that would have been seen with 90 % power. [N m]"""
+    from scipy.special import ndtri
+
+    needed = (float(ndtri(1.0 - ALPHA / (2 * max(len(state.gram.blocks), 1)))) + POWER_Z) ** 2
+    noise = state.gram.noise
+    # The information of an effect as broad as the residual itself: its power per independent sample.
+    time = float(np.sum(noise.predictors[-1])) if noise.age.max() else 0.0
+    information = noise.effective_samples * max(1.0 - time, 0.05) ** 2 * (noise.scales[-1] * left_nm) ** 2
+    return float(left_nm * np.sqrt(needed / max(information, 1.0)))
+
+
+def _traces(state: State, before: Float, after: Float) -> Traces:
+    problem, weight = state.problem, state.problem.samples.weight
+    q, dq, _ = problem.kinematics
+    measured = problem.samples.y / weight
+    return Traces(
+        t=problem.samples.t,
+        q=q,
+        dq=dq,
+        displacement=problem.at_samples(displacement(problem.data)),
+        cycle=problem.samples.cycle,
+        held_out=np.ones(len(q), bool),
+        measured=measured,
+        before=measured - before / weight,
+        after=measured - after / weight,
+        along={curve.axis.name: curve.values for curve in problem.curves},
+        corner_hz=problem.samples.corner_hz,
+    )

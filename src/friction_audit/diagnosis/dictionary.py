@@ -7,17 +7,17 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.problem import Index, RegressionProblem
+from friction_audit.diagnosis.problem import RegressionProblem
+from friction_audit.diagnosis.samples import Index
 from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import JointData, Nominal, speeds
 from friction_audit.effects.position import order_range
 from friction_audit.joint_log import Float
 from friction_audit.parallel import per_joint as side_by_side
 
+# Every so many points of a grid: neighbours are refined afterwards.
 EVERY = {"frictional_lag": 3, "presliding": 2, "nonlinear_viscous": 2}
-"""Every so many points of a grid: neighbours are refined afterwards."""
-LEAST_BEND = 0.05
-"""Share of the log's high speed below which a curve in speed is Coulomb friction with a smoothed sign."""
+LEAST_BEND = 0.05  # of the log's high speed: a curve in speed below is Coulomb friction with a smoothed sign
 EVENT = "contact_event"  # found by its own detector
 FARTHEST = 0.5  # by what share a link may change the nominal coefficients
 # By what share it must, for its columns to be built again with them. With 2 %, effects_backlash_60009 ends in another
@@ -218,19 +218,15 @@ class Dictionary:
 
     def bounds(self, block: Block) -> dict[str, tuple[float, float]]:
         """From where to where nonlinear parameters may be refined: the grid and half as much again."""
-        tried = self._grid(block.effect)
-        nonlinear = {p.name: p for p in block.effect.nonlinear}
+        tried, free = self._grid(block.effect), {p.name: p for p in block.effect.nonlinear if not p.whole}
         found = {}
-        for name, value in block.shape.items():
-            values = np.array([s[name] for s in tried if name in s] + [value])
-            if name not in nonlinear or nonlinear[name].whole:
+        for name in (name for name in block.shape if name in free):
+            values = [s[name] for s in tried if name in s] + [block.shape[name]]
+            least, most = min(values), max(values)
+            if least == most and block.name != "torque_ripple":
                 continue
-            if len(np.unique(values)) < 2 and block.name != "torque_ripple":  # noqa: PLR2004
-                continue
-            low, high = nonlinear[name].lower, nonlinear[name].upper
-            least, most = float(values.min()), float(values.max())
             least, most = (least / 1.5 if least > 0 else least * 1.5), (most * 1.5 if most > 0 else most / 1.5)
-            found[name] = (max(low, least), min(high, most))
+            found[name] = (max(free[name].lower, least), min(free[name].upper, most))
         return found
 
     def spacing(self, block: Block, name: str) -> float:

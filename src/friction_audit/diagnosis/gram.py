@@ -2,18 +2,19 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
 from friction_audit.diagnosis.dictionary import Block
-from friction_audit.diagnosis.noise_model import NoiseModel
-from friction_audit.diagnosis.problem import Index, Nuisance, RegressionProblem
+from friction_audit.diagnosis.problem import Nuisance, RegressionProblem
+from friction_audit.diagnosis.samples import Index, NoiseModel
 from friction_audit.joint_log import Float
 
 COPY = 1e-5  # eigenvalue of a block given everything else, over its own size, of what is a copy of that
 RIDGE = 1e-10
+ByWidth = list[tuple[Index, Index, Float]]  # of blocks of one width each: numbers, columns, own products
 AT_ONCE = 2**18  # numbers of a dictionary that are worked on at once: 2 MB stay in the cache of a core
 
 
@@ -31,6 +32,7 @@ class Gram:
         self.problem, self.noise, self.nuisances = problem, noise, tuple(nuisances)
         self.order = problem.order
         self.ends = np.searchsorted(problem.fold[self.order], np.arange(problem.folds + 1))
+        self.slices = [slice(a, b) for a, b in pairwise(self.ends.tolist())]  # columns of each fold
         self.sorted_noise = replace(noise, age=noise.age[self.order], weight=noise.weight[self.order])
         self.base_raw = np.vstack([problem.X, *(one.column[None] for one in nuisances)])
         self.precision = np.append(np.zeros(len(problem.X)), [1.0 / one.sd**2 for one in nuisances])
@@ -46,11 +48,6 @@ class Gram:
         self.cross: dict[int | None, Float] = {None: np.empty((problem.folds, len(white), 0))}
         self.version = 0
         self.add(blocks)
-
-    @property
-    def slices(self) -> list[slice]:
-        """Columns of each fold."""
-        return [slice(a, b) for a, b in zip(self.ends[:-1], self.ends[1:], strict=True)]
 
     @property
     def zy(self) -> Float:
@@ -138,8 +135,9 @@ class Gram:
         for block in blocks:
             at = block.start - blocks[0].start
             own = white[at : at + block.p]
+            several = block.p > 1
             found.append(
-                squares[:, at, None, None] if block.p == 1 else np.stack([own[:, f] @ own[:, f].T for f in self.slices])
+                np.stack([own[:, f] @ own[:, f].T for f in self.slices]) if several else squares[:, at, None, None]
             )
         return found
 
@@ -161,7 +159,7 @@ def _transposed(rows: Float, predictors: Float, scales: Float, age: Index) -> Fl
 class Fit:
     """The model with some blocks, fitted on some folds."""
 
-    kept: NDArray[np.int64]  # rows of the base that take part: nuisances that a block replaces do not
+    kept: Index  # rows of the base that take part: nuisances that a block replaces do not
     coefficients: Float  # of these and of the blocks, one after the other
     rss: float  # weighted residual sum of squares, priors included
     factor: Float  # of Cholesky, of the scaled Gram matrix
@@ -177,9 +175,7 @@ class Training:
     folds: tuple[int, ...] = ()
     _sums: dict[int | None, tuple[int, Float]] = field(default_factory=dict)
     _fits: dict[tuple[object, ...], Fit] = field(default_factory=dict)
-    _own: dict[tuple[str, int], tuple[int, list[tuple[NDArray[np.int64], NDArray[np.int64], Float]]]] = field(
-        default_factory=dict
-    )
+    _own: dict[tuple[str, int], tuple[int, ByWidth]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Take all folds if none are given."""
@@ -217,17 +213,13 @@ class Training:
         names = {b.name for b in active} | set(unpinned)
         out = [len(gram.problem.X) + k for k, one in enumerate(gram.nuisances) if names & set(one.replaced_by)]
         kept = np.setdiff1d(np.arange(len(gram.base)), out)
-        cols = [np.arange(b.start, b.start + b.p) for b in active]
-        at = np.concatenate([np.zeros(0, int), *cols]).astype(int)
-        bb = gram.bb[folds].sum(axis=0)[np.ix_(kept, kept)] + np.diag(gram.precision[kept])
-        rows = [self._cross(b)[:, at] for b in active]
-        whole = np.zeros((len(kept) + len(at),) * 2)
-        b = len(kept)
-        whole[:b, :b] = bb
-        whole[:b, b:] = self._cross(None)[kept][:, at]
-        whole[b:, :b] = whole[:b, b:].T
-        if rows:
-            whole[b:, b:] = np.vstack(rows)
+        at = np.concatenate([np.zeros(0, int), *(np.arange(b.start, b.start + b.p) for b in active)])
+        n, cross = len(kept), self._cross(None)[kept][:, at]
+        whole = np.empty((n + len(at),) * 2)
+        whole[:n, :n] = gram.bb[folds].sum(axis=0)[np.ix_(kept, kept)] + np.diag(gram.precision[kept])
+        whole[:n, n:], whole[n:, :n] = cross, cross.T
+        for block, rows in zip(active, np.split(whole[n:, n:], np.cumsum([b.p for b in active])), strict=False):
+            rows[:] = self._cross(block)[:, at]
         right = np.append(gram.by[folds].sum(axis=0)[kept], gram.zy[folds].sum(axis=0)[at])
         scale = np.sqrt(np.diag(whole))
         scale[scale == 0] = 1.0
@@ -247,13 +239,11 @@ class Training:
 
     def gain(self, active: Sequence[Block]) -> tuple[Float, list[Float]]:
         """L = n ln(RSS / RSS with the block) of every block given an active set, and its coefficients."""
-        blocks = self.gram.blocks
-        gains, coefficients = np.zeros(len(blocks)), [np.zeros(0)] * len(blocks)
-        names = {n for one in self.gram.nuisances for n in one.replaced_by} - {b.name for b in active}
         known = self.gram.names
-        apart = {k: known[k] for name in names for k in np.flatnonzero(known == name)}
+        gains, coefficients = np.zeros(len(known)), [np.zeros(0)] * len(known)
+        names = {n for one in self.gram.nuisances for n in one.replaced_by} - {b.name for b in active}
         self._gain(active, "", np.flatnonzero(~np.isin(known, list(names))), gains, coefficients)
-        for name in names & set(apart.values()):
+        for name in names.intersection(known.tolist()):
             which = np.flatnonzero(known == name)
             # A nuisance that stands for the effect is left out with it, so that the two compete for the same torque.
             lost = self.samples * np.log(self.fit(active, (name,)).rss / self.fit(active).rss)
@@ -262,7 +252,7 @@ class Training:
         return gains, coefficients
 
     def _gain(
-        self, active: Sequence[Block], unpinned: str, which: NDArray[np.int64], gains: Float, coefficients: list[Float]
+        self, active: Sequence[Block], unpinned: str, which: Index, gains: Float, coefficients: list[Float]
     ) -> None:
         """Write gains and coefficients of some blocks."""
         from scipy.linalg import solve_triangular
@@ -291,7 +281,7 @@ class Training:
             for k, one in zip(members, found, strict=True):
                 coefficients[k] = one
 
-    def _by_width(self, key: str, which: NDArray[np.int64]) -> list[tuple[NDArray[np.int64], NDArray[np.int64], Float]]:
+    def _by_width(self, key: str, which: Index) -> ByWidth:
         version, found = self._own.get((key, len(which)), (-1, []))
         if version != (gram := self.gram).version:
             found, widths = [], gram.widths[which]

@@ -1,4 +1,4 @@
-"""Interaction -> JointData: torque and motion of each joint through one low-pass, on one even grid.
+"""Interaction -> Subject: torque and motion of each joint through one low-pass, on one even grid, and their audit.
 
 Velocity and acceleration are derivatives of the position where those err less than the logged velocity: the position of
 a Panda is a hundred times quieter, and drivers log differences of the position after a filter, some milliseconds late.
@@ -12,12 +12,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.known_load import know_load
+from friction_audit.diagnosis.data_audit import DataFinding, audit_clock, audit_data
+from friction_audit.diagnosis.known_load import know_load, known_inertias
+from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.breakaway import find_breakaways, signed_rest
 from friction_audit.effects.joint_data import JointData, duration, grid_noise
+from friction_audit.effects.joint_model import JointModel
+from friction_audit.friction.history import Coefficient, FrictionHistory
 from friction_audit.joint_log import DERIVATIVE, Float, JointLog, median_step
 from friction_audit.parallel import per_joint
-from friction_audit.preprocessing.energy_cycles import EnergyCycles
+from friction_audit.preprocessing.energy_cycles import KEPT, EnergyCycles
 from friction_audit.preprocessing.even_grid import LowPass, fresh_samples, moments_of_samples
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.sign import coarse_log
@@ -36,6 +40,23 @@ TURN_S = 0.01  # a reversal that takes no longer may leave the direction certain
 # Unless the joint rests in it for longer: the median of a log, and a single one, which noise makes uncertain by 1 ms.
 MEDIAN_REST_S, REST_S = 1e-3, 3e-3
 NEAR_S, FAR_S = 0.008, 0.03  # from a reversal, for straight lines out of the low-pass's reach
+PREPARED = 2.0  # times as long as what is diagnosed is a window in which that is spread
+WINDOWS = 10  # that are tried per window's length
+SMALL = 1e-6  # of the information in the whole log: of a joint without any in a window
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Subject:
+    """A joint to diagnose."""
+
+    data: JointData  # the joint on the fine grid
+    number: int  # number for people
+    name: str
+    findings: tuple[DataFinding, ...]  # what the audit of its data found
+    from_energy: dict[str, Coefficient]  # what the energy method says of it
+    model: JointModel | None = None  # its nominal model, None for the simple one
+    known_inertia_kg_m2: float = 0.0  # inertia whose torque a rigid-body model took out of the log
+    lacking: str = ""  # why the energy method has no estimate, with the motion that would help; empty where it has one
 
 
 def prepare(
@@ -52,11 +73,11 @@ def prepare(
     t = moments_of_samples(log.t[fresh], log.q[fresh], log.dq[fresh])
     low_pass = LowPass.for_stamps(t)
     valid = low_pass.away_from_gaps(t)
-    motion = _filtered_motion(log, low_pass, t, fresh, valid)
+    (all_q, all_dq, all_ddq, logged_dq), derived_from, crossovers_hz = _filtered_motion(log, low_pass, t, fresh, valid)
     read: Float = getattr(log, CHANNELS[choice.source])
     sensed = choice.sign * low_pass.all_of(t, read, fresh)
     logged = None if log.gravity is None else low_pass.all_of(t, log.gravity, fresh)
-    load, removed, rigid = know_load(choice, arm, low_pass.t, (motion.q, motion.dq, motion.ddq), logged)
+    load, removed, rigid = know_load(choice, arm, low_pass.t, (all_q, all_dq, all_ddq), logged)
 
     def one(joint: int) -> JointData:
         column = interaction.joint_numbers[joint] - 1
@@ -69,11 +90,11 @@ def prepare(
         if interaction.compensation is not None:
             torque = torque + low_pass.of(t, interaction.compensation[fresh, joint])
         # Copies: columns of a matrix of all joints are read at an eighth of the speed.
-        q, own_dq = (np.ascontiguousarray(every[:, column]) for every in (motion.q, motion.dq))
+        q, own_dq = (np.ascontiguousarray(every[:, column]) for every in (all_q, all_dq))
         usual = float(np.quantile(np.abs(own_dq[valid]), 0.95)) if valid.any() else 0.0
         dead = max(DEAD_SIGMAS * grid_noise(own_dq[valid]), DEAD_SHARE * usual, TINY_SPEED)
         breakaways = find_breakaways(q, own_dq, dead, low_pass.step_s)
-        dq, ddq = signed_rest(own_dq, motion.ddq[:, column], breakaways, dead)
+        dq, ddq = signed_rest(own_dq, all_ddq[:, column], breakaways, dead)
         return JointData(
             joint=joint,
             t=low_pass.t,
@@ -82,20 +103,20 @@ def prepare(
             ddq=ddq,
             torque=torque,
             temperature=None if log.temperature is None else low_pass.of(t, log.temperature[fresh, column]),
-            others_dq=motion.dq,
-            others_ddq=motion.ddq,
+            others_dq=all_dq,
+            others_ddq=all_ddq,
             others_torque=sensed,
             cycle=_cycle_of(low_pass.t, cycles, joint),
             moving=certain_direction(own_dq, dead, low_pass.step_s),
             valid=valid,
             dead_speed_rad_s=dead,
-            derived_from=motion.derived_from[column],
-            logged_dq=motion.logged[:, column],
+            derived_from=derived_from[column],
+            logged_dq=logged_dq[:, column],
             load=None if load is None else np.ascontiguousarray(load[:, column]),
             rigid=None if rigid is None else rigid[column],
             others_joint=column,
             sample_s=median_step(log.t),
-            crossover_hz=motion.crossover_hz[column],
+            crossover_hz=crossovers_hz[column],
         )
 
     return tuple(per_joint(one, len(interaction.joint_numbers)))
@@ -137,25 +158,20 @@ def spread_parts(data: JointData, most_s: float, known: dict[str, Any]) -> Joint
     counts = joined(inside.astype(np.float64)) == 1.0
     whole = np.where(np.isin(data.cycle, data.cycle[~inside]), -1, data.cycle)
     known |= {name: joined(getattr(data, name)) for name in SHARED if name not in known}
-    changed: dict[str, Any] = {
-        name: None if (own := getattr(data, name)) is None else joined(own)
-        for name in ("torque", "load", "temperature")
-    }
+    own = {name: getattr(data, name) for name in ("torque", "load", "temperature")}
+    changed: dict[str, Any] = {name: None if one is None else joined(one) for name, one in own.items()}
     if rigid is not None:
         model = {name: getattr(rigid, name) for name in ("t", "weight", "tilt", "inertial", "tip")}
         model = {name: None if own is None else joined(own, every) for name, own in model.items()}
         changed["rigid"] = replace(rigid, **model)
-    ways = _cubics(data, starts[:-1] + length - 1, starts[1:], gap)
-    motion: dict[str, Any] = {
-        name: joined(getattr(data, name), 1, way) for name, way in zip(("q", "dq", "ddq"), ways, strict=True)
-    }
+    for name, way in zip(("q", "dq", "ddq"), _cubics(data, starts[:-1] + length - 1, starts[1:], gap), strict=True):
+        changed[name] = joined(getattr(data, name), 1, way)
     return replace(
         data,
         cycle=np.where(counts, joined(whole), -1),
         moving=joined(data.moving.astype(np.float64)) == 1.0,
         valid=counts & (joined(data.valid.astype(np.float64)) == 1.0),
         logged_dq=None,
-        **motion,
         **changed,
         **known,
     )
@@ -170,60 +186,47 @@ def _cubics(data: JointData, end: Index, begin: Index, samples: int) -> tuple[Fl
     return q, ((3.0 * three * x + 2.0 * two) * x + one) / time_s, (6.0 * three * x + 2.0 * two) / time_s**2
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class _Motion:
-    """Motion of all joints of a log on the grid, and their velocities as logged, shape (n, j) each."""
-
-    q: Float
-    dq: Float
-    ddq: Float
-    logged: Float
-    derived_from: list[str]
-    crossover_hz: list[float]
-
-
 def _filtered_motion(
     log: JointLog, low_pass: LowPass, t: Float, fresh: NDArray[np.bool_] | slice, valid: NDArray[np.bool_]
-) -> _Motion:
+) -> tuple[list[Float], list[str], list[float]]:
+    """Position, velocity, acceleration and logged velocity, (n, j) each; what they are derived from, and crossovers."""
     coarse = coarse_log(log)
     lag = find_lag(coarse, median_step(log.t))
     acceleration = np.sqrt(np.mean(np.gradient(coarse.dq, coarse.t, axis=0) ** 2, axis=0))
 
     # One array each, not a list of columns that is stacked: half of the memory.
-    shape = len(low_pass.t), log.q.shape[1]
-    q, dq, ddq, logged = (np.empty(shape) for _ in range(4))
-    moved = _Motion(q, dq, ddq, logged, derived_from=[""] * shape[1], crossover_hz=[0.0] * shape[1])
+    many = log.q.shape[1]
+    moved = [np.empty((len(low_pass.t), many)) for _ in range(4)]
+    derived_from, crossovers_hz = ["dq"] * many, [0.0] * many
 
     def one(column: int) -> None:
         q, slope = low_pass.with_slope(t, log.q[fresh, column])
         logged = low_pass.of(t, log.dq[fresh, column])
-        moved.q[:, column], moved.logged[:, column] = q, logged
         derived = log.source.channels.get("dq") == DERIVATIVE
         if derived or grid_noise(slope) < np.hypot(grid_noise(logged), lag[column] * acceleration[column]):
-            moved.derived_from[column] = "q"
-            moved.dq[:, column], moved.ddq[:, column] = slope, np.gradient(slope, low_pass.t)
-            return
-        dq, ddq = low_pass.with_slope(t - lag[column], log.dq[fresh, column])
-        # With the logged velocity alone the inertial_coupling of a real Panda's joints 5 and 6 is ambiguous.
-        if crossover_hz := crossover_of(slope, dq, low_pass.step_s):
-            dq = complementary_mean(slope, dq, valid, low_pass.step_s, crossover_hz)
-            ddq = np.gradient(dq, low_pass.t)
-        moved.derived_from[column], moved.crossover_hz[column] = "dq", crossover_hz
-        moved.dq[:, column], moved.ddq[:, column] = dq, ddq
+            derived_from[column], dq, ddq = "q", slope, np.gradient(slope, low_pass.t)
+        else:
+            dq, ddq = low_pass.with_slope(t - lag[column], log.dq[fresh, column])
+            # With the logged velocity alone the inertial_coupling of a real Panda's joints 5 and 6 is ambiguous.
+            if crossover_hz := crossover_of(slope, dq, low_pass.step_s):
+                crossovers_hz[column] = crossover_hz
+                dq = complementary_mean(slope, dq, valid, low_pass.step_s, crossover_hz)
+                ddq = np.gradient(dq, low_pass.t)
+        for every, own in zip(moved, (q, dq, ddq, logged), strict=True):
+            every[:, column] = own
 
-    per_joint(one, shape[1])
-    return moved
+    per_joint(one, many)
+    return moved, derived_from, crossovers_hz
 
 
-def _cycle_of(t: Float, cycles: EnergyCycles, joint: int) -> NDArray[np.int64]:
+def _cycle_of(t: Float, cycles: EnergyCycles, joint: int) -> Index:
     """Number of the joint's cycle, half-open in time, -1 outside of any."""
     own = cycles.joint == joint
     start, stop = cycles.start_s[own], cycles.stop_s[own]
     if not len(start):
         return np.full(len(t), -1, np.int64)
     number = np.searchsorted(start, t, side="right") - 1
-    inside = (number >= 0) & (t < stop[number])
-    return np.where(inside, number, -1).astype(np.int64)
+    return np.where((number >= 0) & (t < stop[number]), number, -1).astype(np.int64)
 
 
 def certain_direction(dq: Float, dead_speed: float, step_s: float) -> NDArray[np.bool_]:
@@ -245,7 +248,7 @@ def certain_direction(dq: Float, dead_speed: float, step_s: float) -> NDArray[np
     return np.asarray(sure, bool)
 
 
-def _rest_in_reversals(dq: Float, last: NDArray[np.int64], first: NDArray[np.int64], step_s: float) -> Float:
+def _rest_in_reversals(dq: Float, last: Index, first: Index, step_s: float) -> Float:
     """Time between the zeros of straight lines through the velocity before and after reversals, shape (r,). [s]
 
     Acceleration that changes steadily moves both zeros alike. Infinite where the joint turns again.
@@ -261,7 +264,7 @@ def _rest_in_reversals(dq: Float, last: NDArray[np.int64], first: NDArray[np.int
     return np.where(whole, (first - last - into - out) * step_s, np.inf)
 
 
-def _time_to_zero(velocity: Float, away: NDArray[np.int64]) -> Float:
+def _time_to_zero(velocity: Float, away: Index) -> Float:
     """Samples from 0 at which a straight line through velocities (r, k) reaches zero, shape (r,)."""
     centre = away - away.mean()
     slope = velocity @ centre / (centre @ centre)
@@ -269,3 +272,49 @@ def _time_to_zero(velocity: Float, away: NDArray[np.int64]) -> Float:
     distance = np.full(len(slope), np.inf)
     np.divide(level, slope, out=distance, where=slope * level > 0)
     return distance - float(away.mean())
+
+
+def best_window(cycles: EnergyCycles, duration_s: float, length_s: float) -> tuple[float, float]:
+    """Return the window in which the cycles determine both coefficients of all joints best: D-optimality. [s]"""
+    rows = np.column_stack([cycles.sums.path_rad, cycles.sums.square_speed_rad2_s])
+    used = cycles.reason == KEPT
+    kept = [used & (cycles.joint == joint) for joint in np.unique(cycles.joint[used])]
+
+    def information(start: float) -> float:
+        inside = (cycles.start_s >= start) & (cycles.stop_s <= start + length_s)
+        grams = [(rows[own].T @ rows[own], rows[own & inside].T @ rows[own & inside]) for own in kept]
+        return float(sum(np.linalg.slogdet(part + SMALL * whole)[1] for whole, part in grams))
+
+    starts = np.linspace(0.0, duration_s - length_s, int(WINDOWS * duration_s / length_s))
+    start = max(starts.tolist(), key=information)
+    return start, start + length_s
+
+
+def subjects_of(
+    log: JointLog,
+    interaction: Interaction,
+    cycles: EnergyCycles,
+    friction: FrictionHistory,
+    settings: DiagnosisSettings,
+    arm: Arm | None = None,
+) -> tuple[Subject, ...]:
+    """Prepare every joint of a log in the window of its interaction; of its samples nothing is needed afterwards."""
+    inertias, subjects = known_inertias(arm, interaction.choice, log.q), []
+    prepared, clock = [*prepare(interaction, cycles, log, arm)], audit_clock(log)
+    joined: dict[str, Any] = {}
+    for findings in per_joint(lambda k: audit_data(log, interaction, prepared[k], clock), len(prepared)):
+        data = spread_parts(prepared.pop(0), settings.at_most_s, joined)  # of a long log, the rest is freed at once
+        number, found = interaction.joint_numbers[data.joint], friction.joints[data.joint]
+        subjects.append(
+            Subject(
+                data=replace(data, logged_dq=None),  # the audit alone has looked at it
+                number=number,
+                name=interaction.joint_names[data.joint],
+                findings=findings,
+                from_energy={"coulomb_nm": found.coulomb, "viscous_nms_per_rad": found.viscous},
+                model=None if settings.model is None else settings.model.joints[number - 1],
+                known_inertia_kg_m2=float(inertias[number - 1]),
+                lacking=found.reason,
+            )
+        )
+    return tuple(subjects)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from friction_audit.diagnosis.samples import (
     SAMPLE_HZ,
+    Index,
     NominalModel,
     Samples,
     corner_for,
@@ -24,7 +25,6 @@ from friction_audit.effects.joint_model import JointModel
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.even_grid import first_order
 
-Index = NDArray[np.int64]
 FOLDS = 10  # at most (R. Kohavi, Proc. IJCAI (1995) 1137); of ten cycles five folds would take two at once
 KNOTS = 6  # most of a curve, quantiles of its quantity
 MOST_CYCLES_PER_KNOT = 6  # a curve has at most so many numbers as a third of the cycles, two per knot
@@ -117,14 +117,8 @@ class RegressionProblem:
         follows = np.diff(samples.place, prepend=-(10**6)) == step
         follows &= samples.cycle == np.roll(samples.cycle, 1)
         follows &= ~samples.breakaway & ~np.roll(samples.breakaway, 1)
-        return cls(
-            data=data,
-            samples=samples,
-            nominal=nominal,
-            age=_age(follows),
-            fold=folds_of(samples.cycle),
-            curves=_curves(data, samples),
-        )
+        fold, curves = folds_of(samples.cycle), _curves(data, samples)
+        return cls(data=data, samples=samples, nominal=nominal, age=_age(follows), fold=fold, curves=curves)
 
     @property
     def folds(self) -> int:
@@ -174,8 +168,8 @@ class RegressionProblem:
         """The problem without some samples, shape (m,)."""
         kept = np.flatnonzero(~dropped)
         follows = (np.diff(kept, prepend=-2) == 1) & (self.age[kept] > 0)
-        return RegressionProblem(
-            data=self.data,
+        return replace(
+            self,
             samples=self.samples.keep(~dropped),
             nominal=replace(self.nominal, columns=self.nominal.columns[kept], y=self.y[kept]),
             age=_age(follows),
@@ -211,13 +205,11 @@ class RegressionProblem:
 
     def model_error(self, baseline: Nominal) -> Float:
         """Standard deviation of what any formula gets wrong: at reversals and in proportion to the inertia, (m,)."""
-        turned = np.flatnonzero(np.diff(np.sign(self.data.dq)) != 0)
+        moments = self.data.t[np.flatnonzero(np.diff(np.sign(self.data.dq)) != 0)]
+        moments = np.concatenate([[-np.inf], moments, [np.inf]])
         t, dq, ddq = self.samples.t, *self.kinematics[1:]
-        nearest = np.full(len(t), np.inf)
-        if len(turned):
-            moments = self.data.t[turned]
-            k = np.clip(np.searchsorted(moments, t), 1, len(moments) - 1) if len(moments) > 1 else np.zeros(len(t), int)
-            nearest = np.minimum(np.abs(t - moments[k]), np.abs(t - moments[np.maximum(k - 1, 0)]))
+        k = np.searchsorted(moments, t)
+        nearest = np.minimum(t - moments[k - 1], moments[k] - t)
         near = np.maximum(np.exp(-nearest / REVERSAL_S), np.exp(-np.abs(dq) / SLOW_RAD_S))
         reversal = MODEL_ERROR["reversal"] * abs(baseline.coulomb_nm) * near
         return np.hypot(reversal, MODEL_ERROR["inertia"] * abs(baseline.inertia_kg_m2) * np.abs(ddq))

@@ -1,16 +1,15 @@
 """The diagnosis of one joint, from the prepared motion to the result."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from friction_audit.diagnosis import contact_events, residual_checks, selection
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.gram import Gram, Training
-from friction_audit.diagnosis.noise_model import NoiseModel
 from friction_audit.diagnosis.nonlinear import refine
 from friction_audit.diagnosis.problem import AXES, Nuisance, RegressionProblem, knots_of
+from friction_audit.diagnosis.samples import NoiseModel
 from friction_audit.diagnosis.validation import gains
 from friction_audit.effects.effect import Effect, Trait
 from friction_audit.effects.joint_data import JointData, Nominal
@@ -27,19 +26,31 @@ PLAUSIBLE_SD = 2.5  # a nuisance that wants to be larger stands for something el
 CHANGED = 0.02  # rms of the change of the nominal torque from which columns that need it are built again
 
 
-@dataclass(eq=False, kw_only=True)
 class State:
     """Everything that the stages hand on."""
 
-    problem: RegressionProblem
-    dictionary: Dictionary
-    nuisances: tuple[Nuisance, ...]
-    gram: Gram
-    search: selection.Search
-    active: list[Block]
-    contacts: tuple[Contact, ...] = ()
-    disturbed: RegressionProblem | None = None  # with the samples of the contacts
-    folds: dict[str, int] | None = None
+    def __init__(
+        self,
+        problem: RegressionProblem,
+        dictionary: Dictionary,
+        nuisances: Sequence[Nuisance],
+        noise: NoiseModel,
+        numbers: int,
+    ) -> None:
+        """Whiten all columns; nothing is chosen yet."""
+        self.problem, self.dictionary = problem, dictionary
+        self.gram = Gram(problem, noise, nuisances, dictionary.blocks)
+        self.active: list[Block] = []
+        self.contacts: tuple[Contact, ...] = ()
+        self.disturbed: RegressionProblem | None = None  # with the samples of the contacts
+        self.folds: dict[str, int] | None = None
+        training = Training(self.gram)
+
+        def moved(block: Block, others: Sequence[Block]) -> Block | None:
+            together = [*others, block] if block.effect.needs_nominal else others
+            return refine(dictionary, training, block, others, nominal(problem, training, together))
+
+        self.search = selection.Search(training, moved, numbers)
 
 
 def select(data: JointData, model: JointModel | None, effects: Sequence[Effect]) -> State:
@@ -58,12 +69,12 @@ def select(data: JointData, model: JointModel | None, effects: Sequence[Effect])
 def _selected(problem: RegressionProblem, effects: Sequence[Effect]) -> State:
     baseline = problem.nominal.baseline(_ols(problem.X, problem.y))
     nuisances = plausible(problem, problem.nuisances(baseline), baseline)
-    noise = NoiseModel.fit(problem, _plain_and_bent(problem, nuisances), problem.model_error(baseline))
+    noise = NoiseModel.fit(problem.age, _plain_and_bent(problem, nuisances), problem.model_error(baseline))
     dictionary = Dictionary.build(problem, effects, baseline)
     # At most one number per independent cycle: the richer form of an effect enters only where the cycles can carry it.
     numbers = len(np.unique(problem.samples.cycle))
     dictionary.blocks = [b for b in dictionary.blocks if b.p + b.numbers <= numbers]
-    state = _state(problem, dictionary, nuisances, noise, numbers)
+    state = State(problem, dictionary, nuisances, noise, numbers)
     for _ in range(2):
         orders = dictionary.scan_orders(residual_checks.residual_of(state.gram, state.active))
         state.gram.add([*orders, *_change_point(state)])
@@ -72,11 +83,17 @@ def _selected(problem: RegressionProblem, effects: Sequence[Effect]) -> State:
             return state
     for _ in range(REPEATS):
         names = [b.name for b in state.active]
-        state = _refitted(state, numbers)
+        state = _refitted(state)
         state.active = accepted(state, state.search.run(state.search.settle(state.active)))
         if [b.name for b in state.active] == names or not state.active:
             break
-    _settle_links(state)
+    # Effects that act on the nominal torque are fitted together with it, once more with all others and the last noise.
+    for k, block in enumerate(state.active):
+        others = state.active[:k] + state.active[k + 1 :]
+        moved = state.search.refine(block, others) if block.effect.follows and state.search.refine else None
+        if moved is not None:
+            state.gram.add([moved])
+            state.active[k] = moved
     return state
 
 
@@ -108,48 +125,21 @@ def _change_point(state: State) -> list[Block]:
     return found
 
 
-def _settle_links(state: State) -> None:
-    """Fit effects that act on the nominal torque together with that, once more with all others and the last noise."""
-    for k, block in enumerate(state.active):
-        others = state.active[:k] + state.active[k + 1 :]
-        moved = state.search.refine(block, others) if block.effect.follows and state.search.refine else None
-        if moved is not None:
-            state.gram.add([moved])
-            state.active[k] = moved
-
-
-def _state(
-    problem: RegressionProblem, dictionary: Dictionary, nuisances: Sequence[Nuisance], noise: NoiseModel, numbers: int
-) -> State:
-    gram = Gram(problem, noise, nuisances, dictionary.blocks)
-    training = Training(gram)
-
-    def moved(block: Block, others: Sequence[Block]) -> Block | None:
-        together = [*others, block] if block.effect.needs_nominal else others
-        return refine(dictionary, training, block, others, nominal(problem, training, together))
-
-    search = selection.Search(training, moved, numbers)
-    return State(
-        problem=problem, dictionary=dictionary, nuisances=tuple(nuisances), gram=gram, search=search, active=[]
-    )
-
-
-def _refitted(state: State, numbers: int) -> State:
+def _refitted(state: State) -> State:
     """Noise from what the augmented model leaves; columns that need the nominal model from its better fit."""
     problem = state.problem
     baseline = nominal(problem, state.search.training, state.active)
     rows = np.vstack([state.gram.base_raw, *(b.columns for b in state.active)])
     left = problem.y - _ols(rows, problem.y) @ rows
-    noise = NoiseModel.fit(
-        problem, [left], np.linalg.norm([problem.model_error(baseline), *_formula_errors(state)], axis=0)
-    )
+    errors = np.linalg.norm([problem.model_error(baseline), *_formula_errors(state)], axis=0)
+    noise = NoiseModel.fit(problem.age, [left], errors)
     known = [b for b in state.gram.blocks if not b.refined or b in state.active]
     state.dictionary.blocks = known
     before = state.dictionary.baseline.torque
     if np.mean((before - baseline.torque) ** 2) > CHANGED**2 * np.mean(before**2):
         others = [c @ b.columns for b, c in fitted(state.gram, state.active) if not b.effect.transmits]
         state.dictionary.rebuild(baseline, problem.y - np.sum(others, axis=0))
-    made = _state(problem, state.dictionary, state.nuisances, noise, numbers)
+    made = State(problem, state.dictionary, state.gram.nuisances, noise, state.search.most_numbers)
     made.active = state.active
     return made
 
@@ -158,7 +148,7 @@ def plausible(problem: RegressionProblem, nuisances: Sequence[Nuisance], baselin
     """Nuisances that stay within their priors; the others would hide an effect, or cancel one."""
     kept = list(nuisances)
     while kept:
-        noise = NoiseModel.fit(problem, _plain_and_bent(problem, kept), problem.model_error(baseline))
+        noise = NoiseModel.fit(problem.age, _plain_and_bent(problem, kept), problem.model_error(baseline))
         fit = Training(Gram(problem, noise, kept, ())).fit(())
         size = np.abs(fit.coefficients[len(problem.X) :]) / [one.sd for one in kept]
         if size.max() <= PLAUSIBLE_SD:
@@ -192,15 +182,11 @@ def accepted(state: State, active: Sequence[Block]) -> list[Block]:
         left = float(np.std(residual_checks.residual_of(state.gram, kept)))
         strengths = []
         for k, block in enumerate(kept):
-            lacks = max(
-                (
-                    _formula_error(other) * s
-                    for s, other in zip(size, kept, strict=True)
-                    if size[k] < _formula_error(other) * s and _may_absorb_error(state, kept, block, other)
-                ),
-                default=0.0,
+            lost = any(
+                size[k] < _formula_error(other) * s and _may_absorb_error(state, kept, block, other)
+                for s, other in zip(size, kept, strict=True)
             )
-            stands = found[k].z >= LEAST_Z and found[k].shrinks and size[k] >= max(lacks, LEAST_SHARE * left)
+            stands = found[k].z >= LEAST_Z and found[k].shrinks and size[k] >= LEAST_SHARE * left and not lost
             strengths.append(np.inf if stands else found[k].z)
         if not np.isfinite(min(strengths)):
             break

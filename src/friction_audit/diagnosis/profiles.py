@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis import contact_events
+from friction_audit.diagnosis.contact_events import touched
 from friction_audit.diagnosis.problem import Curve, RegressionProblem
 from friction_audit.diagnosis.procedure import State, fine_residual
 from friction_audit.diagnosis.result import (
@@ -18,7 +18,6 @@ from friction_audit.diagnosis.result import (
     Profile,
     Traces,
 )
-from friction_audit.diagnosis.validation import Screening
 from friction_audit.effects.slow import CONTACT_EVENT as CONTACT
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
@@ -38,15 +37,7 @@ COPY = 1e-12  # eigenvalue, over the largest one, of the cross products of what 
 def profile_all(
     residual: Float, curves: Sequence[Curve], dq: Float, cycle: NDArray[np.int64], p_values: Mapping[str, float]
 ) -> tuple[Profile, ...]:
-    """The residual along each axis, what takes most of it first.
-
-    Args:
-        residual: What a model leaves, shape (m,). [N m]
-        curves: A curve per axis.
-        dq: Velocity, shape (m,). [rad/s]
-        cycle: Number of the cycle of each sample, shape (m,).
-        p_values: That nothing depends on an axis, by its name; NaN where it was not tested.
-    """
+    """What a model leaves along the axis of each curve, what takes most of it first; p-values by name of the axis."""
     found = []
     for curve in curves:
         values, edges = curve.values, np.unique(np.quantile(curve.values, np.linspace(0.0, 1.0, BINS + 1)))
@@ -66,15 +57,12 @@ def profile_all(
     return tuple(sorted(found, key=lambda profile: -profile.share))
 
 
-def profiles_of(problem: RegressionProblem, residual: Float, test: Screening) -> tuple[Profile, ...]:
-    """The same for a joint."""
-    return profile_all(residual, problem.curves, problem.kinematics[1], problem.samples.cycle, test.curves)
-
-
-def along_effect(problem: RegressionProblem, shown: Float, axis: str) -> Profile:
-    """What an effect and the noise leave along the effect's quantity."""
+def profiles_of(
+    problem: RegressionProblem, residual: Float, p_values: Mapping[str, float], axis: str = ""
+) -> tuple[Profile, ...]:
+    """The same for a joint, along one axis alone if there is one of that name."""
     own = [one for one in problem.curves if one.axis.name == axis] or problem.curves
-    return profile_all(shown, own, problem.kinematics[1], problem.samples.cycle, {})[0]
+    return profile_all(residual, own, problem.kinematics[1], problem.samples.cycle, p_values)
 
 
 def _bins(values: Float, edges: Float) -> NDArray[np.int64]:
@@ -85,10 +73,10 @@ def _binned(
     residual: Float, values: Float, edges: Float, up: NDArray[np.bool_], cycle: NDArray[np.int64]
 ) -> dict[str, Float]:
     """Means and standard errors of both directions, by the names that a profile has for them."""
-    bins, count = _bins(values, edges), len(edges) - 1
-    forwards, forwards_se = bin_means(residual, bins, cycle, up, count)
-    backwards, backwards_se = bin_means(residual, bins, cycle, ~up, count)
-    return {"forwards": forwards, "forwards_se": forwards_se, "backwards": backwards, "backwards_se": backwards_se}
+    bins, found = _bins(values, edges), {}
+    for name, which in (("forwards", up), ("backwards", ~up)):
+        found[name], found[f"{name}_se"] = bin_means(residual, bins, cycle, which, len(edges) - 1)
+    return found
 
 
 def bin_means(
@@ -141,9 +129,10 @@ def shows_along(torque: Float, along: Float, dq: Float) -> bool:
     return off_curve <= MOST_HIDDEN * float(torque @ torque)
 
 
-def with_own_axes(joint: JointDiagnosis, traces: Traces) -> JointDiagnosis:
+def with_own_axes(joint: JointDiagnosis) -> JointDiagnosis:
     """Return the joint, its effects with the axis of their own where no axis of the motion shows them."""
-    found = {effect.name: own_axis(effect, traces) for effect in joint.added}
+    assert joint.traces is not None
+    found = {effect.name: own_axis(effect, joint.traces) for effect in joint.added}
     return replace(joint, effects=tuple(replace(effect, own=found.get(effect.name)) for effect in joint.effects))
 
 
@@ -164,35 +153,29 @@ def own_axis(effect: NamedEffect, traces: Traces) -> OwnAxis | None:
             return None
         label, values = f"Fitted torque of {effect.name} [N m]", effect.torque
     before, after = traces.measured - traces.before, traces.measured - traces.after
-    profiles = (_over(label, values, traces, torque) for torque in (after + effect.torque, before, after))
-    curve, without, left = profiles
-    return OwnAxis(label=label, values=values, curve=curve, before=without, after=left)
-
-
-def _over(label: str, values: Float, traces: Traces, torque: Float) -> Profile:
-    """Means of a torque of shape (m,) over an axis in bins of equal width."""
     edges = np.linspace(values.min(), values.max(), BINS + 1)
-    binned = _binned(torque, values, edges, traces.dq > 0, traces.cycle)
-    return Profile(
-        axis=label,
-        label=label,
-        edges=edges,
-        centre=0.5 * (edges[:-1] + edges[1:]),
-        **binned,
-        share=float("nan"),
-        p_value=float("nan"),
+    curve, without, left = (
+        Profile(
+            axis=label,
+            label=label,
+            edges=edges,
+            centre=0.5 * (edges[:-1] + edges[1:]),
+            **_binned(torque, values, edges, traces.dq > 0, traces.cycle),
+            share=float("nan"),
+            p_value=float("nan"),
+        )
+        for torque in (after + effect.torque, before, after)
     )
+    return OwnAxis(label=label, values=values, curve=curve, before=without, after=left)
 
 
 def contact_effects(state: State, profiles: tuple[Profile, ...]) -> tuple[NamedEffect, ...]:
     """Contacts as one effect of the answer."""
-    problem, whole, contacts = state.problem, state.disturbed, state.contacts
+    problem, X, whole, contacts = state.problem, state.problem.X, state.disturbed, state.contacts
     if whole is None:
         return ()
-    X = problem.X
     coefficients = np.linalg.lstsq(X @ X.T, X @ problem.y, rcond=1e-12)[0]
-    left = (whole.y - coefficients @ whole.X) / whole.samples.weight
-    inside = contact_events.touched(whole, contacts)
+    left, inside = (whole.y - coefficients @ whole.X) / whole.samples.weight, touched(whole, contacts)
     before, after = (float(np.sqrt(np.mean(one**2))) for one in (left, left[~inside]))
     largest = float(left[inside][np.argmax(np.abs(left[inside]))]) if inside.any() else 0.0
     lengths = [one.stop_s - one.start_s for one in contacts]

@@ -116,12 +116,7 @@ def _lines(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
 def spectral_line(residual: Float, x: Float, low: float, high: float, weight: Float) -> tuple[float, float] | None:
     """Frequency at which the periodogram stands out of its neighbours, and its share of the power; None without one.
 
-    Args:
-        residual: Nonlinear (m,).
-        x: Time or path, ascending, shape (m,).
-        low: Lowest frequency that is looked for.
-        high: Highest one.
-        weight: Of each sample, shape (m,).
+    Over time or path, ascending, in samples of some weight, shape (m,) each.
     """
     span = float(x[-1] - x[0])
     low = max(low, 5.0 / max(span, 1e-9))

@@ -1,7 +1,7 @@
 """Discrepancy: what a diagnosis says of every joint, and all that a figure of it needs."""
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,17 +11,8 @@ from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 
 Verdict = Literal["adequate", "named", "ambiguous", "unexplained", "not_testable", "data_fault", "failed"]
-VERDICTS: tuple[Verdict, ...] = (
-    "adequate",
-    "named",
-    "ambiguous",
-    "unexplained",
-    "not_testable",
-    "data_fault",
-    "failed",
-)
-UNANSWERED: tuple[Verdict, ...] = ("not_testable", "data_fault", "failed")
-"""Verdicts that are no answer."""
+VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
+UNANSWERED: tuple[Verdict, ...] = ("not_testable", "data_fault", "failed")  # verdicts that are no answer
 CONTACT_EVENT = "contact_event"
 
 
@@ -133,9 +124,8 @@ class Traces:
 class SimulationGap:
     """Velocity error of a forward simulation under the measured torque, on held-out cycles."""
 
-    before: float  # root mean square of the velocity's error with the nominal model [unit]
-    after: float  # the same with the augmented model [unit]
-    unit: str  # ``"rad/s"``
+    before: float  # root mean square of the velocity's error with the nominal model [rad/s]
+    after: float  # the same with the augmented model [rad/s]
     t: Float  # time of the cycles simulated, NaN between them, shape (k,) [s]
     measured: Float  # velocity as measured, shape (k,) [rad/s]
     nominal: Float  # velocity of the nominal model, shape (k,) [rad/s]
@@ -168,20 +158,17 @@ class JointDiagnosis:
     from_energy: dict[str, Coefficient] = field(default_factory=dict)
     gap: Gap | None = None  # the gap in torque on held-out cycles; None where nothing was fitted
     simulation: SimulationGap | None = None  # the gap in motion; None where nothing was simulated
-    # root mean square of the residual on held-out cycles: of the nominal model, after each effect, and the noise floor,
-    # with a label each [N m]
+    # rms of the residual on held-out cycles with labels: of the nominal model, after each effect, of the noise [N m]
     ladder: tuple[tuple[str, float], ...] = ()
     omnibus_p: float = float("nan")  # that nothing is missing from the nominal model; NaN where not tested
     remaining_p: float = float("nan")  # that nothing is missing from the augmented model; NaN where not tested
-    # smallest root mean square of an effect that would have been seen with 90 % power [N m]
-    detection_limit_nm: float = float("nan")
+    detection_limit_nm: float = float("nan")  # smallest rms of an effect that would have been seen with 90 % power
     profiles: tuple[Profile, ...] = ()  # the residual of the nominal model against every axis, the most telling first
     remaining: tuple[Profile, ...] = ()  # the residual of the augmented model likewise
     negligible: tuple[NamedEffect, ...] = ()  # effects that stand and are too small to count
     checks: tuple[ResidualCheck, ...] = ()  # structures in what the augmented model leaves
     remainder_share: float = 0.0  # share of the residual's power without a name, 0..1
-    # share of the gap that the effects close, gravity in the model before and after
-    share_explained: float = float("nan")
+    share_explained: float = float("nan")  # of the gap, by the effects, gravity in the model before and after
     untestable: dict[str, str] = field(default_factory=dict)  # why the log cannot show an effect, by name of the effect
     findings: tuple[DataFinding, ...] = ()  # what the audit of the data found
     traces: Traces | None = None  # measured against simulated; None where nothing was fitted

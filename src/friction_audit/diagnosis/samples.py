@@ -1,6 +1,8 @@
 """JointData -> Samples: torque and regression columns through one low-pass, at a rate near its Nyquist rate.
 
-On them stands the nominal model: B ddq + mu_c sgn(dq) + mu_v dq, and the terms of a model file.
+On them stands the nominal model: B ddq + mu_c sgn(dq) + mu_v dq, and the terms of a model file. Their noise is AR(p)
+within unbroken stretches, plus a model error that is larger where formulas are worse (W. A. Fuller, Introduction to
+Statistical Time Series (1996), section 8; N. Levinson, J. Math. Phys. 25 (1947) 261).
 
 Columns are built on the fine grid, where the sign of the velocity is sharp, and pass the low-pass of the torque: a
 reversal is smeared alike in both. The corner is 25 Hz, above the frequencies of the motion (below 4 Hz) and just below
@@ -12,12 +14,14 @@ standstill to the moment of break-away. It is noisier than the others, and its w
 these samples effects_stiction_16001, 16002, 16003 and 16005 are adequate.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.breakaway import Breakaways, breakaways_of, torque_known
 from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal
@@ -38,6 +42,9 @@ LOWEST_CORNER_HZ = 8.0
 # clean logs have a spring that is significant, if too small for a name.
 QUIET_SHARE = 0.5
 MOST_UNCERTAIN = 0.02  # share of the filter's weight that may come from samples without a certain direction
+MOST_LAGS = 8
+LOADING = 0.05  # white part of the variance: plain AR weights frequencies that hold nothing but the filter's stop band
+LARGEST_REFLECTION = 0.98  # autocovariances over broken stretches need not be positive definite
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -56,19 +63,10 @@ class Samples:
     y: Float  # torque, shape (m,) [N m]
     cycle: Index  # number of the cycle of each sample, shape (m,)
 
-    @property
-    def step_s(self) -> float:
-        """Spacing of samples that follow each other. [s]"""
-        return float(np.min(np.diff(self.t))) if len(self.t) > 1 else 0.0
-
     @cached_property
     def fine(self) -> Index:
         """Place of each sample on the fine grid, shape (m,)."""
         return self.place * self.every
-
-    @cached_property
-    def _onset(self) -> Index:
-        return np.flatnonzero(self.breakaway)
 
     def keep(self, kept: NDArray[np.bool_]) -> "Samples":
         """Some of the samples, shape (m,)."""
@@ -80,8 +78,8 @@ class Samples:
         """Filter and thin out columns of the fine grid, shape (n,) or (n, p), to shape (m,) or (m, p)."""
         rows = np.ascontiguousarray(np.atleast_2d(columns.T), np.float64)
         out = filtered(rows, self.kernel, self.fine)
-        if len(self._onset):
-            out[:, self._onset] = self.onsets.of(rows.T).T
+        if self.breakaway.any():
+            out[:, self.breakaway] = self.onsets.of(rows.T).T
         return out[0] if columns.ndim == 1 else out.T
 
 
@@ -89,9 +87,7 @@ class Samples:
 def make_samples(data: JointData, corner_hz: float = CORNER_HZ) -> Samples:
     """Take the samples in which the direction of motion is certain, and those at which the joint breaks away.
 
-    Args:
-        data: The joint.
-        corner_hz: Half of the amplitude passes here, or at a quarter of the samples' rate if that is lower.
+    Half of the amplitude passes at the corner, or at a quarter of the samples' rate if that is lower.
     """
     from scipy.ndimage import maximum_filter1d
 
@@ -160,7 +156,10 @@ class NominalModel:
 
     def baseline(self, coefficients: Float) -> Nominal:
         """The fitted model, from coefficients, shape (b,), as columns of effects need it."""
-        stated = {} if self.model is None else _stated(self.model)
+        stated = {}
+        if (model := self.model) is not None:
+            held = {name: values[0] for name in model.held if (values := model.values(name)) is not None}
+            stated = {INERTIA: model.inertia_kg_m2} | {FRICTION[name]: held[name] for name in FRICTION if name in held}
         value = stated | dict(zip(self.names, coefficients.tolist(), strict=True))
         return Nominal(
             inertia_kg_m2=value[INERTIA],
@@ -205,12 +204,6 @@ def nominal_model(data: JointData, samples: Samples, model: JointModel | None) -
     )
 
 
-def _stated(model: JointModel) -> dict[str, float]:
-    """Inertia, Coulomb and viscous friction of a model file that are not fitted, by name."""
-    held = {name: values[0] for name in model.held if (values := model.values(name)) is not None}
-    return {INERTIA: model.inertia_kg_m2} | {FRICTION[name]: held[name] for name in FRICTION if name in held}
-
-
 def _motion_of(term: FittedTerm, model: JointModel, data: JointData, samples: Samples) -> Motion:
     """The motion as measured or low-passed: the one with which the term explains more."""
     every = [data.motion(), motion_below(data, MOTION_BELOW_HZ)]
@@ -239,3 +232,92 @@ def least_squares(columns: Float, y: Float) -> Float:
     size = np.sqrt(np.mean(columns**2, axis=0))
     scale = np.where(size > 0, size, 1.0)
     return np.asarray(np.where(size > 0, np.linalg.lstsq(columns / scale, y, rcond=1e-10)[0] / scale, 0.0))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class NoiseModel:
+    """AR(p) noise with unequal variances."""
+
+    predictors: Float  # coefficients of the predictors of order 0 to p, shape (p + 1, p)
+    scales: Float  # one over the standard deviation of their errors, shape (p + 1,)
+    age: Index  # samples before each one in its stretch, at most p, shape (m,)
+    weight: Float  # standard deviation of the noise over that with the model error, 0..1, shape (m,)
+    effective_samples: float  # squared innovations of the residual: samples less what filter and loading took
+
+    def whiten(self, columns: Float) -> Float:
+        """Innovations of columns, shape (k, m)."""
+        weighted = np.ascontiguousarray(np.atleast_2d(columns) * self.weight)
+        return _whiten(weighted, self.predictors, self.scales, self.age)
+
+    @classmethod
+    def fit(cls, age: Index, residuals: Sequence[Float], model_error: Float) -> "NoiseModel":
+        """Fit to what models leave, and the standard deviation of the model error, shape (m,) each. [N m]
+
+        Of several residuals that with the shortest autocorrelation time counts: what a model misses remembers longer
+        than the noise.
+        """
+        return min((cls._of(age, r, model_error) for r in residuals), key=lambda one: one[0])[1]
+
+    @classmethod
+    def _of(cls, age: Index, residual: Float, model_error: Float) -> tuple[float, "NoiseModel"]:
+        # The model error is part of what is left: what remains of the variance where it is small is the noise.
+        calm = model_error <= np.median(model_error)
+        whole, wrong = (float(np.mean(one[calm] ** 2)) for one in (residual, model_error))
+        variance = max(whole - wrong, 0.25 * whole)
+        weight = np.sqrt(variance / (variance + model_error**2))
+        # An offset that is not in the model yet would pass for noise with a long autocorrelation time.
+        scaled = (residual - np.average(residual, weights=weight**2)) * weight
+        later = [np.flatnonzero(age >= lag) for lag in range(MOST_LAGS + 1)]
+        sums = np.array([scaled[k] @ scaled[k - lag] / max(len(k), 1) for lag, k in enumerate(later)])
+        sums[0] *= 1.0 + LOADING
+        predictors, errors = levinson_durbin(sums)
+        n = len(residual)
+        criterion = [n * np.log(errors[k]) + 2 * k * n / (n - k - 2) for k in range(MOST_LAGS + 1)]  # AICc
+        p = int(np.argmin(criterion))
+        time = errors[p] / max((1.0 - predictors[p, :p].sum()) ** 2, 1e-9) / errors[0]
+        noise = cls(
+            predictors=predictors[: p + 1, : max(p, 1)].copy(),
+            scales=1.0 / np.sqrt(errors[: p + 1]),
+            age=np.minimum(age, p),
+            weight=weight,
+            effective_samples=float(n),
+        )
+        squared = float(np.sum(noise.whiten(residual) ** 2))
+        return time, replace(noise, effective_samples=min(squared, float(n)))
+
+
+def levinson_durbin(covariance: Float) -> tuple[Float, Float]:
+    """Predictors of all orders, shape (p + 1, p), and the variances of their errors, shape (p + 1,)."""
+    p = len(covariance) - 1
+    predictors, errors = np.zeros((p + 1, p)), np.empty(p + 1)
+    errors[0] = covariance[0]
+    for k in range(1, p + 1):
+        before = predictors[k - 1, : k - 1]
+        reflection = (covariance[k] - before @ covariance[k - 1 : 0 : -1]) / errors[k - 1]
+        reflection = float(np.clip(reflection, -LARGEST_REFLECTION, LARGEST_REFLECTION))
+        predictors[k, : k - 1] = before - reflection * before[::-1]
+        predictors[k, k - 1] = reflection
+        errors[k] = errors[k - 1] * (1.0 - reflection**2)
+    return predictors, errors
+
+
+@compiled("f8[:, ::1](f8[:, ::1], f8[:, ::1], f8[::1], i8[::1])")
+def _whiten(columns: Float, predictors: Float, scales: Float, age: Index) -> Float:
+    order, n = len(predictors) - 1, columns.shape[1]
+    out = columns.copy()
+    for k in range(columns.shape[0]):
+        own, row = columns[k], out[k]
+        # All as if they were old enough, lag by lag, which a processor does for several samples at once.
+        for j in range(order):
+            share, late, early = predictors[order, j], row[j + 1 :], own[: n - 1 - j]
+            for m in range(len(late)):
+                late[m] -= share * early[m]
+        for i in range(n):
+            row[i] *= scales[order]
+            if age[i] >= order:
+                continue
+            total = own[i]
+            for j in range(age[i]):
+                total -= predictors[age[i], j] * own[i - 1 - j]
+            row[i] = total * scales[age[i]]
+    return out

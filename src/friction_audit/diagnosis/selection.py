@@ -21,6 +21,7 @@ PRIOR = 13.0  # 2 ln of the prior odds against any one effect
 PRIOR_OF_FOLDS = 0.5 * PRIOR  # a fold less holds less evidence, and asks again what was found already
 ROUNDS_OF_FOLDS = 2
 INDISTINGUISHABLE = 6.0  # difference in evidence below which two effects cannot be separated (Kass and Raftery 1995)
+LEAST_EVIDENCE = 2.0  # of a competing effect: less is hardly anything
 ALIKE = 0.7  # correlation of their torques given everything else, from which they are the same thing
 CLOSE = 40.0  # effects so near the best one are refined before one is chosen
 REFINED_AT_ONCE = 4
@@ -34,17 +35,10 @@ Refine = Callable[[Block, Sequence[Block]], Block | None]
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Score:
-    """An effect given an active set.
+    """An effect given an active set."""
 
-    Attributes:
-        evidence: 2 ln of its Bayes factor, nonlinear parameters integrated.
-        block: Its best point.
-        gain: L = n ln(RSS / RSS with it) there.
-    """
-
-    evidence: float
-    block: Block
-    gain: float
+    evidence: float  # 2 ln of its Bayes factor, nonlinear parameters integrated
+    block: Block  # its best point
 
 
 def occam(gain: Float | float, numbers: Float | float) -> Float:
@@ -68,6 +62,11 @@ class Projected:
         """Whitened columns, shape (k, m), without the rest of the model."""
         return np.asarray(white - (white @ self.basis.T) @ self.basis)
 
+    def torque(self, white: Float) -> Float:
+        """What whitened columns, shape (k, m), take of the response, shape (m,)."""
+        free = self.free(white)
+        return np.asarray(free.T @ np.linalg.lstsq(free @ free.T, free @ self.left, rcond=1e-10)[0])
+
     def and_also(self, white: Float) -> "Projected":
         """With more columns partialled out."""
         more = copy(self)
@@ -88,21 +87,13 @@ class Projected:
 
 @dataclass(eq=False)
 class Search:
-    """Selection on some folds.
+    """Selection on some folds."""
 
-    Attributes:
-        training: Scores of the blocks.
-        refine: Moves a block between the points of its grid; None for a search on the grid alone.
-        most_numbers: Numbers that the cycles can carry.
-        prior: 2 ln of the prior odds against any one effect.
-        rounds: Forward steps, and rounds of improvement after each.
-    """
-
-    training: Training
-    refine: Refine | None = None
-    most_numbers: int = 1000
-    prior: float = PRIOR
-    rounds: int = MOST_EFFECTS
+    training: Training  # scores of the blocks
+    refine: Refine | None = None  # moves a block between the points of its grid; None for a search on the grid alone
+    most_numbers: int = 1000  # that the cycles can carry
+    prior: float = PRIOR  # 2 ln of the prior odds against any one effect
+    rounds: int = MOST_EFFECTS  # forward steps, and rounds of improvement after each
     _tried: set[int] = field(default_factory=set)
     _penalty: dict[int, float] = field(default_factory=dict)
     _scores: dict[tuple[object, ...], dict[str, Score]] = field(default_factory=dict)
@@ -140,7 +131,7 @@ class Search:
                 self._penalty[id(blocks[best])] = float(factor[best]) - evidence
                 if self.refine is not None:
                     blocks[best].penalty = float(factor[best]) - evidence
-                found[name] = Score(evidence=evidence, block=blocks[best], gain=float(gains[best]))
+                found[name] = Score(evidence=evidence, block=blocks[best])
         return found
 
     def objective(self, active: Sequence[Block]) -> float:
@@ -151,12 +142,8 @@ class Search:
         total = n * float(np.log(self.training.fit(()).rss / fit.rss))
         for block in active:
             gain = n * float(np.log(self.training.fit([b for b in active if b is not block]).rss / fit.rss))
-            total -= (
-                block.p
-                + block.p * float(np.log(max(gain, block.p) / block.p))
-                + self._penalty.get(id(block), block.penalty)
-                + self.prior
-            )
+            penalty = self._penalty.get(id(block), block.penalty) + self.prior
+            total -= block.p + block.p * float(np.log(max(gain, block.p) / block.p)) + penalty
         return total
 
     def carried(self, active: Sequence[Block]) -> bool:
@@ -275,53 +262,34 @@ def split(fit: Fit, active: Sequence[Block]) -> list[Float]:
 
 def shares_of_folds(gram: Gram, active: Sequence[Block], numbers: int) -> dict[str, int]:
     """In how many of the selections without one fold each an effect, or one that stands for it there, is chosen."""
-    count = dict.fromkeys((b.name for b in active), 0)
+    count, given = dict.fromkeys((b.name for b in active), 0), Projected(Training(gram), ())
     folds = range(gram.problem.folds)
     for left_out in folds:
-        search = Search(
-            Training(gram, tuple(k for k in folds if k != left_out)),
-            None,
-            numbers,
-            PRIOR_OF_FOLDS,
-            ROUNDS_OF_FOLDS,
-        )
+        others = Training(gram, tuple(k for k in folds if k != left_out))
+        search = Search(others, None, numbers, PRIOR_OF_FOLDS, ROUNDS_OF_FOLDS)
         chosen = search.run(search.settle(active))
         for block in active:
-            same = any(b.name == block.name or alike(gram, b, block) for b in chosen)
-            count[block.name] += same
+            own = given.torque(gram.of(block))
+            same = (b.name == block.name or abs(correlation(given.torque(gram.of(b)), own)) > ALIKE for b in chosen)
+            count[block.name] += any(same)
     return count
 
 
-def alike(gram: Gram, one: Block, other: Block) -> bool:
-    """Whether two blocks add the same torque given the nominal model."""
-    if one.name == other.name:
-        return True
-    given = Projected(Training(gram), ())
-    rows = [given.free(gram.of(b)) for b in (one, other)]
-    torques = [r.T @ np.linalg.lstsq(r @ r.T, r @ gram.y, rcond=1e-10)[0] for r in rows]
-    size = np.sqrt((torques[0] @ torques[0]) * (torques[1] @ torques[1]))
-    return bool(abs(torques[0] @ torques[1]) > ALIKE * max(size, 1e-300))
+def correlation(one: Float, other: Float) -> float:
+    """Correlation of two torques about zero; 0 where one is zero."""
+    return float(one @ other) / max(float(np.sqrt((one @ one) * (other @ other))), 1e-300)
 
 
 def competing_effects(search: Search, active: Sequence[Block], block: Block) -> tuple[Evidence, ...]:
     """Effects in the place of a selected one, the closest first."""
     rest = [b for b in active if b is not block]
-    given = Projected(search.training, rest)
-
-    def torque(one: Block) -> Float:
-        free = given.free(search.gram.of(one))
-        return np.asarray(free.T @ np.linalg.lstsq(free @ free.T, free @ given.left, rcond=1e-10)[0])
-
-    scores = search.scores(rest)
+    given, scores = Projected(search.training, rest), search.scores(rest)
     mine = scores[block.name].evidence if block.name in scores else 0.0
-    own, found = torque(block), []
+    own, found = given.torque(search.gram.of(block)), []
     for name, score in scores.items():
-        if name == block.name or score.evidence < 2.0:  # noqa: PLR2004 - hardly anything
-            continue
-        other = torque(score.block)
-        size = float(np.sqrt((own @ own) * (other @ other)))
-        correlation = float(own @ other) / max(size, 1e-300)
-        found.append(Evidence(name=name, two_ln_bayes_factor=mine - score.evidence, correlation=correlation))
+        if name != block.name and score.evidence >= LEAST_EVIDENCE:
+            same = correlation(own, given.torque(search.gram.of(score.block)))
+            found.append(Evidence(name=name, two_ln_bayes_factor=mine - score.evidence, correlation=same))
     return tuple(sorted(found, key=lambda one: round(one.two_ln_bayes_factor, 6)))
 
 

@@ -13,25 +13,19 @@ if TYPE_CHECKING:  # it loads compiled loops, which a command does while it read
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class DiagnosisSettings:
-    """Settings of a diagnosis.
-
-    Attributes:
-        candidates: Names of the effects that may be named; None for the whole catalogue.
-        min_effect_nm: Effects whose rms torque is below it are negligible. [N m]
-        seed: Seed of the bootstrap of the screening test; no verdict depends on it.
-        at_most_s: Of a longer log, so much is diagnosed, in parts that are spread over it, or over the window of twice
-            that length in which the friction is determined best. [s]
-        model: Nominal model of each joint of the log; None for inertia, Coulomb and viscous friction, fitted.
+    """What is asked of a diagnosis.
 
     Raises:
         UsageError: If there is no such effect, ``min_effect_nm`` is no torque, or ``at_most_s`` no duration.
     """
 
-    candidates: tuple[str, ...] | None = None
-    min_effect_nm: float = 0.0
-    seed: int = 0
+    candidates: tuple[str, ...] | None = None  # names of the effects that may be named; None for the whole catalogue
+    min_effect_nm: float = 0.0  # effects whose rms torque is below it are negligible [N m]
+    seed: int = 0  # of the bootstrap of the screening test; no verdict depends on it
+    # Of a longer log, so much is diagnosed, in parts that are spread over it, or over the window of twice that length
+    # in which the friction is determined best. [s]
     at_most_s: float = 300.0
-    model: "ArmModel | None" = None
+    model: "ArmModel | None" = None  # of each joint; None for inertia, Coulomb and viscous friction, fitted
 
     def __post_init__(self) -> None:
         """Check names and numbers."""

@@ -7,15 +7,14 @@ over all columns controls the family-wise error (J. P. Romano, M. Wolf, Economet
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.diagnosis.dictionary import Block
-from friction_audit.diagnosis.gram import COPY, Fit, Gram, Training
-from friction_audit.diagnosis.problem import Index
+from friction_audit.diagnosis.gram import COPY, Gram, Training
 from friction_audit.diagnosis.result import Gap
+from friction_audit.diagnosis.samples import Index
+from friction_audit.diagnosis.selection import Projected
 from friction_audit.joint_log import Float
 
 DRAWS = 399  # of the bootstrap
@@ -25,48 +24,47 @@ RIDGE = 1e-3  # for curves over quantities that may be copies of each other
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class HeldOut:
-    """What is left of each sample, predicted by the folds that it is not in.
+    """What is left of each sample, predicted by the folds that it is not in."""
 
-    Attributes:
-        residual: In the order of time, shape (m,). [N m]
-        innovation: Of each sample, in the order of time, shape (m,).
-        rms: Root mean square of the residual. [N m]
-    """
-
-    residual: Float
-    innovation: Float
-    rms: float
+    residual: Float  # in the order of time, shape (m,) [N m]
+    innovation: Float  # of each sample likewise
+    rms: float  # root mean square of the residual [N m]
 
 
 def held_out(
     gram: Gram, active: Sequence[Block], extra: Float | None = None, replaced: Sequence[Block] = ()
 ) -> HeldOut:
-    """Predict every fold from the others.
+    """Predict every fold from the others, with some effects and more columns, shape (k, m), those with a slight ridge.
 
-    Args:
-        gram: Whitened columns.
-        active: The named effects.
-        extra: More columns, shape (k, m), with a slight ridge.
-        replaced: Effects whose nuisances are left out as well: what stands for an effect must not hide it.
+    The nuisances of effects that are replaced are left out as well: what stands for an effect must not hide it.
     """
-    model = _model(gram, active, [] if extra is None else [extra], replaced)
-    residual, innovation = model.predict(gram, np.arange(len(model.prior)))
+    model = _Model(gram, active, [] if extra is None else [extra], replaced)
+    residual, innovation = model.predict(np.arange(len(model.prior)))
     out = np.empty((2, len(gram.y)))
     out[:, gram.order] = residual, innovation
     return HeldOut(residual=out[0], innovation=out[1], rms=float(np.sqrt(np.mean(residual**2))))
 
 
-class _Model(NamedTuple):
+class _Model:
     """Columns of a model in the order of the folds, shape (k, m), whitened too, with their products in each fold."""
 
-    raw: Float
-    white: Float
-    prior: Float  # precision of each coefficient, shape (k,)
-    grams: Float
-    rights: Float
+    def __init__(
+        self, gram: Gram, active: Sequence[Block], extra: Sequence[Float], replaced: Sequence[Block] = ()
+    ) -> None:
+        kept = Training(gram).fit(active, [b.name for b in replaced]).kept
+        added = [gram.whiten(one) for one in extra]
+        raw = [gram.base_raw[kept][:, gram.order], *(b.stored for b in active), *(e[:, gram.order] for e in extra)]
+        free = np.zeros(sum(b.p for b in active))
+        self.gram, self.raw = gram, np.vstack(raw)
+        self.white = white = np.vstack([gram.base[kept], *(gram.of(b) for b in active), *added])
+        # Precision of each coefficient, shape (k,).
+        self.prior = np.concatenate([gram.precision[kept], free, *(RIDGE * np.sum(one**2, axis=1) for one in added)])
+        self.grams = np.stack([white[:, f] @ white[:, f].T for f in gram.slices])
+        self.rights = np.stack([white[:, f] @ gram.y[f] for f in gram.slices])
 
-    def predict(self, gram: Gram, which: Index) -> tuple[Float, Float]:
+    def predict(self, which: Index) -> tuple[Float, Float]:
         """What some of the columns, fitted to the other folds, leave of each sample, and of its innovation."""
+        gram = self.gram
         grams, rights = self.grams[:, which[:, None], which], self.rights[:, which]
         total, right = grams.sum(axis=0) + np.diag(self.prior[which]), rights.sum(axis=0)
         scale = np.sqrt(np.maximum(np.diag(grams.sum(axis=0)), 1e-300))
@@ -81,33 +79,13 @@ class _Model(NamedTuple):
         return residual, innovation
 
 
-def _model(gram: Gram, active: Sequence[Block], extra: Sequence[Float], replaced: Sequence[Block] = ()) -> _Model:
-    kept = Training(gram).fit(active, [b.name for b in replaced]).kept
-    added = [gram.whiten(one) for one in extra]
-    raw = np.vstack(
-        [gram.base_raw[kept][:, gram.order], *(b.stored for b in active), *(e[:, gram.order] for e in extra)]
-    )
-    white = np.vstack([gram.base[kept], *(gram.of(b) for b in active), *added])
-    free = np.zeros(sum(b.p for b in active))
-    prior = np.concatenate([gram.precision[kept], free, *(RIDGE * np.sum(one**2, axis=1) for one in added)])
-    grams = np.stack([white[:, f] @ white[:, f].T for f in gram.slices])
-    rights = np.stack([white[:, f] @ gram.y[f] for f in gram.slices])
-    return _Model(raw, white, prior, grams, rights)
-
-
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Gain:
-    """What an effect gains on cycles that its coefficients were not fitted on.
+    """What an effect gains on cycles that its coefficients were not fitted on."""
 
-    Attributes:
-        z: Slope of what is left without the effect on what the effect predicts, in cluster-robust standard errors.
-        p_value: One-sided.
-        shrinks: Whether the residual in torque shrinks too.
-    """
-
-    z: float
-    p_value: float
-    shrinks: bool
+    z: float  # slope of what is left without the effect on what it predicts, in cluster-robust standard errors
+    p_value: float  # one-sided
+    shrinks: bool  # whether the residual in torque shrinks too
 
 
 def gains(gram: Gram, active: Sequence[Block]) -> list[Gain]:
@@ -137,34 +115,22 @@ def gains(gram: Gram, active: Sequence[Block]) -> list[Gain]:
     return [Gain(z=z, p_value=min(float(p), 1.0), shrinks=s) for (z, _, s), p in zip(found, adjusted, strict=True)]
 
 
-def noise_floor(gram: Gram, active: Sequence[Block], plain: float) -> float:
-    """Held-out rms of the best of the plain model, that with a curve over one quantity, and that with all. [N m]"""
-    model = _model(gram, active, [c.columns for c in gram.problem.curves])
+def gap(gram: Gram, active: Sequence[Block]) -> tuple[Gap, HeldOut, HeldOut]:
+    """The gap in torque, and what the nominal and the augmented model leave.
+
+    The noise is the held-out rms of the best of the plain model, that with a curve over one quantity, that with all.
+    """
+    before, after = held_out(gram, (), replaced=active), held_out(gram, active)
+    model = _Model(gram, active, [c.columns for c in gram.problem.curves])
     every, wide = np.arange(len(model.prior)), [len(c.columns) for c in gram.problem.curves]
     base, *curves = np.split(every, len(every) - sum(wide) + np.cumsum([0, *wide[:-1]]))
     tried = [every, *(np.append(base, one) for one in curves)] if wide else []
-    return min([plain, *(float(np.sqrt(np.mean(model.predict(gram, one)[0] ** 2))) for one in tried)])
-
-
-def gap(gram: Gram, active: Sequence[Block]) -> tuple[Gap, HeldOut, HeldOut]:
-    """The gap in torque, and what the nominal and the augmented model leave."""
-    before, after = held_out(gram, (), replaced=active), held_out(gram, active)
-    floor = noise_floor(gram, active, after.rms)
+    floor = min([after.rms, *(float(np.sqrt(np.mean(model.predict(one)[0] ** 2))) for one in tried)])
     return measure_gap(before.residual, after.residual, floor, gram.problem.samples.cycle), before, after
 
 
-def measure_gap(before: Float, after: Float, floor: float, cycle: NDArray[np.int64]) -> Gap:
-    """Compare residuals on held-out cycles.
-
-    Args:
-        before: Residual of the nominal model, shape (n,).
-        after: Residual of the augmented model, shape (n,).
-        floor: Root mean square of the noise.
-        cycle: Number of the cycle of each sample, shape (n,).
-
-    Returns:
-        The gap, each sample counting once.
-    """
+def measure_gap(before: Float, after: Float, floor: float, cycle: Index) -> Gap:
+    """Compare residuals of both models on held-out cycles, shape (n,), each sample counting once."""
     _, number = np.unique(cycle, return_inverse=True)
     samples = np.bincount(number).astype(float)
     sums = np.stack([np.bincount(number, weights=r**2) for r in (before, after)]).astype(float)
@@ -200,35 +166,26 @@ def _jackknife_se(sums: Float, samples: Float, floor: float) -> float:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Screening:
-    """Outcome of the test.
+    """Outcome of the test."""
 
-    Attributes:
-        p_value: That nothing is missing.
-        curves: The same of a curve over each quantity, adjusted for all, by name of the quantity.
-    """
-
-    p_value: float
-    curves: dict[str, float]
+    p_value: float  # that nothing is missing
+    curves: dict[str, float]  # the same of a curve over each quantity, adjusted for all, by name of the quantity
 
 
 def wild_cluster_bootstrap(gram: Gram, active: Sequence[Block], seed: int) -> Screening:
-    """Test the model with some effects against all other columns and curves.
-
-    Args:
-        gram: Whitened columns.
-        active: Effects in the model.
-        seed: Of the draws.
-    """
+    """Test the model with some effects against all other columns and curves."""
     training = Training(gram)
-    fit = training.fit(active)
-    rows = np.vstack([gram.base[fit.kept], *(gram.of(b) for b in active)])
-    basis = np.asarray(np.linalg.solve(fit.factor, rows / fit.scale[:, None]), np.float64)
-    left = gram.y - fit.projected @ basis
+    given = Projected(training, active)
+    basis, left = given.basis, given.left
     cycle = gram.problem.samples.cycle[gram.order]
     starts = np.flatnonzero(np.diff(cycle, prepend=cycle[0] - 1))
     own = np.add.reduceat(basis * left, starts, axis=1)
-    of_blocks, free = _by_cycle_of_blocks(training, active, fit, left, starts, own)
-    names, parts = [], [of_blocks[free]]
+    # Of the blocks the same in parts, without a whitened copy; of copies of the model nothing is left.
+    fit, back = training.fit(active), gram.transposed(left)[0]
+    of_blocks = [np.add.reduceat(rows * back, starts, axis=1) for _, rows in gram.chunks(gram.blocks)]
+    along = np.linalg.solve(fit.factor, training.cross(active, fit))
+    free = (1.0 - COPY) * gram.squares > np.sum(along**2, axis=0)
+    names, parts = [], [(np.vstack(of_blocks) - along.T @ own)[free]]
     for curve in gram.problem.curves:
         white = gram.whiten(curve.columns)
         parts.append(np.add.reduceat(white * left, starts, axis=1) - (white @ basis.T) @ own)
@@ -247,23 +204,3 @@ def wild_cluster_bootstrap(gram: Gram, active: Sequence[Block], seed: int) -> Sc
         name: p_of(float(max(of_curves[k] for k, n in enumerate(names) if n == name))) for name in dict.fromkeys(names)
     }
     return Screening(p_value=p_of(float(seen.max())), curves=curves)
-
-
-def _by_cycle_of_blocks(
-    training: Training, active: Sequence[Block], fit: Fit, left: Float, starts: Index, own: Float
-) -> tuple[Float, NDArray[np.bool_]]:
-    """Score of each column of the blocks in each cycle, the model partialled out; which columns are no copy of it.
-
-    Args:
-        training: Of all folds.
-        active: Effects in the model.
-        fit: Of the model.
-        left: Its whitened residual, shape (m,).
-        starts: First sample of each cycle, shape (c,).
-        own: Scores of the model's orthonormal columns, shape (b, c).
-    """
-    gram = training.gram
-    back = gram.transposed(left)[0]
-    scores = [np.add.reduceat(rows * back, starts, axis=1) for _, rows in gram.chunks(gram.blocks)]
-    along = np.linalg.solve(fit.factor, training.cross(active, fit))
-    return np.vstack(scores) - along.T @ own, (1.0 - COPY) * gram.squares > np.sum(along**2, axis=0)

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.diagnosis.dictionary import Block, Dictionary
-from friction_audit.diagnosis.noise_model import NoiseModel
 from friction_audit.diagnosis.problem import RegressionProblem
+from friction_audit.diagnosis.samples import NoiseModel
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.effects.registry import effect_of
@@ -79,7 +79,7 @@ def information_of(
     nuisances = problem.nuisances(nominal)
     base = np.vstack([problem.X, *(one.column for one in nuisances), *([torque_of(certain)] if certain else [])])
     fit = np.linalg.lstsq(base.T, problem.y)[0]
-    noise = NoiseModel.fit(problem, [problem.y - fit @ base], problem.model_error(nominal))
+    noise = NoiseModel.fit(problem.age, [problem.y - fit @ base], problem.model_error(nominal))
     torques = np.array([torque_of([one]) for one in truths.values()]).reshape(len(truths), len(problem.y))
     grids: dict[str, list[Block]] = {}
     for block in Dictionary.build(problem, competing, nominal).blocks:

@@ -7,10 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from friction_audit.diagnosis.diagnose_joint import diagnose_joint
+from friction_audit.diagnosis.diagnose import diagnose_joint
 from friction_audit.diagnosis.dictionary import Block, Dictionary
-from friction_audit.diagnosis.problem import Index, RegressionProblem
+from friction_audit.diagnosis.problem import RegressionProblem
 from friction_audit.diagnosis.result import Verdict
+from friction_audit.diagnosis.samples import Index
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.effect import Trait
 from friction_audit.effects.joint_model import FittedTerm

@@ -8,8 +8,8 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from friction_audit.diagnosis.diagnose_joint import Subject
 from friction_audit.diagnosis.dictionary import Block, Dictionary
+from friction_audit.diagnosis.prepare import Subject
 from friction_audit.diagnosis.problem import RegressionProblem
 from friction_audit.diagnosis.result import CONTACT_EVENT, JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings

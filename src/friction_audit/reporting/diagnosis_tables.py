@@ -171,7 +171,7 @@ GAP = Record(
 SIMULATION = Record(
     Column("before", float, "of the nominal model"),
     Column("after", float, "of the augmented model"),
-    Column("unit", str, "unit of both"),
+    Column("unit", str, "unit of both", get=lambda _: "rad/s"),
 )
 CHECK = Record(
     Column("code", ("curve", "response", "line", "scatter", "change"), "what the residual holds"),
