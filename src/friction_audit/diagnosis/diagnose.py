@@ -58,6 +58,8 @@ def diagnose_subjects(
         try:
             with nullcontext() if last else one_joint_at_a_time():
                 return diagnose_joint(subject, candidates, settings)
+        except AnalysisError as error:
+            return _unanswered(subject, "not_testable", str(error))
         except (FrictionAuditError, MemoryError, Warning):  # warnings are errors where the tests run
             raise
         except Exception as error:  # noqa: BLE001 - reported as a bug: verdict, traceback and exit code 1
