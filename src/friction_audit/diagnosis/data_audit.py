@@ -191,10 +191,8 @@ def _resolution(signal: Float) -> float:
 
 
 def _sensors_and_motion(interaction: Interaction, data: JointData) -> tuple[DataFinding, ...]:
-    still, direction = (
-        (np.abs(data.dq) < data.dead_speed_rad_s) & data.valid,
-        np.sign(data.dq[data.moving & data.valid]),
-    )
+    still = (np.abs(data.dq) < data.dead_speed_rad_s) & data.valid
+    direction = np.sign(data.dq[data.moving & data.valid])
     steps, speed = np.diff(data.torque)[still[1:] & still[:-1]], np.abs(data.dq[data.used])
     return (
         _stated("standstill_noise", float(np.std(steps) / np.sqrt(2)) if len(steps) else NAN, "N m"),

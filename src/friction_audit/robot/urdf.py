@@ -168,13 +168,13 @@ def _wrong_tree(links: list[ET.Element], joints: list[ET.Element]) -> Iterator[s
     """Name what keeps the links from being one tree."""
     names, ends = [link.get("name") for link in links], dict[str, list[str | None]]()
     for what, own in (("link", names), ("joint", [joint.get("name") for joint in joints])):
-        yield from (f"{own.count(name)} {what}s of the name {name}" for name in {*own} if own.count(name) > 1)
+        yield from (f"{own.count(one)} {what}s of the name {one}" for one in dict.fromkeys(own) if own.count(one) > 1)
     for end in ("parent", "child"):
         ends[end] = [None if (part := joint.find(end)) is None else part.get("link") for joint in joints]
         pairs = ((joint, link) for joint, link in zip(joints, ends[end], strict=True) if link not in names)
         yield from (f"joint {joint.get('name')}: {end} link {link} is not in the file" for joint, link in pairs)
     below = ends["child"]
-    yield from (f"link {link}: the child of two joints" for link in {*below} if below.count(link) > 1)
+    yield from (f"link {link}: the child of two joints" for link in dict.fromkeys(below) if below.count(link) > 1)
     roots = {*names} - {*below}
     if links and len(roots) != 1:
         yield f"{len(roots)} links that are no child of a joint; expected one, the base"
