@@ -158,7 +158,7 @@ class TorqueOptions:
     )
     payload: str | None = option("Mass [kg] and centre of mass in the flange frame [m].", metavar="MASS,X,Y,Z")
     gravity_vector: str = option("Gravity in the base frame [m/s^2].", default="0,0,-9.81", metavar="X,Y,Z")
-    model_rate: float = option("Rate at which the rigid-body model is evaluated.", default=50.0, metavar="HZ")
+    model_rate: float = option("Rate of the model's inertial torque and hand speed.", default=50.0, metavar="HZ")
 
 
 @group(panel.CYCLES)

@@ -50,7 +50,7 @@ class TorqueChoice:
     sign_turned: bool  # True if the log's energy turned the sign against the first reading
     robot: str  # the rigid-body model used, or ``"none"``
     payload: tuple[float, float, float, float] | None  # mass [kg], x, y, z [m] in the flange frame, or None
-    model_rate_hz: float | None  # rate at which the model was evaluated, or None [Hz]
+    model_rate_hz: float | None  # rate at which inertial torque was evaluated, or None [Hz]
     formula: str  # the balance in words, for people
     reason: str = ""  # why this source was chosen, for people
     sign_evidence: tuple[SignEvidence, ...] = ()  # what the energy of each joint of the log says about the sign

@@ -214,7 +214,7 @@ def _choice(balance: Balance, settings: TorqueSettings, *, turned: bool) -> Torq
         sign_turned=turned,
         robot=plan.arm.name if modelled and plan.arm is not None else "none",
         payload=settings.payload if modelled else None,
-        model_rate_hz=settings.model_rate_hz if modelled else None,
+        model_rate_hz=None if balance.inertial is None else settings.model_rate_hz,
         formula=balance.formula,
         reason=plan.reason,
         sign_evidence=balance.evidence,

@@ -70,7 +70,7 @@ class TorqueSettings:
     # mass [kg] and centre of mass x, y, z [m] in the flange frame, or None
     payload: tuple[float, float, float, float] | None = None
     gravity_vector: tuple[float, float, float] = (0.0, 0.0, -9.81)  # gravity in the base frame [m/s^2]
-    model_rate_hz: float = 50.0  # rate at which the rigid-body model is evaluated [Hz]
+    model_rate_hz: float = 50.0  # rate at which its inertial torque and the speed of the hand are evaluated [Hz]
 
     def __post_init__(self) -> None:
         for name, allowed in CHOICES.items():
