@@ -63,7 +63,7 @@ def test_the_package_declares_what_it_imports() -> None:
 
 # Of src/ and tests/. A number goes up only with its reason in the same commit; it goes down with what is saved.
 SIZE = {
-    "lines": 45_551,
+    "lines": 45_549,
     "files": 253,
     "code lines of the longest function": 61,  # dynamics/transmission.py: one compiled loop, split it is 13 % slower
     "per cent of functions of at most 3 code lines": 27,
