@@ -55,6 +55,8 @@ def page(arguments: argparse.Namespace) -> Iterator[str]:
         "the columns read. A first pass over blocks checks the log and proves the sign, a second one estimates."
     )
     yield table("bench_parquet.py", "--hours", hours, "--runs", runs)
+    yield "## Start of the program"
+    yield table("bench_start.py")
     yield "## Replay and estimate"
     yield "The log of the first rows above."
     yield table("bench_replay.py", "--hours", hours, "--runs", runs)
