@@ -4,6 +4,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from friction_audit.compensation.compensators.law import Checked, within
 from friction_audit.compensation.controller import CYCLE_STATE
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
@@ -18,14 +19,12 @@ from friction_audit.simulation.settings import (
     LONGEST_S,
     PANDA_SENSORS,
     AnyCompensator,
-    Checked,
     JointParameters,
     Moved,
     Sensors,
     Streams,
     count_ticks,
     require_no_hand,
-    within,
 )
 
 CHUNK_TICKS = 1000  # between two reports of the progress

@@ -7,6 +7,7 @@ from math import atan2, hypot, inf, pi
 import numpy as np
 
 from friction_audit.compensation.compensators import Compensator
+from friction_audit.compensation.compensators.law import Checked, positive, within
 from friction_audit.compensation.records import FIELDS, TRACE, fresh_memory
 from friction_audit.compensation.records import pack as pack_compensators
 from friction_audit.errors import UsageError
@@ -24,7 +25,6 @@ from friction_audit.simulation.settings import (
     CONTROL_RATE_HZ,
     LONGEST_S,
     PANDA_SENSORS,
-    Checked,
     JointParameters,
     Moved,
     Sensors,
@@ -34,10 +34,8 @@ from friction_audit.simulation.settings import (
     TrueMotion,
     count_ticks,
     of_each_joint,
-    positive,
     require_no_hand,
     require_sane,
-    within,
 )
 
 Progress = Callable[[float], None]  # is given the share that is done, 0 to 1

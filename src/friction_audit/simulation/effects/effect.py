@@ -6,10 +6,11 @@ from dataclasses import dataclass, field, fields
 from math import inf, nan, pi, sqrt
 from typing import Any, ClassVar, NamedTuple, Self
 
+from friction_audit.compensation.compensators.law import kind_name
 from friction_audit.effects.parameter import Parameter
 from friction_audit.effects.registry import effect_of, near_names
 from friction_audit.errors import UsageError
-from friction_audit.simulation.settings import JointParameters, kind_name
+from friction_audit.simulation.settings import JointParameters
 
 FORM = "form"
 LARGEST = 1e4  # no parameter of a joint comes near it, in any unit: larger numbers are slips, infinite ones no numbers

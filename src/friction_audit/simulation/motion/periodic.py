@@ -9,10 +9,10 @@ from math import inf, isqrt, pi
 
 import numpy as np
 
+from friction_audit.compensation.compensators.law import Checked, positive, within
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.simulation.motion.strokes import SHORTEST_S, Intention, area, course, rising, slope
-from friction_audit.simulation.settings import Checked, positive, within
 
 WIDEST = 0.5  # up to this spread, the speed never changes its sign inside a half-period
 ROUNDING = 1e-9  # a half-period that ends with the recording still fits

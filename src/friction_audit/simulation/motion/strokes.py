@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from friction_audit.compensation.compensators.law import Checked, positive, within
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.simulation.settings import Checked, positive, within
 
 PEAK = 1.875  # steepest slope of the course, half-way: the peak speed of a stroke of length 1 in time 1
 REST_S = 0.5  # rest before the first stroke of a motion and after the last
