@@ -13,7 +13,7 @@ from friction_audit.simulation.bench import JOINTS, PANDA_JOINTS, READY_RAD, Pro
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.mechanics.records import Mechanism
 from friction_audit.simulation.mechanics.tick import guide, load_masses, run, settle
-from friction_audit.simulation.motion import Commanded, HandPath, intend_joints, plan_hand
+from friction_audit.simulation.periodic import Commanded, intend_joints
 from friction_audit.simulation.settings import (
     CONTROL_RATE_HZ,
     LONGEST_S,
@@ -26,6 +26,7 @@ from friction_audit.simulation.settings import (
     count_ticks,
     require_no_hand,
 )
+from friction_audit.simulation.strokes import HandPath, plan_hand
 
 CHUNK_TICKS = 1000  # between two reports of the progress
 BRAKE_NM = 1e6  # what a brake holds

@@ -1,7 +1,6 @@
 """``name=value`` on a tree of settings: nested frozen dataclasses, some of them in tuples with one per joint.
 
-Names, types and limits are those of the dataclasses themselves. Where a field is a union of dataclasses, its kind can
-be assigned too, by name: ``SlowSweep`` is ``slow_sweep``, None is ``none``.
+Where a field is a union of dataclasses, its kind can be assigned too: ``SlowSweep`` is ``slow_sweep``, None ``none``.
 """
 
 from collections.abc import Callable, Iterable, Iterator

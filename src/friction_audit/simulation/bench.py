@@ -19,7 +19,7 @@ from friction_audit.simulation.effects.slow_and_events import draw_events
 from friction_audit.simulation.effects.structure import coupled_mass
 from friction_audit.simulation.mechanics.records import KEPT, ROWS, STATE, Clock, Loop, Mechanism, make_body, pack
 from friction_audit.simulation.mechanics.tick import run, settle
-from friction_audit.simulation.motion import MotionSettings, StopAndGo
+from friction_audit.simulation.periodic import MotionSettings
 from friction_audit.simulation.sensors import draw_noise
 from friction_audit.simulation.settings import (
     CONTROL_RATE_HZ,
@@ -37,6 +37,7 @@ from friction_audit.simulation.settings import (
     require_no_hand,
     require_sane,
 )
+from friction_audit.simulation.strokes import StopAndGo
 
 Progress = Callable[[float], None]  # is given the share that is done, 0 to 1
 CHUNK_TICKS = 20_000  # between two reports of the progress
@@ -152,10 +153,7 @@ def rotor_mass(joints: tuple[JointParameters, ...], hidden: tuple[Hidden, ...]) 
 
 
 def assemble(settings: SomeSettings, ticks: int, start: Float, streams: Streams) -> Mechanism:
-    """Build the mechanism at rest; its masses and its drive are the caller's to set.
-
-    Where ``driven``, the motors are on the outer side, friction and links on the inner one.
-    """
+    """Build the mechanism at rest; its masses and its drive are the caller's to set."""
     n, hidden, driven = len(settings.joints), settings.hidden, settings.driven
     for number, (joint, inside) in enumerate(zip(settings.joints, hidden, strict=True), start=1):
         rigid = inside.joint_elasticity.compliance_rad_per_nm == 0.0

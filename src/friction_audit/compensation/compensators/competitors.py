@@ -76,8 +76,7 @@ STEEPNESS_S_PER_RAD = 9.0657  # of a fit: median of the published ones
 def fit_sigmoid(coulomb_nm: float, viscous_nms_per_rad: float, top_speed_rad_s: float = 1.0) -> SigmoidCompensation:
     """Return the sigmoid nearest to Coulomb and viscous friction over speeds up to a highest one, by least squares.
 
-    The steepness is given and not fitted: Coulomb friction is a step, and the nearest sigmoid to a step is as steep as
-    it may be, which at standstill turns noise of the velocity into torque.
+    Its steepness is not fitted: that nearest to a step has no bound, and turns noise of the velocity into torque.
     """
     speed = np.linspace(0.0, top_speed_rad_s, 401)[1:]
     level, shape = coulomb_nm + viscous_nms_per_rad * speed, np.tanh(STEEPNESS_S_PER_RAD * speed / 2)
@@ -189,11 +188,7 @@ class DisturbanceObserver(Law):
 
 @compiled(inline=True)
 def observe(group: Record, memory: Record, dq: float, interaction_nm: float, dt: float) -> None:
-    """Observe the past interval, exactly for friction that is steady over it.
-
-    F_m is taken as read at the end of the interval, while the u of the interval acted. Its value at the start was read
-    under the u before, and the jump between them is no friction.
-    """
+    """Observe the past interval, exactly for friction that is steady over it; F_m as read at its end, under its u."""
     if dt <= 0.0:
         return
     unexplained = interaction_nm + memory.u_nm - group.inertia_kg_m2 * (dq - memory.dq) / dt
@@ -215,8 +210,7 @@ def observed_nm(group: Record, memory: Record, dq: float) -> float:
 class TorqueRegulation(Law):
     """u = (B / B_theta - 1) F_m, so that B_theta ddq = F_m - (B_theta / B) tau_f.
 
-    The torque does not depend on the velocity: nothing chatters at standstill, and a joint breaks away at B_theta / B
-    of its friction.
+    It does not depend on the velocity: nothing chatters at standstill; a joint breaks away at B_theta / B of friction.
     """
 
     inertia_kg_m2: float = positive(MISSING)  # motor inertia B as assumed [kg m^2]

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Self
 from friction_audit.compiled import compiled
 from friction_audit.errors import UsageError
 
-MODELS = ("viscous", "coulomb", "combined")
+MODELS = {"viscous": 1, "coulomb": 1, "combined": 2}  # coefficients of each
 LONGEST_WINDOW = 64  # cycles that the memory of a compensator holds
 # Values of ``ridge``. With less than 0.001 two cycles of one speed still separate what is noise; with more than 0.003 a
 # step of friction takes more than the two cycles that it spans (benchmarks/bench_compensation.py).
@@ -136,29 +136,20 @@ class EnergyCompensator(Guard):
     def __post_init__(self) -> None:
         if self.model not in MODELS:
             raise UsageError(f"compensator: model {self.model}: expected one of {', '.join(MODELS)}")
-        if not self.unknowns <= self.cycles_per_estimate <= LONGEST_WINDOW:
-            raise UsageError(
-                f"compensator: window {self.window}: expected {self.unknowns} to {LONGEST_WINDOW} cycles with the "
-                f"{self.model} model"
-            )
+        if not MODELS[self.model] <= self.cycles_per_estimate <= LONGEST_WINDOW:
+            expected = f"{MODELS[self.model]} to {LONGEST_WINDOW} cycles with the {self.model} model"
+            raise UsageError(f"compensator: window {self.window}: expected {expected}")
         if not inf > self.initiation_rad_s > self.termination_rad_s > 0:
-            raise UsageError(
-                f"compensator: thresholds {self.initiation_rad_s:g}, {self.termination_rad_s:g}: expected initiation "
-                f"above termination and both above zero, in rad/s"
-            )
+            found = f"thresholds {self.initiation_rad_s:g}, {self.termination_rad_s:g}"
+            raise UsageError(f"compensator: {found}: expected initiation above termination, both above zero, in rad/s")
         if self.forced_from_cycle < 1:
             raise UsageError(f"compensator: forced_from_cycle {self.forced_from_cycle}: cycles count from 1")
         Guard.__post_init__(self)
 
     @property
-    def unknowns(self) -> int:
-        """Number of coefficients of the model."""
-        return 2 if self.model == "combined" else 1
-
-    @property
     def cycles_per_estimate(self) -> int:
         """The window k in force."""
-        return self.unknowns if self.window is None else self.window
+        return MODELS[self.model] if self.window is None else self.window
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -21,10 +21,6 @@ class TorqueBias(HiddenEffect):
 
     torque_nm: float = strength(0.15, "reading without a load", like="torque_bias_nm")
 
-    @classmethod
-    def from_parameters(cls, values: Values, setting: Setting) -> Given:
-        return {"torque_nm": next(iter(values.values()))}
-
 
 RAMP, RANDOM_WALK, THERMAL = range(3)
 
@@ -41,10 +37,7 @@ class TorqueDrift(HiddenEffect):
 
 
 def torque_drift_nm(group: TorqueDrift, t: Float, rng: np.random.Generator) -> Float:
-    """Return what is added to the interaction torque as read, shape (n,). [N m]
-
-    Only a random walk of some strength draws random numbers.
-    """
+    """Return what is added to the interaction torque as read, shape (n,); only a random walk draws numbers. [N m]"""
     if group.torque_nm == 0.0:
         return np.zeros_like(t)
     elapsed = t - t[0]
@@ -59,7 +52,6 @@ def torque_drift_nm(group: TorqueDrift, t: Float, rng: np.random.Generator) -> F
 
 
 TORQUE_LATE, VELOCITY_LATE = range(2)
-WHOLE_STEP = 1e-9  # a delay this close to a whole number of steps is meant to be one
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -77,19 +69,9 @@ class TimeDelay(HiddenEffect):
 
 
 def delayed(delay_s: float, signal: Float, dt: float = 1.0 / CONTROL_RATE_HZ) -> Float:
-    """Return a signal that comes late, the first value held until it arrives; the very same array without a delay.
-
-    Between two samples the line is read linearly: finely sampled, it neither overshoots at a jump nor smooths much.
-    """
-    if delay_s == 0.0:
-        return signal
-    steps = delay_s / dt
-    whole = math.floor(steps + WHOLE_STEP)
-    part = max(0.0, steps - whole)
-    newer = np.maximum(np.arange(len(signal)) - whole, 0)
-    if part <= WHOLE_STEP:
-        return signal[newer]
-    return np.asarray((1.0 - part) * signal[newer] + part * signal[np.maximum(newer - 1, 0)])
+    """Return a signal that comes late, linear between two samples, the first value held until it arrives."""
+    ticks = np.arange(len(signal), dtype=np.float64)
+    return np.interp(ticks - delay_s / dt, ticks, signal)
 
 
 NEXT, PREVIOUS, BOTH = range(3)

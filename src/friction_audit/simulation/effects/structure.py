@@ -14,7 +14,6 @@ from friction_audit.simulation.effects.effect import ALIKE, Given, HiddenEffect,
 LINEAR, HARDENING = range(2)
 # A stiffer gear rings faster than the integration can follow, and is rigid for all that a log shows. [rad/(N m)]
 LEAST_COMPLIANCE = 1e-5
-
 KNEE_NM = 1.0  # torque around which a strain-wave gear turns from soft to stiff. [N m]
 SMALL_NM = 0.02  # a spring that stiffens at a smaller torque is a linear one
 
@@ -88,16 +87,9 @@ class Backlash(HiddenEffect):
 
 @compiled()
 def engaged(group: Record, stretch: float) -> float:
-    """Return what is left of the stretch (motor less link) after the dead zone; the stretch itself without a gap. [rad]
-
-    The dead zone of Nordin and Gutman, Controlling mechanical systems with backlash (2002): 0 in the gap.
-    """
-    half = 0.5 * group.gap_rad
-    if stretch > half:
-        return float(stretch - half)
-    if stretch < -half:
-        return float(stretch + half)
-    return 0.0
+    """Return the stretch beyond the gap, the dead zone of Nordin and Gutman (Automatica 38, 2002). [rad]"""
+    beyond = abs(stretch) - 0.5 * group.gap_rad
+    return math.copysign(beyond, stretch) if beyond > 0.0 else 0.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

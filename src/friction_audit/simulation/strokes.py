@@ -1,7 +1,4 @@
-"""Strokes of a person or a planner, of a joint or of a hand that guides an arm, and the minimum-jerk course under them.
-
-The course is that of Flash and Hogan (1985).
-"""
+"""Strokes of a person or a planner, of a joint or of a hand that guides an arm; minimum-jerk (Flash and Hogan 1985)."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -306,10 +303,7 @@ def plan_hand(settings: HandPath, ticks: int, dt: float, rng: np.random.Generato
 
 
 def _draw_stroke(settings: HandPath, pose: Float, rng: np.random.Generator) -> tuple[float, Float]:
-    """Draw duration [s] and change, shape (6,) [m, rad], of a stroke as far as it gets towards a via point.
-
-    The via point is at least half the reach away.
-    """
+    """Draw duration [s] and change, shape (6,) [m, rad], of a stroke towards a via point half the reach off or more."""
     while True:
         place = settings.reach_m * _draw_in_ball(rng) * (1.0, settings.sideways, 1.0)
         if np.linalg.norm(place - pose[:3]) >= settings.reach_m / 2:
