@@ -58,7 +58,6 @@ SAME_OPERATOR = Counterfactual(
 COUNTERFACTUALS = {one.name: one for one in (SAME_MOTION, SAME_TORQUE, SAME_OPERATOR)}
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Limits(Checked):
     """Limits of what a compensator may command on one joint."""
 

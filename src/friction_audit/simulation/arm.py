@@ -1,6 +1,6 @@
 """A whole arm, its hand guided by a person or its joints moved by its own motors; MuJoCo does the dynamics."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
 
@@ -32,7 +32,6 @@ CHUNK_TICKS = 1000  # between two reports of the progress
 BRAKE_NM = 1e6  # what a brake holds
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Hand(Checked):
     """A mass that holds the flange, drawn by springs and dampers along an intended path; the person bears its weight.
 
@@ -48,7 +47,6 @@ class Hand(Checked):
     path: HandPath = field(default_factory=HandPath)  # the intended path
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Servo(Checked):
     """The position controller of every joint of an arm that moves by itself."""
 
@@ -57,7 +55,6 @@ class Servo(Checked):
     motion: Commanded = field(default_factory=Commanded)  # what the joints are commanded to do
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class ArmSettings(Checked):
     """A Panda, who moves it, one recording; the tuples have one entry per joint."""
 

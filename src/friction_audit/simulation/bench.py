@@ -1,7 +1,7 @@
 """One joint that moves, on a bench or in a Panda, by a hand or its own motor; the mechanism of every simulation."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields
+from dataclasses import field, fields
 from math import atan2, hypot, inf, pi
 
 import numpy as np
@@ -43,7 +43,6 @@ Progress = Callable[[float], None]  # is given the share that is done, 0 to 1
 CHUNK_TICKS = 20_000  # between two reports of the progress
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Operator(Checked):
     """A mass that holds the outer side of the joint rigidly, drawn by a spring and a damper along an intended motion.
 
@@ -57,7 +56,6 @@ class Operator(Checked):
     motion: MotionSettings = field(default_factory=StopAndGo)  # the intended motion
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class BenchSettings(Checked):
     """One joint, who moves it, one recording."""
 
@@ -136,7 +134,6 @@ def moved_by(mechanism: Mechanism, path: str, gravity: Float | None = None) -> M
 HALF_SUBSTEPS = 5  # integration steps in half a tick of the controller
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class _Joint(JointParameters):
     hidden: Hidden
 
@@ -224,7 +221,6 @@ PANDA_JOINTS = tuple(
 JOINTS = 7
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class HandGuidedPanda(Checked):
     """One joint of a Panda moved by hand; of the others only the sensors matter."""
 

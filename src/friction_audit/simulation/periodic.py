@@ -1,6 +1,5 @@
 """Periodic motions: a sinusoid, and the multisine by which a robot excites itself (Swevers et al., 1997)."""
 
-from dataclasses import dataclass
 from itertools import count, islice
 from math import inf, isqrt, pi
 
@@ -25,7 +24,6 @@ WIDEST = 0.5  # up to this spread, the speed never changes its sign inside a hal
 ROUNDING = 1e-9  # a half-period that ends with the recording still fits
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Sinusoid(Checked):
     """Position A (1 - cos(2 pi t / T)): from rest at 0 to 2 A and back, as in the paper's simulations."""
 
@@ -65,7 +63,6 @@ STRIDE = 7  # a joint takes every seventh frequency; arms with more joints take 
 MOST_SINES = 100  # more are noise, and take as many primes
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Commanded(Checked):
     """A sum of sines of equal speed and random phase, scaled until it meets the range or the peak speed.
 

@@ -56,7 +56,6 @@ def make_streams(seed: int, joints: int) -> Streams:
     return Streams(person, sensors, recorder, events=tuple(parts[::2]), drifts=tuple(parts[1::2]))
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class TorqueLoop(Checked):
     """Joint torque control: tau_m = tau_d + gain (tau_d - tau_J) - damping_s d(tau_J)/dt, what is fed back delayed.
 
@@ -72,7 +71,6 @@ class TorqueLoop(Checked):
     dead_time_s: float = within(high=LONGEST_DEAD_TIME_S)  # from the torque to the motor, in steps of 0.1 ms [s]
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class JointParameters(Checked):
     """The joint on the motor's side of the torque sensor: B ddq = F_m + u - tau_f."""
 
@@ -90,7 +88,6 @@ class JointParameters(Checked):
         return JointParameters(inertia_kg_m2=inertia, coulomb_nm=coulomb, viscous_nms_per_rad=viscous)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Sensors(Checked):
     """What the sensors and the recorder do to the truth; every default is an ideal one."""
 

@@ -1,7 +1,6 @@
 """Strokes of a person or a planner, of a joint or of a hand that guides an arm; minimum-jerk (Flash and Hogan 1985)."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import cycle
 from math import inf, isfinite
 from statistics import NormalDist
@@ -67,7 +66,6 @@ STRATA = 10  # the speeds of so many strokes in a row are spread evenly over the
 TINY = 1e-9  # keeps a rank off 0, whose normal deviate is infinite
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class StopAndGo(Checked):
     """Strokes of a person who stops between them."""
 
@@ -130,7 +128,6 @@ Target = tuple[float, float]  # a place to go to [rad] and the speed to go with 
 MOST = 1000  # speeds or small reversals of a pass: more would outlast every recording
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class SlowSweep(Checked):
     """Strokes of constant speed from the start to one side and back, at the next speed to the other side and back.
 
@@ -214,7 +211,6 @@ class Stroke(NamedTuple):
         return abs(self.way_rad) / self.speed_rad_s + self.ease_s
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Prescribed(Checked):
     """Strokes one after the other."""
 
@@ -247,7 +243,6 @@ SHORTEST_M = 1e-3  # a hand that reaches less far stands still
 SMALL_RAD = 1e-3  # below this angle, the series of the Jacobian are exact to rounding
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class HandPath(Checked):
     """Minimum-jerk strokes between via points drawn in a ball around the start, the orientation turning along.
 

@@ -16,7 +16,7 @@ control of flexible joint robots, International Journal of Robotics Research 26(
 """
 
 import math
-from dataclasses import MISSING, dataclass, replace
+from dataclasses import MISSING, replace
 from typing import Self
 
 import numpy as np
@@ -27,7 +27,6 @@ from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.errors import UsageError
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class FixedCompensation(Gained):
     """A compensator that never learns: u = coulomb sgn(dq) + viscous dq outside the dead-band, else 0."""
 
@@ -38,7 +37,6 @@ class FixedCompensation(Gained):
     dead_band_rad_s: float = within(0.02)  # speed up to which it stays silent [rad/s]
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class SigmoidCompensation(Law):
     """u = phi1 / (1 + exp(-phi2 (dq + phi3))) - phi1 / (1 + exp(-phi2 phi3)).
 
@@ -97,7 +95,6 @@ def sigmoid_nm(group: Record, dq: float) -> float:
     return float(group.height_nm * (moving - at_rest))
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class LugreCompensation(Law):
     """u = sigma0 z + sigma1 dz/dt + sigma2 dq, with dz/dt = dq - sigma0 |dq| z / g(dq).
 
@@ -149,7 +146,6 @@ def lugre_nm(group: Record, memory: Record, dq: float) -> float:
     return float(elastic + group.damping_nms_per_rad * rate + group.viscous_nms_per_rad * dq)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class JointModelCompensation(Law):
     """A compensator that applies the terms of friction of a joint's model instead of the log's friction.
 
@@ -168,7 +164,6 @@ class JointModelCompensation(Law):
         Law.__post_init__(self)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class DisturbanceObserver(Law):
     """u = gain times the observed friction, whose rate is L (F_m + u - B ddq - observed friction).
 
@@ -206,7 +201,6 @@ def observed_nm(group: Record, memory: Record, dq: float) -> float:
     return float(share * group.compensation_gain * memory.observed_friction_nm)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class TorqueRegulation(Law):
     """u = (B / B_theta - 1) F_m, so that B_theta ddq = F_m - (B_theta / B) tau_f.
 

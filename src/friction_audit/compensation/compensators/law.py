@@ -4,7 +4,7 @@ import math
 import re
 from dataclasses import dataclass, field, fields, replace
 from math import inf, ulp
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Self, dataclass_transform
 
 from friction_audit.compiled import compiled
 from friction_audit.errors import UsageError
@@ -37,9 +37,13 @@ def positive(usual: Any, high: float = inf) -> Any:  # noqa: ANN401 - likewise
     return within(usual, ABOVE_ZERO, high)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(field,))
+@dataclass(frozen=True, kw_only=True)
 class Checked:
-    """Settings that refuse numbers out of the bounds of their fields."""
+    """Settings, frozen dataclasses without a decorator, that refuse numbers out of the bounds of their fields."""
+
+    def __init_subclass__(cls) -> None:
+        dataclass(frozen=True, kw_only=True)(cls)
 
     def __post_init__(self) -> None:
         for item in fields(self):
@@ -58,7 +62,6 @@ class Checked:
                 raise UsageError(f"{where}: {item.name} {found}: expected {expected}")
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Gained(Checked):
     """A law whose torque is proportional to some of its numbers."""
 
@@ -69,7 +72,6 @@ class Gained(Checked):
         return replace(self, **{name: factor * getattr(self, name) for name in self.gains})
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Guard(Gained):
     """Passivity controller and limits around a law of any kind."""
 
@@ -95,7 +97,6 @@ class Coefficients:
     viscous_nms_per_rad: float = 0.0  # viscous friction [N m s/rad]
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class EnergyCompensator(Guard):
     """The compensator of the paper: estimates at the end of each energy cycle, applies the estimate in the next.
 
@@ -152,7 +153,6 @@ class EnergyCompensator(Guard):
         return MODELS[self.model] if self.window is None else self.window
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Law(Gained):
     """A law with a guard around it; the records hold its plain numbers as a group of its own."""
 

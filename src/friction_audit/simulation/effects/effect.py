@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, fields
 from math import inf, nan, sqrt
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import Any, ClassVar, NamedTuple, Self, dataclass_transform
 
 from friction_audit.compensation.compensators.law import kind_name
 from friction_audit.effects.parameter import Parameter
@@ -53,11 +53,13 @@ def strength(usual: float, meaning: str, unit: str = "1", **bounds: Any) -> Any:
     return number(usual, meaning, unit, off=True, **bounds)
 
 
+@dataclass_transform(frozen_default=True, kw_only_default=True)
 @dataclass(frozen=True, kw_only=True)
 class HiddenEffect:
     """A group of numbers that the mechanics read; made without arguments it does nothing.
 
-    Its name is that of its class and of the effect that a diagnosis names, from which it has family and bounds.
+    Its name is that of its class and of the effect that a diagnosis names, from which it has family and bounds. Each is
+    a frozen dataclass, without a decorator.
     """
 
     summary: ClassVar[str] = ""  # one line
@@ -71,6 +73,7 @@ class HiddenEffect:
 
     def __init_subclass__(cls) -> None:
         cls.name = kind_name(cls)
+        dataclass(frozen=True, kw_only=True)(cls)
 
     @classmethod
     def family(cls) -> str:

@@ -1,7 +1,6 @@
 """Effects of load and place: friction and torques that follow the torque in the gear and the position."""
 
 import math
-from dataclasses import dataclass
 from math import inf
 
 import numpy as np
@@ -26,7 +25,6 @@ REFERENCE_NM = 10.0  # load at which the quadratic form equals the linear one. [
 BACKDRIVE_EXCESS = 0.5  # share by which the loss exceeds its mean where the link drives the motor, else falls short
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class LoadDependentFriction(HiddenEffect):
     summary = "friction grows with the torque that the gear transmits"
     forms = ("linear", "quadratic", "backdrive")
@@ -69,7 +67,6 @@ PATCH_SHARPNESS = 8.0  # of a von Mises density: half as high at 0.42 rad of the
 WIDE_RAD = 10.0  # a wave under a bell of this width fills the whole range
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class PositionDependentFriction(HiddenEffect):
     summary = "the Coulomb level depends on the position"
     forms = ("sinusoid", "harmonics", "patch")
@@ -111,7 +108,6 @@ def place_factor(group: Record, q: float) -> float:
 COGGING, READING = range(2)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class TorqueRipple(HiddenEffect):
     summary = "a torque, or an error of the torque sensor, that repeats with the turns of the motor"
     forms = ("cogging", "reading")
@@ -153,7 +149,6 @@ def ripple_reading_nm(group: TorqueRipple, q: Float) -> Float:
     return np.asarray(group.torque_nm * (np.cos(angle) + group.second_share * np.sin(2.0 * angle)))
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class GravityError(HiddenEffect):
     """A wrong mass or centre of mass, an unknown payload or a tilted base: for one joint an amplitude and a phase."""
 
@@ -180,7 +175,6 @@ LINEAR_CABLE, HARDENING_CABLE, SLACK, TETHER = range(4)
 HARDENING_RAD = 1.0  # from the centre: there the hardening form is twice as strong as the linear one. [rad]
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class CableSpring(HiddenEffect):
     summary = "a cable or hose pulls the joint back"
     forms = ("linear", "hardening", "slack", "tether")
@@ -224,7 +218,6 @@ WIDTH_RAD = 0.05  # distance over which the exponential wall grows by e. [rad]
 HIGHEST_EXPONENT = 20.0  # nobody gets so deep into an exponential wall; the number stays finite
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class JointLimitStop(HiddenEffect):
     summary = "a soft wall at both ends of the range"
     forms = ("spring_damper", "quadratic", "exponential")

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import inf
 
 import numpy as np
@@ -12,7 +11,6 @@ from friction_audit.simulation.effects.effect import Given, HiddenEffect, Settin
 from friction_audit.simulation.settings import CONTROL_RATE_HZ
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class TorqueBias(HiddenEffect):
     summary = "the torque sensor does not read zero without a load"
     felt_at_rest = True
@@ -25,7 +23,6 @@ class TorqueBias(HiddenEffect):
 RAMP, RANDOM_WALK, THERMAL = range(3)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class TorqueDrift(HiddenEffect):
     summary = "the zero of the torque sensor moves during the recording"
     felt_at_rest = True
@@ -54,7 +51,6 @@ def torque_drift_nm(group: TorqueDrift, t: Float, rng: np.random.Generator) -> F
 TORQUE_LATE, VELOCITY_LATE = range(2)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class TimeDelay(HiddenEffect):
     summary = "torque or motion reach the log late"
     forms = ("torque_late", "velocity_late")
@@ -79,7 +75,6 @@ NEXT, PREVIOUS, BOTH = range(3)
 NEIGHBOURS = {NEXT: (1,), PREVIOUS: (-1,), BOTH: (-1, 1)}
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class TorqueCrosstalk(HiddenEffect):
     summary = "a torque sensor also feels the load of the neighbouring joint"
     felt_at_rest = True

@@ -1,7 +1,6 @@
 """Effects of the structure: what is between motor and link, and inertia that the model does not know."""
 
 import math
-from dataclasses import dataclass
 from math import inf
 
 import numpy as np
@@ -18,7 +17,6 @@ KNEE_NM = 1.0  # torque around which a strain-wave gear turns from soft to stiff
 SMALL_NM = 0.02  # a spring that stiffens at a smaller torque is a linear one
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class JointElasticity(HiddenEffect):
     """A spring and a damper between motor and link.
 
@@ -63,7 +61,6 @@ def elastic_torque_nm(group: Record, stretch: float) -> float:
     return float(stretch / compliance)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Backlash(HiddenEffect):
     summary = "a gap between motor and link opens at every reversal"
 
@@ -92,7 +89,6 @@ def engaged(group: Record, stretch: float) -> float:
     return math.copysign(beyond, stretch) if beyond > 0.0 else 0.0
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class InertiaError(HiddenEffect):
     summary = "the reflected inertia is not that of the model"
     same_law = ""
@@ -100,7 +96,6 @@ class InertiaError(HiddenEffect):
     extra_kg_m2: float = strength(0.1, "true inertia less the model's, reflected", like="extra_inertia_kg_m2")
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class InertialCoupling(HiddenEffect):
     summary = "a joint's rotor also turns with the neighbouring joint nearer to the base"
     needs_neighbours = True
