@@ -29,7 +29,7 @@ from friction_audit.simulation import (
 )
 from friction_audit.simulation.effects.load_and_place import GravityError
 from friction_audit.simulation.effects.sensors import TorqueBias
-from friction_audit.simulation.motion import StopAndGo
+from friction_audit.simulation.strokes import StopAndGo
 
 TABLE_SEEDS = 50
 """The figures asked for are medians over this many seeds; the coverage uses all of them."""

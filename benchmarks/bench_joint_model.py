@@ -16,7 +16,7 @@ from friction_audit.effects.joint_model import ArmModel, FittedTerm, simple_mode
 from friction_audit.pipeline import AuditSettings, estimate_log, replay_estimate
 from friction_audit.simulation.bench import BenchSettings, Operator
 from friction_audit.simulation.hide import with_model
-from friction_audit.simulation.motion import Sinusoid
+from friction_audit.simulation.periodic import Sinusoid
 from friction_audit.simulation.scenarios import simulate
 from friction_audit.simulation.settings import PANDA_SENSORS, JointParameters
 

@@ -15,7 +15,7 @@ from friction_audit.compensation.operator_fit import FittedOperator, fit_operato
 from friction_audit.errors import AnalysisError
 from friction_audit.pipeline import AuditSettings, estimate_log
 from friction_audit.simulation.bench import BenchSettings, Operator
-from friction_audit.simulation.motion import Sinusoid
+from friction_audit.simulation.periodic import Sinusoid
 from friction_audit.simulation.scenarios import simulate
 from friction_audit.simulation.settings import PANDA_SENSORS, JointParameters
 

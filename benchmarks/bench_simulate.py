@@ -21,8 +21,8 @@ from scipy.spatial.transform import Rotation
 from friction_audit.joint_log import Float
 from friction_audit.robot import load_arm
 from friction_audit.simulation import IDEAL_SENSORS, ArmSettings, BenchSettings, simulate
-from friction_audit.simulation.motion import plan_hand
 from friction_audit.simulation.settings import make_streams
+from friction_audit.simulation.strokes import plan_hand
 
 DT = 1e-3
 STEP_S = 1e-4

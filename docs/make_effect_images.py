@@ -30,7 +30,8 @@ from friction_audit.simulation import (
     Simulation,
     simulate,
 )
-from friction_audit.simulation.motion import Commanded, MotionSettings, Sinusoid, SlowSweep, StopAndGo
+from friction_audit.simulation.periodic import Commanded, MotionSettings, Sinusoid
+from friction_audit.simulation.strokes import SlowSweep, StopAndGo
 
 FOLDER = Path(__file__).parent / "images" / "effects"
 WIDTH_IN, HEIGHT_IN, DPI = 3.4, 2.1, 220

@@ -16,7 +16,7 @@ from friction_audit.friction.settings import FrictionSettings
 from friction_audit.pipeline import AuditSettings, estimate_log
 from friction_audit.simulation import PANDA_SENSORS, BenchSettings, Hidden, JointParameters, Operator, simulate
 from friction_audit.simulation.effects.slow_and_events import WarmUp
-from friction_audit.simulation.motion import StopAndGo
+from friction_audit.simulation.strokes import StopAndGo
 
 DURATION_S = 40.0
 ROOM_C, ROOM_SPREAD_K = 22.0, 3.0

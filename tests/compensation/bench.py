@@ -16,7 +16,7 @@ from friction_audit.joint_log import Float, JointLog
 from friction_audit.pipeline import AuditSettings, Estimate, estimate_log, replay_estimate
 from friction_audit.simulation import IDEAL_SENSORS, JointParameters, Operator, Sensors
 from friction_audit.simulation.bench import BenchSettings
-from friction_audit.simulation.motion import Sinusoid
+from friction_audit.simulation.periodic import Sinusoid
 from friction_audit.simulation.scenarios import simulate
 from friction_audit.simulation.settings import TrueMotion
 

@@ -30,7 +30,7 @@ from friction_audit.simulation import IDEAL_SENSORS, PANDA_SENSORS, JointParamet
 from friction_audit.simulation.bench import BenchSettings
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.structure import JointElasticity
-from friction_audit.simulation.motion import Sinusoid
+from friction_audit.simulation.periodic import Sinusoid
 from friction_audit.simulation.scenarios import simulate
 from tests.compensation.bench import (
     COULOMB,

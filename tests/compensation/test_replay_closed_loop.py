@@ -11,8 +11,8 @@ from friction_audit.compensation.compensators import TorqueRegulation
 from friction_audit.compensation.settings import Competitor, ReplaySettings, energy_compensator
 from friction_audit.errors import UsageError
 from friction_audit.simulation.bench import Operator
-from friction_audit.simulation.motion import StopAndGo
 from friction_audit.simulation.settings import PANDA_SENSORS
+from friction_audit.simulation.strokes import StopAndGo
 from tests.compensation.bench import BENCH, BY_HAND, TRUE_HAND, log_of, replay
 
 MINUTE = replace(BENCH, duration_s=60.0)

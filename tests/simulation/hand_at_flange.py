@@ -9,9 +9,8 @@ from scipy.spatial.transform import Rotation
 from friction_audit.joint_log import Float
 from friction_audit.robot import Arm, load_arm
 from friction_audit.simulation import ArmSettings, TrueMotion
-from friction_audit.simulation.motion import plan_hand
-from friction_audit.simulation.motion.strokes import HandMotion
 from friction_audit.simulation.settings import make_streams
+from friction_audit.simulation.strokes import HandMotion, plan_hand
 
 
 class Pull(NamedTuple):

@@ -27,7 +27,7 @@ from friction_audit.simulation import (
 from friction_audit.simulation.bench import PANDA_JOINTS
 from friction_audit.simulation.effects.load_and_place import GravityError
 from friction_audit.simulation.effects.structure import Backlash, JointElasticity
-from friction_audit.simulation.motion import intend_joints
+from friction_audit.simulation.periodic import intend_joints
 from friction_audit.simulation.settings import JointByJoint, make_streams
 from tests.simulation.hand_at_flange import flange_poses, intended, pull
 

@@ -16,7 +16,7 @@ from friction_audit.simulation.bench import BenchSettings
 from friction_audit.simulation.effects import EFFECTS, HiddenEffect
 from friction_audit.simulation.effects.velocity import Stribeck
 from friction_audit.simulation.hide import HiddenInJoint, hidden_effects, hide
-from friction_audit.simulation.motion import Sinusoid
+from friction_audit.simulation.periodic import Sinusoid
 from friction_audit.simulation.scenarios import SCENARIOS, Scenario
 
 ARM, BENCH = ArmSettings(compensator=EnergyCompensator()), BenchSettings()

@@ -16,7 +16,7 @@ from friction_audit.simulation.effects import Hidden, load_and_place, velocity
 from friction_audit.simulation.effects import slow_and_events as slow
 from friction_audit.simulation.effects.sensors import TorqueBias
 from friction_audit.simulation.effects.structure import Backlash, InertialCoupling, JointElasticity
-from friction_audit.simulation.motion import Sinusoid
+from friction_audit.simulation.periodic import Sinusoid
 from friction_audit.simulation.scenarios import simulate
 from friction_audit.simulation.settings import IDEAL_SENSORS, JointParameters, Sensors, TrueMotion, make_streams
 

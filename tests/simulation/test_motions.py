@@ -10,8 +10,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy.spatial.transform import Rotation
 
 from friction_audit.errors import UsageError
-from friction_audit.simulation.motion import HandPath, MotionSettings, Sinusoid, SlowSweep, StopAndGo, plan_hand
-from friction_audit.simulation.motion.periodic import Commanded, frequencies_hz
+from friction_audit.simulation.periodic import Commanded, MotionSettings, Sinusoid, frequencies_hz
+from friction_audit.simulation.strokes import HandPath, SlowSweep, StopAndGo, plan_hand
 
 DT = 1e-3
 TICKS = 20_000

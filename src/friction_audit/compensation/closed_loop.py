@@ -1,7 +1,4 @@
-"""A compensator tick by tick: along the recorded motion, or in closed loop with a joint that moves otherwise; compiled.
-
-The joint of the closed loop is tables of what its terms take along the recording, moved by ``dynamics.stick_slip``.
-"""
+"""A compensator tick by tick: along the recorded motion, or in closed loop with a joint that ``stick_slip`` moves."""
 
 import math
 from typing import NamedTuple
@@ -64,10 +61,7 @@ NEARLY = 1.0 - 1e-9
 
 @compiled(inline=True)
 def count_energy(tally: Record, settings: Record, friction_j: float, net_j: float, moved: float, dt: float) -> None:
-    """Add an interval between two ticks, in which friction and person gave energy, the joint moved, time passed.
-
-    Below the speed of rest of the settings, noise would add up to a path.
-    """
+    """Add an interval between two ticks; below the speed of rest of the settings, noise would add up to a path."""
     tally.friction_j += friction_j
     tally.net_j += net_j
     if abs(moved) > settings.rest_rad_s * dt:

@@ -1,7 +1,4 @@
-"""A compensator in the recorded motion, or with a joint that moves otherwise: what moves it, and its run.
-
-An AnalysisError says why a joint cannot be replayed.
-"""
+"""A compensator in the recorded motion, or with a joint that moves otherwise: what moves it, and its run."""
 
 from dataclasses import astuple, dataclass
 from math import isfinite, isnan, nan
@@ -210,8 +207,8 @@ def _operator(
     if settings.assume != SAME_OPERATOR.name:
         return None
     if settings.operator is not None:
-        given = [Coefficient(value=one, low=nan, high=nan) for one in astuple(settings.operator)]
-        return FittedOperator(given[0], given[1], given[2])
+        known = [Coefficient(value=one, low=nan, high=nan) for one in astuple(settings.operator)]
+        return FittedOperator._make([*known, 0])
     if interaction.choice.drive != "hand":
         raise AnalysisError(
             "the arm moved by itself, and the impedance of its drive is not fitted; give it by --operator, or use "
@@ -232,8 +229,7 @@ def _loop(
 
     Its model lacks some torque, and it starts again from the recording at some samples, shape (n,) each.
     """
-    parts = (held.inertia.value, held.damping.value, held.stiffness.value) if held else (0.0, 0.0, 0.0)
-    mass, damping, stiffness = parts
+    mass, damping, stiffness = (one.value for one in held[:3]) if held else (0.0, 0.0, 0.0)
     starts, step_s = np.append(0, np.flatnonzero(restart[1:]) + 1), median_step(recorded.t)
     tables = straighten(own._replace(inertia_kg_m2=own.inertia_kg_m2 + mass), damping_nms_per_rad=damping)
     return Loop(

@@ -1,6 +1,6 @@
 """The impedance of the person who moved a joint, from its quick reversals."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,8 +27,7 @@ NORMAL_95 = 1.96
 TYPICAL = "an adult's arm, at a joint half a metre from the hand: --operator 0.3,9,60 (0.1 to 0.6, 3 to 15, 20 to 150)"
 
 
-@dataclass(frozen=True, slots=True)
-class FittedOperator:
+class FittedOperator(NamedTuple):
     """Impedance of the person with its 95 % intervals; given ones have none."""
 
     inertia: Coefficient
@@ -92,16 +91,13 @@ def _solve(windows: Float) -> FittedOperator:
     spread = (count - 1) / count * ((others - others.mean(axis=0)) ** 2).sum(axis=0)
     unsure = NORMAL_95 * np.sqrt(spread)
     half = np.hypot(unsure, np.array(INTENTION) * value)
-    found = [Coefficient(value=float(v), low=float(v - h), high=float(v + h)) for v, h in zip(value, half, strict=True)]
-    named = zip(("inertia", "damping", "stiffness"), found, unsure, strict=True)
-    loose = [
-        f"{name} {one.value:.3g} (95 % {one.low:.3g} to {one.high:.3g})"
-        for name, one, h in named
-        if not h < WIDEST * one.value
-    ]
+    ends = zip(value.tolist(), (value - half).tolist(), (value + half).tolist(), strict=True)
+    found = FittedOperator._make([*(Coefficient(value=v, low=low, high=high) for v, low, high in ends), count])
+    known = zip(found._fields, found[:3], unsure < WIDEST * value, strict=False)
+    loose = [f"{name} {one.value:.3g} (95 % {one.low:.3g} to {one.high:.3g})" for name, one, sure in known if not sure]
     if loose:
         raise AnalysisError(
             f"the person's impedance is not determined by this log: {', '.join(loose)}; record more quick reversals, "
             f"or give {TYPICAL}"
         )
-    return FittedOperator(found[0], found[1], found[2], reversals=count)
+    return found

@@ -97,7 +97,7 @@ def pack(compensators: Sequence[Compensator | None], rate: float) -> NDArray[np.
         values |= {
             "kind": COMPENSATORS.index(kind),
             "period_s": 1.0 / rate,
-            "model": MODELS.index(energy.model),
+            "model": [*MODELS].index(energy.model),
             "window": energy.cycles_per_estimate,
             "forced_coulomb_nm": forced.coulomb_nm,
             "forced_viscous_nms_per_rad": forced.viscous_nms_per_rad,

@@ -49,8 +49,7 @@ class Signals:
         return np.concatenate([[0.0], np.cumsum(power * np.diff(self.t))])
 
 
-# What happened in each cycle of the compensator, a record of CYCLE for each.
-ReplayHistory: TypeAlias = np.recarray[Any, Any]
+ReplayHistory: TypeAlias = np.recarray[Any, Any]  # a record of CYCLE for each cycle of the compensator
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -146,10 +145,7 @@ class Replay:
 
 
 def dissipation_removed(history: ReplayHistory, first: int = 0) -> float:
-    """Return the share of the dissipation that compensation removed from a cycle on (0-based), NaN without cycles.
-
-    What a single cycle gives out counts as left over: it does not make up for what another one takes.
-    """
+    """Return the share of the dissipation removed from a cycle on; what a cycle gives out counts as left over."""
     return share_removed(float(history.friction_j[first:].sum()), float(np.abs(history.net_energy_j[first:]).sum()))
 
 
@@ -167,11 +163,6 @@ def first_right(history: ReplayHistory, first: int = 0) -> int | None:
         return None
     runs = np.convolve(right, np.ones(IN_A_ROW), "valid") == IN_A_ROW
     return first + int(np.argmax(runs)) if runs.any() else None
-
-
-def rms_nm(sums: Record) -> float:
-    """Return the root mean square of a torque over the time. [N m]"""
-    return math.sqrt(sums["square_nm2s"] / sums["t_s"])
 
 
 def measure(
@@ -194,8 +185,8 @@ def measure(
         dissipation_removed_updated=dissipation_removed(history, updated),
         peak_torque_without_nm=float(without["largest_nm"]),
         peak_torque_with_nm=float(felt["largest_nm"]),
-        rms_torque_without_nm=rms_nm(without),
-        rms_torque_with_nm=rms_nm(felt),
+        rms_torque_without_nm=math.sqrt(without["square_nm2s"] / without["t_s"]),
+        rms_torque_with_nm=math.sqrt(felt["square_nm2s"] / felt["t_s"]),
         limited_fraction=float(tally["limited"]) / float(felt["samples"]),
         cycles_to_converge=first_right(history),
     )
@@ -205,10 +196,7 @@ def measure(
 
 
 def model_error(recorded: Recorded, without: Signals) -> float:
-    """Return how far the simulated joint's velocity without a compensator is from the recorded one, over this.
-
-    NaN where a compensator was active in the recording, or the simulation diverged: then it moves otherwise.
-    """
+    """Return how far the velocity without a compensator is from the recorded one, over this; NaN if one acted in it."""
     if len(recorded.logged) or len(without.t) < len(recorded.t):
         return float("nan")
     square = max(np.sum(recorded.dq**2), np.finfo(float).tiny)
@@ -221,11 +209,9 @@ def find_recovery(history: ReplayHistory) -> Recovery | None:
     if found is None:
         return None
     row, change = found
-    right, start_s = first_right(history, row), history.start_s
-    if right is None:
-        return Recovery(step_s=float(start_s[row]), change=change, cycles=None, seconds=float("nan"))
-    seconds = float(start_s[right] - start_s[row])
-    return Recovery(step_s=float(start_s[row]), change=change, cycles=right - row, seconds=seconds)
+    right, start_s = first_right(history, row), history.start_s.tolist()
+    cycles, seconds = (None, math.nan) if right is None else (right - row, start_s[right] - start_s[row])
+    return Recovery(step_s=start_s[row], change=change, cycles=cycles, seconds=seconds)
 
 
 def find_step(path: Float, square: Float, friction: Float) -> tuple[int, float] | None:

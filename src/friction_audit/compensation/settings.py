@@ -10,6 +10,7 @@ from friction_audit.compensation.compensators import (
     EnergyCompensator,
     TorqueRegulation,
 )
+from friction_audit.compensation.compensators.law import Checked, positive
 from friction_audit.effects.joint_model import ArmModel, JointModel
 from friction_audit.errors import UsageError
 from friction_audit.presets import PRESETS
@@ -57,17 +58,11 @@ SAME_OPERATOR = Counterfactual(
 COUNTERFACTUALS = {one.name: one for one in (SAME_MOTION, SAME_TORQUE, SAME_OPERATOR)}
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Limits:
+class Limits(Checked):
     """Limits of what a compensator may command on one joint."""
 
-    torque_nm: float = inf  # largest torque; infinite without a limit [N m]
-    rate_nm_s: float = inf  # fastest change of it [N m/s]
-
-    def __post_init__(self) -> None:
-        for name, value in (("torque", self.torque_nm), ("torque rate", self.rate_nm_s)):
-            if not value > 0:
-                raise UsageError(f"replay: limit of the {name} {value:g}: expected a number above zero")
+    torque_nm: float = positive(inf)  # largest torque; infinite without a limit [N m]
+    rate_nm_s: float = positive(inf)  # fastest change of it [N m/s]
 
 
 def limits_of(robot: str, joint: int) -> Limits:

@@ -23,7 +23,7 @@ from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 from friction_audit.planning.motion import Candidate
 from friction_audit.planning.task import Joint, subject_of
-from friction_audit.simulation.motion.strokes import Prescribed, starts_of
+from friction_audit.simulation.strokes import Prescribed, starts_of
 
 MOST_POINTS = 16  # of an effect's grid: neighbours differ little
 ENOUGH = 20.0  # of 2 ln of a likelihood ratio: from 10 on evidence is very strong (Kass, Raftery)

@@ -15,7 +15,7 @@ from friction_audit.planning.task import Joint
 from friction_audit.presets import PRESETS
 from friction_audit.robot.arm import read_urdf
 from friction_audit.robot.urdf import limits_in
-from friction_audit.simulation.motion.strokes import PEAK, Stroke
+from friction_audit.simulation.strokes import PEAK, Stroke
 
 # Where the highest acceleration is published, a quarter of it, with this jerk: as joint_limits.yaml of
 # panda_moveit_config (moveit_resources) does for the Panda.

@@ -27,7 +27,7 @@ from friction_audit.simulation import BenchSettings, Hidden, simulate
 from friction_audit.simulation.effects import HiddenEffect
 from friction_audit.simulation.effects.effect import NoEqualError, Setting
 from friction_audit.simulation.hide import EQUALS, equal_of, near_of
-from friction_audit.simulation.motion import Prescribed
+from friction_audit.simulation.strokes import Prescribed, starts_of
 
 DURATION_S = 120.0
 END_S = 0.5  # rest after the last stroke
@@ -84,8 +84,7 @@ class JointPlan:
     @property
     def duration_s(self) -> float:
         """Length of the motion with a rest before and after. [s]"""
-        motion = self.motion
-        return float(sum(one.moving_s + one.rest_s for one in motion.strokes)) + motion.start_s + END_S
+        return float(starts_of(self.motion)[-1]) + END_S
 
     @property
     def recording(self) -> BenchSettings:

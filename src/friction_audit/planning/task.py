@@ -24,7 +24,8 @@ from friction_audit.preprocessing.settings import CycleSettings
 from friction_audit.presets import PRESETS
 from friction_audit.simulation import PANDA_SENSORS, BenchSettings, JointParameters, Operator, simulate
 from friction_audit.simulation.bench import READY_RAD
-from friction_audit.simulation.motion import MotionSettings, StopAndGo
+from friction_audit.simulation.periodic import MotionSettings
+from friction_audit.simulation.strokes import StopAndGo
 
 Purpose = Literal["decide", "diagnose", "estimate"]
 RATE_HZ = 500.0  # of simulated logs: ten times the diagnosis' samples

@@ -1,8 +1,4 @@
-"""Figs 12 to 14: a Panda guided by a hand.
-
-Fig. 12: cycles from the speed of the hand, all coefficients updated at once. Figs 13 and 14: five methods;
-the comparison is made once for both.
-"""
+"""Figs 12 to 14: a Panda guided by a hand, whose speed ends the cycles of all joints; and five methods."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace

@@ -106,8 +106,7 @@ APPLIED = ("coulomb_nm", "viscous_nms_per_rad", "damping_nms_per_rad")
 def make_course(simulation: Simulation, joint: int = 0, *, zero_crossings: bool = False) -> Course:
     """Return the course of a joint, counted from 0, as the log and the compensator in it know it.
 
-    Where no compensator was in the loop, cycles end where the velocity changes its sign (``zero_crossings``), or are
-    found by the thresholds of the paper's section V.
+    Without a compensator in the loop, cycles end at ``zero_crossings`` of the velocity, or by the paper's thresholds.
     """
     log: Any = simulation.log
     interaction = log.gravity - log.tau_J if log.tau_interaction is None else log.tau_interaction

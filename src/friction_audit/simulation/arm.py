@@ -1,9 +1,10 @@
 """A whole arm, its hand guided by a person or its joints moved by its own motors; MuJoCo does the dynamics."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
 
+from friction_audit.compensation.compensators.law import Checked, within
 from friction_audit.compensation.controller import CYCLE_STATE
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
@@ -12,27 +13,25 @@ from friction_audit.simulation.bench import JOINTS, PANDA_JOINTS, READY_RAD, Pro
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.mechanics.records import Mechanism
 from friction_audit.simulation.mechanics.tick import guide, load_masses, run, settle
-from friction_audit.simulation.motion import Commanded, HandPath, intend_joints, plan_hand
+from friction_audit.simulation.periodic import Commanded, intend_joints
 from friction_audit.simulation.settings import (
     CONTROL_RATE_HZ,
     LONGEST_S,
     PANDA_SENSORS,
     AnyCompensator,
-    Checked,
     JointParameters,
     Moved,
     Sensors,
     Streams,
     count_ticks,
     require_no_hand,
-    within,
 )
+from friction_audit.simulation.strokes import HandPath, plan_hand
 
 CHUNK_TICKS = 1000  # between two reports of the progress
 BRAKE_NM = 1e6  # what a brake holds
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Hand(Checked):
     """A mass that holds the flange, drawn by springs and dampers along an intended path; the person bears its weight.
 
@@ -48,7 +47,6 @@ class Hand(Checked):
     path: HandPath = field(default_factory=HandPath)  # the intended path
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Servo(Checked):
     """The position controller of every joint of an arm that moves by itself."""
 
@@ -57,7 +55,6 @@ class Servo(Checked):
     motion: Commanded = field(default_factory=Commanded)  # what the joints are commanded to do
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class ArmSettings(Checked):
     """A Panda, who moves it, one recording; the tuples have one entry per joint."""
 

@@ -1,7 +1,6 @@
 """``name=value`` on a tree of settings: nested frozen dataclasses, some of them in tuples with one per joint.
 
-Names, types and limits are those of the dataclasses themselves. Where a field is a union of dataclasses, its kind can
-be assigned too, by name: ``SlowSweep`` is ``slow_sweep``, None is ``none``.
+Where a field is a union of dataclasses, its kind can be assigned too: ``SlowSweep`` is ``slow_sweep``, None ``none``.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -13,9 +12,9 @@ from math import inf, isfinite, nan
 from types import NoneType, UnionType
 from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
 
+from friction_audit.compensation.compensators.law import kind_name
 from friction_audit.errors import UsageError
 from friction_audit.joint_numbers import require_joints, split_joints, write_joint_numbers
-from friction_audit.simulation.settings import kind_name
 
 Settings = TypeVar("Settings")
 Value = float | int | bool | str | tuple["Value", ...] | None

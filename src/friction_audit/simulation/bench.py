@@ -1,12 +1,13 @@
 """One joint that moves, on a bench or in a Panda, by a hand or its own motor; the mechanism of every simulation."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields
+from dataclasses import field, fields
 from math import atan2, hypot, inf, pi
 
 import numpy as np
 
 from friction_audit.compensation.compensators import Compensator
+from friction_audit.compensation.compensators.law import Checked, positive, within
 from friction_audit.compensation.records import FIELDS, TRACE, fresh_memory
 from friction_audit.compensation.records import pack as pack_compensators
 from friction_audit.errors import UsageError
@@ -18,13 +19,12 @@ from friction_audit.simulation.effects.slow_and_events import draw_events
 from friction_audit.simulation.effects.structure import coupled_mass
 from friction_audit.simulation.mechanics.records import KEPT, ROWS, STATE, Clock, Loop, Mechanism, make_body, pack
 from friction_audit.simulation.mechanics.tick import run, settle
-from friction_audit.simulation.motion import MotionSettings, StopAndGo
+from friction_audit.simulation.periodic import MotionSettings
 from friction_audit.simulation.sensors import draw_noise
 from friction_audit.simulation.settings import (
     CONTROL_RATE_HZ,
     LONGEST_S,
     PANDA_SENSORS,
-    Checked,
     JointParameters,
     Moved,
     Sensors,
@@ -34,17 +34,15 @@ from friction_audit.simulation.settings import (
     TrueMotion,
     count_ticks,
     of_each_joint,
-    positive,
     require_no_hand,
     require_sane,
-    within,
 )
+from friction_audit.simulation.strokes import StopAndGo
 
 Progress = Callable[[float], None]  # is given the share that is done, 0 to 1
 CHUNK_TICKS = 20_000  # between two reports of the progress
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Operator(Checked):
     """A mass that holds the outer side of the joint rigidly, drawn by a spring and a damper along an intended motion.
 
@@ -58,7 +56,6 @@ class Operator(Checked):
     motion: MotionSettings = field(default_factory=StopAndGo)  # the intended motion
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class BenchSettings(Checked):
     """One joint, who moves it, one recording."""
 
@@ -137,7 +134,6 @@ def moved_by(mechanism: Mechanism, path: str, gravity: Float | None = None) -> M
 HALF_SUBSTEPS = 5  # integration steps in half a tick of the controller
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class _Joint(JointParameters):
     hidden: Hidden
 
@@ -154,10 +150,7 @@ def rotor_mass(joints: tuple[JointParameters, ...], hidden: tuple[Hidden, ...]) 
 
 
 def assemble(settings: SomeSettings, ticks: int, start: Float, streams: Streams) -> Mechanism:
-    """Build the mechanism at rest; its masses and its drive are the caller's to set.
-
-    Where ``driven``, the motors are on the outer side, friction and links on the inner one.
-    """
+    """Build the mechanism at rest; its masses and its drive are the caller's to set."""
     n, hidden, driven = len(settings.joints), settings.hidden, settings.driven
     for number, (joint, inside) in enumerate(zip(settings.joints, hidden, strict=True), start=1):
         rigid = inside.joint_elasticity.compliance_rad_per_nm == 0.0
@@ -228,7 +221,6 @@ PANDA_JOINTS = tuple(
 JOINTS = 7
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class HandGuidedPanda(Checked):
     """One joint of a Panda moved by hand; of the others only the sensors matter."""
 

@@ -1,25 +1,21 @@
 """Hidden effects in the settings of a simulation: from ``NAME[:parameter=value,...][@2,5]``, or from a joint model.
 
-The simulator has formulas of its own. Where one of them equals a term of a joint model, it is used
-(``HiddenEffect.from_parameters``); a term without an equal is refused by name, for a log made by another formula would
-not be one of the model's.
+A term of a model that no formula of the simulator equals is refused: a log of another one would not be the model's.
 """
 
 import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
 from math import inf
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
+from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel
 from friction_audit.errors import UsageError
 from friction_audit.joint_numbers import require_joints, split_joints, write_joint_numbers
 from friction_audit.simulation.effects import EFFECTS, HiddenEffect
 from friction_audit.simulation.effects.effect import FORM, Given, NoEqualError, Setting
 from friction_audit.simulation.scenarios import SCENARIOS
 from friction_audit.simulation.settings import JointParameters
-
-if TYPE_CHECKING:
-    from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel
 
 Settings = TypeVar("Settings", bound=Any)
 
@@ -39,10 +35,7 @@ class HiddenInJoint:
 
 
 def hide(settings: Settings, entries: Iterable[str]) -> Settings:
-    """Return the settings of a scenario with effects hidden in their joints; without @ in all that move.
-
-    Entries are ``"stribeck"``, ``"stribeck:excess_nm=0.2,form=lorentzian"``, ``"stribeck@2,5"``.
-    """
+    """Return settings with effects such as ``"stribeck:excess_nm=0.2@2,5"`` in joints; without @ in all that move."""
     hidden, taken = list(settings.hidden), set[tuple[str, int]]()
     for entry in entries:
         where = f"--effect {entry}"
@@ -90,7 +83,7 @@ def _parameters(text: str, where: str) -> dict[str, str]:
     return given
 
 
-def with_model(settings: Settings, model: "ArmModel") -> Settings:
+def with_model(settings: Settings, model: ArmModel) -> Settings:
     """Return the settings with the joints of a model, where the simulator has an equal of each term."""
     if len(model.joints) != len(settings.joints):
         found = f"the model has {len(model.joints)} joints, the scenario {len(settings.joints)}"
@@ -112,7 +105,7 @@ def with_model(settings: Settings, model: "ArmModel") -> Settings:
     return replace(settings, joints=tuple(joints), hidden=tuple(hidden))
 
 
-def _groups(joint: "JointModel", setting: Setting, where: str) -> dict[str, HiddenEffect]:
+def _groups(joint: JointModel, setting: Setting, where: str) -> dict[str, HiddenEffect]:
     groups: dict[str, HiddenEffect] = {}
     for term in joint.terms:
         if term.name in NOMINAL:
@@ -133,13 +126,13 @@ def _groups(joint: "JointModel", setting: Setting, where: str) -> dict[str, Hidd
     return groups
 
 
-def equal_of(term: "FittedTerm", setting: Setting) -> HiddenEffect:
+def equal_of(term: FittedTerm, setting: Setting) -> HiddenEffect:
     """Return the hidden effect that equals a term; raise NoEqualError where the simulator has none."""
     effect = EQUALS[term.name]
     return effect.make(effect.from_parameters(_values_of(term), setting))
 
 
-def near_of(term: "FittedTerm") -> HiddenEffect:
+def near_of(term: FittedTerm) -> HiddenEffect:
     """Return the hidden effect next to a term: numbers that mean the same are taken over, the others are as usual."""
     effect, values = EQUALS[term.name], _values_of(term)
     likes = {one.name: values.get(one.metadata["like"]) for one in fields(effect) if one.name != FORM}
@@ -151,5 +144,5 @@ def near_of(term: "FittedTerm") -> HiddenEffect:
     return effect.make(near)
 
 
-def _values_of(term: "FittedTerm") -> dict[str, float]:
+def _values_of(term: FittedTerm) -> dict[str, float]:
     return {p.name: value for p, value in zip(term.effect.parameters, term.values, strict=True)}

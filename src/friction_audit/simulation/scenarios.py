@@ -10,7 +10,7 @@ from friction_audit.simulation.bench import BenchSettings, HandGuidedPanda, Oper
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.slow_and_events import FrictionStep
 from friction_audit.simulation.effects.structure import JointElasticity
-from friction_audit.simulation.motion import Commanded, Sinusoid, SlowSweep, StopAndGo
+from friction_audit.simulation.periodic import Commanded, Sinusoid
 from friction_audit.simulation.sensors import read_log
 from friction_audit.simulation.settings import (
     IDEAL_SENSORS,
@@ -22,6 +22,7 @@ from friction_audit.simulation.settings import (
     Truth,
     make_streams,
 )
+from friction_audit.simulation.strokes import SlowSweep, StopAndGo
 
 AnySettings = BenchSettings | HandGuidedPanda | ArmSettings
 
@@ -98,29 +99,27 @@ _TRUE_VALUES = FixedCompensation(coulomb_nm=_COULOMB_NM, viscous_nms_per_rad=_TE
 # The figures of the paper, in their order.
 PAPER_SCENARIOS: tuple[Scenario, ...] = (
     Scenario(
-        "fig3", "viscous friction, without compensation: the energy that a person puts in", _sinusoidal(_TEN, 8.0)
+        "fig3", "viscous friction, without compensation: the energy that a person puts in",
+        _sinusoidal(_TEN, 8.0),
     ),
     Scenario(
-        "fig6",
-        "viscous friction that doubles at 6 s, compensated by its estimate",
+        "fig6", "viscous friction that doubles at 6 s, compensated by its estimate",
         replace(_sinusoidal(_TEN, 10.0), compensator=_VISCOUS_ONLY, hidden=(_DOUBLES_AT_6_S,)),
     ),
     Scenario(
-        "fig7-unprotected",
-        "viscous friction compensated by half as much again, without passivity controller",
+        "fig7-unprotected", "viscous friction compensated by half as much again, without passivity controller",
         replace(_sinusoidal(_TWENTY, 10.0), compensator=replace(_OVER_COMPENSATION, passivity=False)),
     ),
     Scenario(
-        "fig7",
-        "viscous friction compensated by half as much again, until the passivity controller acts",
+        "fig7", "viscous friction compensated by half as much again, until the passivity controller acts",
         replace(_sinusoidal(_TWENTY, 10.0), compensator=_OVER_COMPENSATION),
     ),
     Scenario(
-        "fig8", "a joint as in the paper's experiment, moved by a person, without compensation", _experiment(None)
+        "fig8", "a joint as in the paper's experiment, moved by a person, without compensation",
+        _experiment(None),
     ),
     Scenario(
-        "fig9-friction",
-        "Coulomb and viscous friction, without compensation: plateaus over the velocity",
+        "fig9-friction", "Coulomb and viscous friction, without compensation: plateaus over the velocity",
         replace(_sinusoidal(_TEN, 8.0, _COULOMB_NM), operator=_DAMPED_HAND),
     ),
     Scenario(
@@ -129,29 +128,26 @@ PAPER_SCENARIOS: tuple[Scenario, ...] = (
         replace(_sinusoidal(_TEN, 8.0, _COULOMB_NM), compensator=_TRUE_VALUES, operator=_DAMPED_HAND),
     ),
     Scenario(
-        "fig10", "the same, combined friction compensated from the last two cycles", _experiment(_COMBINED_OF_TWO)
+        "fig10", "the same, combined friction compensated from the last two cycles",
+        _experiment(_COMBINED_OF_TWO),
     ),
     Scenario(
-        "fig10-published",
-        "the same, by (20) as printed instead of a ridge regression towards the coefficients in use",
+        "fig10-published", "the same, by (20) as printed instead of a ridge regression towards the coefficients in use",
         _experiment(replace(_COMBINED_OF_TWO, ridge=PUBLISHED)),
     ),
     Scenario(
-        "fig10-slow-noise",
-        "the same, a tenth of the variance of the torque noise wandering over 50 ms",
+        "fig10-slow-noise", "the same, a tenth of the variance of the torque noise wandering over 50 ms",
         _experiment(_COMBINED_OF_TWO, PANDA_SENSORS[0]),
     ),
     Scenario(
-        "fig12",
-        "a Panda guided by a hand, all joints compensated from the last two cycles of the hand",
+        "fig12", "a Panda guided by a hand, all joints compensated from the last two cycles of the hand",
         ArmSettings(compensator=_COMBINED_OF_TWO, duration_s=30.0),
     ),
     Scenario(
-        "fig13",
-        "a Panda guided by the same hand, without compensation: what methods are compared with",
+        "fig13", "a Panda guided by the same hand, without compensation: what methods are compared with",
         ArmSettings(duration_s=30.0),
     ),
-)
+)  # fmt: skip
 
 
 def with_torque_control(joint: JointParameters) -> JointParameters:
@@ -160,59 +156,47 @@ def with_torque_control(joint: JointParameters) -> JointParameters:
     The published friction of a robot with torque control is what its control leaves at the link.
     """
     felt = 1.0 + TORQUE_LOOP.gain
-    return replace(
-        joint,
-        coulomb_nm=felt * joint.coulomb_nm,
-        viscous_nms_per_rad=felt * joint.viscous_nms_per_rad,
-        torque_loop=TORQUE_LOOP,
-    )
+    friction = {"coulomb_nm": felt * joint.coulomb_nm, "viscous_nms_per_rad": felt * joint.viscous_nms_per_rad}
+    return replace(joint, **friction, torque_loop=TORQUE_LOOP)
 
 
 # A dead time of half a tick of the outer controller, and four times the damping at which the loop rings without end.
 TORQUE_LOOP = TorqueLoop(gain=4.0, damping_s=0.008, dead_time_s=0.0005)
 _SERVO = Operator(stiffness_nm_per_rad=2000.0, damping_nms_per_rad=60.0, motion=Commanded())
+_SOFT = Hidden(joint_elasticity=JointElasticity(compliance_rad_per_nm=1e-4, damping_ratio=0.1))
 
 _ONE_JOINT = (
     Scenario("joint", "one joint moved by hand, stop and go; a rig logs the interaction torque", BenchSettings()),
     Scenario(
-        "joint-sine",
-        "one joint moved by hand along a sinusoid of varying width",
+        "joint-sine", "one joint moved by hand along a sinusoid of varying width",
         BenchSettings(operator=Operator(motion=Sinusoid(spread=0.3)), duration_s=60.0),
     ),
     Scenario(
-        "joint-slow",
-        "one joint moved by hand at slow, steady speeds, with small reversals",
+        "joint-slow", "one joint moved by hand at slow, steady speeds, with small reversals",
         BenchSettings(operator=Operator(motion=SlowSweep(reversals=12)), duration_s=180.0),
     ),
     Scenario(
-        "joint-controlled",
-        "one elastic joint moved by hand, its motor under torque control",
-        BenchSettings(
-            joints=(with_torque_control(JointParameters()),),
-            hidden=(Hidden(joint_elasticity=JointElasticity(compliance_rad_per_nm=1e-4, damping_ratio=0.1)),),
-        ),
+        "joint-controlled", "one elastic joint moved by hand, its motor under torque control",
+        BenchSettings(joints=(with_torque_control(JointParameters()),), hidden=(_SOFT,)),
     ),
     Scenario(
-        "joint-loaded",
-        "one joint moved by hand that carries a lever of 10 N m; logs the sensor's torque and gravity",
+        "joint-loaded", "one joint moved by hand that carries a lever of 10 N m; logs the sensor's torque and gravity",
         BenchSettings(gravity_nm=10.0, logs_sensor=True),
     ),
     Scenario(
-        "joint-driven",
-        "one joint moved by its motor along a sum of sines, a lever of 10 N m on it; without contact",
+        "joint-driven", "one joint moved by its motor along a sum of sines, a lever of 10 N m on it; without contact",
         BenchSettings(operator=_SERVO, driven=True, gravity_nm=10.0, logs_sensor=True),
     ),
-)
+)  # fmt: skip
 
 _PANDA = (
     Scenario("panda-joint", "a Panda whose joint 1 is moved by hand while the others stand still", HandGuidedPanda()),
     Scenario("panda", "a Panda guided by the hand at its flange, all joints moving", ArmSettings()),
     Scenario(
-        "panda-driven",
-        "a Panda that moves by itself, every joint along a sum of sines; without contact",
+        "panda-driven", "a Panda that moves by itself, every joint along a sum of sines; without contact",
         ArmSettings(driven=True),
     ),
-)
+)  # fmt: skip
 
 SCENARIOS: tuple[Scenario, ...] = (*_ONE_JOINT, *_PANDA, *PAPER_SCENARIOS)
 

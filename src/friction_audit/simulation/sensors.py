@@ -28,10 +28,7 @@ TEMPERATURE_STEP_C = 0.1
 
 
 def draw_noise(ticks: int, rate_hz: float, sensors: Sensors, rng: np.random.Generator) -> tuple[Float, Float, Float]:
-    """Draw what the sensors of one joint add to torque, velocity and position at ticks + 1 states.
-
-    A sensor reads ``quantise(step, truth + noise)``: a compensator in the loop can thus be given what the log shows.
-    """
+    """Draw what the sensors of one joint add to torque, velocity and position at ticks + 1 states."""
     velocity = sensors.velocity_noise_rad_s * rng.normal(0.0, 1.0, ticks + 1)
     # A fast and a slow first-order autoregressive process, together of the variance of the noise.
     share = sensors.slow_noise_share

@@ -1,14 +1,13 @@
 """Checks that settings share, the joint, its sensors, the clock of a recording; and what a simulation gives."""
 
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
-from math import inf, ulp
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from friction_audit.compensation.compensators import Compensator
+from friction_audit.compensation.compensators.law import Checked, positive, within
 from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.joint_log import Float, JointLog
 
@@ -16,48 +15,11 @@ CONTROL_RATE_HZ = 1000.0  # at which the controller reads its sensors and sets i
 FEWEST_TICKS = 2
 LONGEST_S = 7200.0  # every tick is kept in memory: two hours of one joint take about a gigabyte
 
-ABOVE_ZERO = ulp(0.0)  # the least number that is
 LONGEST_DEAD_TIME_S = 0.005  # five ticks; a state of a joint remembers so much of its torque control
 LARGEST = 1e3  # no error of a sensor comes near it, in any unit
 FINEST_STEP = 1e-9  # readings are kept to so many places (``sensors.SCALE``)
 
 SomeSettings: TypeAlias = Any  # of a bench, of one joint of a Panda or of an arm, whose modules import this one
-
-
-def kind_name(kind: type) -> str:
-    """Return the name of a class as the command line has it, e.g. ``slow_sweep``."""
-    return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", kind.__name__).lower()
-
-
-def within(usual: Any = 0.0, low: float = 0.0, high: float = inf) -> Any:  # noqa: ANN401 - the field of a dataclass
-    """Return a field that holds a number in [low, high], or several in rising order, none of them infinite."""
-    return field(default=usual, metadata={"within": (low, high)})
-
-
-def positive(usual: float | tuple[float, float]) -> Any:  # noqa: ANN401 - likewise
-    """Return a field that holds a number above zero."""
-    return within(usual, ABOVE_ZERO)
-
-
-@dataclass(frozen=True, slots=True)
-class Checked:
-    """Settings that refuse numbers out of the bounds of their fields."""
-
-    def __post_init__(self) -> None:
-        for item in fields(self):
-            if "within" not in item.metadata:
-                continue
-            value, (low, high) = getattr(self, item.name), item.metadata["within"]
-            numbers = value if isinstance(value, tuple) else (value,)
-            expected = "the smaller number first" if list(numbers) != sorted(numbers) else ""
-            if not all(low <= number <= high and abs(number) < inf for number in numbers):
-                least = {ABOVE_ZERO: "a number above zero", 0.0: "zero or more", -inf: "finite numbers"}
-                from_low = least.get(low, f"{low:g} or more")
-                expected = from_low if high == inf else f"a number from {low:g} to {high:g}"
-            if expected:
-                where = kind_name(type(self)).removesuffix("_settings").removesuffix("_parameters")
-                found = ", ".join(f"{number:g}" for number in numbers)
-                raise UsageError(f"{where}: {item.name} {found}: expected {expected}")
 
 
 def require_no_hand(hidden: Iterable[Any], compensator: object) -> None:
@@ -94,7 +56,6 @@ def make_streams(seed: int, joints: int) -> Streams:
     return Streams(person, sensors, recorder, events=tuple(parts[::2]), drifts=tuple(parts[1::2]))
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class TorqueLoop(Checked):
     """Joint torque control: tau_m = tau_d + gain (tau_d - tau_J) - damping_s d(tau_J)/dt, what is fed back delayed.
 
@@ -110,7 +71,6 @@ class TorqueLoop(Checked):
     dead_time_s: float = within(high=LONGEST_DEAD_TIME_S)  # from the torque to the motor, in steps of 0.1 ms [s]
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class JointParameters(Checked):
     """The joint on the motor's side of the torque sensor: B ddq = F_m + u - tau_f."""
 
@@ -128,7 +88,6 @@ class JointParameters(Checked):
         return JointParameters(inertia_kg_m2=inertia, coulomb_nm=coulomb, viscous_nms_per_rad=viscous)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Sensors(Checked):
     """What the sensors and the recorder do to the truth; every default is an ideal one."""
 

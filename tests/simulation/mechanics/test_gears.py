@@ -13,7 +13,7 @@ from friction_audit.joint_log import Float
 from friction_audit.simulation import IDEAL_SENSORS, BenchSettings, Hidden, simulate
 from friction_audit.simulation.bench import Operator
 from friction_audit.simulation.effects.structure import HARDENING, KNEE_NM, Backlash, JointElasticity
-from friction_audit.simulation.motion import Sinusoid
+from friction_audit.simulation.periodic import Sinusoid
 from friction_audit.simulation.settings import JointParameters, TorqueLoop, TrueMotion
 from tests.simulation.mechanics.any_step import bench, release
 

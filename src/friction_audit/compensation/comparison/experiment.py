@@ -20,6 +20,7 @@ from friction_audit.compensation.comparison.methods import (
 from friction_audit.compensation.comparison.result import Comparison, Curve, Point, Row
 from friction_audit.parallel import in_processes, workers_for
 from friction_audit.simulation.scenarios import simulate
+from friction_audit.simulation.settings import SomeSettings
 
 Progress = Callable[[float], None]  # receives the share that is done, 0 to 1
 REFERRED, SWEPT, TRIED = 0.05, 0.3, 0.6  # shares that are done, about, after the stages before the margins
@@ -105,6 +106,14 @@ class _Trials:
             self.progress(self._share)
         return results
 
+    def _each(
+        self, work: Callable[[Any, int], Any], settings: Sequence[Any], seeds: Sequence[int], until: float
+    ) -> list[list[Any]]:
+        """Return the results of every setting, one per seed."""
+        jobs = [(one, seed) for one in settings for seed in seeds]
+        done = iter(self._map(lambda place: work(*jobs[place]), len(jobs), until))
+        return [[next(done) for _ in seeds] for _ in settings]
+
     def sweep(self, methods: Sequence[Method], seeds: Sequence[int]) -> tuple[Curve, ...]:
         """Make the sweeps of methods, all trials in one heap."""
         scene = self.scene
@@ -126,38 +135,29 @@ class _Trials:
     ) -> list[list[tuple[trial.Outcome, Any]]]:
         """Return the outcome of every tuning and seed, and the course of the first person who is reported, or None."""
         settings = [self.scene.compensated(tuning) for tuning in tunings if tuning is not NO_COMPENSATION]
-        jobs = [(one, seed) for one in settings for seed in seeds]
 
-        def work(place: int) -> tuple[trial.Outcome, trial.Course | None]:
-            one, seed = jobs[place]
+        def work(one: SomeSettings, seed: int) -> tuple[trial.Outcome, trial.Course | None]:
             simulation, reference = simulate(one, seed), self.idle[seed][0]
             course = trial.make_course(simulation, reference) if seed == self.first else None
             return trial.measure(simulation, reference), course
 
-        done = iter(self._map(work, len(jobs), until))
-        return [
-            [self.idle[seed][1:] if tuning is NO_COMPENSATION else next(done) for seed in seeds] for tuning in tunings
-        ]
+        tried, idle = iter(self._each(work, settings, seeds, until)), [self.idle[seed][1:] for seed in seeds]
+        return [idle if tuning is NO_COMPENSATION else next(tried) for tuning in tunings]
 
     def margins(self, tunings: Sequence[Tuning], seeds: Sequence[int]) -> list[tuple[float, ...]]:
         """Return the stability margins of every tuning, one per seed."""
         settings = self.scene.settings
         shorter = replace(settings, duration_s=self.scene.margin_share * settings.duration_s)
         short = [replace(self.scene, settings=shorter).compensated(tuning) for tuning in tunings]
-        jobs = [(one, seed) for one in short for seed in seeds]
 
-        def work(place: int) -> float:
-            one, seed = jobs[place]
-
+        def margin(one: SomeSettings, seed: int) -> float:
             def holds(factor: float) -> bool:
-                compensator: Any = one.compensator
-                scaled = replace(one, compensator=compensator.scaled(factor))
+                scaled = replace(one, compensator=one.compensator.scaled(factor))
                 return isinf(trial.find_loss(simulate(scaled, seed), self.idle[seed][0]))
 
             return find_margin(holds)
 
-        margins = iter(self._map(work, len(jobs), 1.0))
-        return [tuple(next(margins) for _ in seeds) for _ in tunings]
+        return [tuple(own) for own in self._each(margin, short, seeds, 1.0)]
 
 
 def choose_best(points: Sequence[Point]) -> Point:
@@ -166,20 +166,11 @@ def choose_best(points: Sequence[Point]) -> Point:
     Only tunings with which no person of the sweeps lost the loop count; where there is none, those with which fewest
     did, and the row says so.
     """
-
-    def badness(point: Point) -> tuple[int, float]:
-        off_w = [abs(outcome.energy_slope_w) for outcome in point.outcomes if outcome.stable]
-        return point.losses, sum(off_w) / len(off_w) if off_w else inf
-
-    return min(points, key=badness)
+    return min(points, key=lambda point: (point.losses, point.interval(lambda one: abs(one.energy_slope_w)).value))
 
 
 def find_margin(holds: Callable[[float], bool]) -> float:
-    """Search the largest factor of the gain with which a loop holds, by doubling and bisection.
-
-    Returns:
-        The factor; infinity if ``LARGEST`` is stable, 0 if 1 is not.
-    """
+    """Search the largest factor of the gain that holds by doubling and bisection; 0 if 1 does not, or infinity."""
     if not holds(1.0):
         return 0.0
     low, high = 1.0, 2.0

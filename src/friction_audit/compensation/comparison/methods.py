@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from functools import partial
+from itertools import count
 from typing import Any, NamedTuple
 
 from friction_audit.compensation.compensators import (
@@ -100,10 +101,6 @@ OBSERVER = (0.8, 20.0)  # its motor inertia over the true one, and its gain [1/s
 SHARES = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)  # of the observed friction, compensated
 
 
-def _fixed(_: Joint, coulomb_nm: float, viscous_nms_per_rad: float) -> Compensator:
-    return FixedCompensation(coulomb_nm=coulomb_nm, viscous_nms_per_rad=viscous_nms_per_rad)
-
-
 def _fitted(joint: Joint, coulomb_nm: float, viscous_nms_per_rad: float) -> Compensator:
     return replace(fit_sigmoid(coulomb_nm, viscous_nms_per_rad, TOP_SPEED_RAD_S), guard=joint.guard)
 
@@ -170,7 +167,8 @@ def _energy(window: float) -> Tuning:
 
 
 # A compensator that does nothing, but counts the cycles.
-NO_COMPENSATION = Tuning("none", "no compensation", lambda joint: _fixed(joint, 0.0, 0.0))
+IDLE = FixedCompensation(coulomb_nm=0.0, viscous_nms_per_rad=0.0)
+NO_COMPENSATION = Tuning("none", "no compensation", lambda _: IDLE)
 OBSERVER_SWEEPS = (
     Sweep("share", "share of the observed friction", SHARES, partial(_observer, *OBSERVER)),
     *(
@@ -204,7 +202,12 @@ METHODS: tuple[Method, ...] = (
     ),
     Method(
         "oracle", "oracle",
-        Tuning("true friction", "given the true Coulomb and viscous friction", _scaled(_fixed, 1.0).make),
+        Tuning(
+            "true friction", "given the true Coulomb and viscous friction",
+            lambda joint: FixedCompensation(
+                coulomb_nm=joint.parameters.coulomb_nm, viscous_nms_per_rad=joint.parameters.viscous_nms_per_rad
+            ),
+        ),
     ),
 )  # fmt: skip
 
@@ -229,9 +232,8 @@ class Scene:
     @property
     def joints(self) -> tuple[Joint, ...]:
         """What methods may know of the joints."""
-        settings = self.settings
-        both = zip(settings.joints, settings.hidden, strict=True)
-        return tuple(panda_joint(column, one, hidden.joint_elasticity) for column, (one, hidden) in enumerate(both))
+        gears = (hidden.joint_elasticity for hidden in self.settings.hidden)
+        return tuple(map(panda_joint, count(), self.settings.joints, gears))
 
     def compensated(self, tuning: Tuning) -> BenchSettings | ArmSettings:
         """Return the settings with a compensator in every joint."""
@@ -243,26 +245,13 @@ class Scene:
 
 SCENES: tuple[Scene, ...] = (
     Scene(
-        name="joint",
-        title="joint 1 of a Panda, elastic, moved by a person",
+        name="joint", title="joint 1 of a Panda, elastic, moved by a person",
         settings=BenchSettings(joints=(PANDA_JOINTS[0],), hidden=(_ELASTIC,), duration_s=40.0),
-        tuning_seeds=5,
-        most_values=10,
-        sweeps=5,
-        with_others=True,
-        margin_seeds=20,
-        margin_share=0.5,
+        tuning_seeds=5, most_values=10, sweeps=5, with_others=True, margin_seeds=20, margin_share=0.5,
     ),
     Scene(
-        name="panda",
-        title="a Panda, its joints elastic, guided by a hand",
+        name="panda", title="a Panda, its joints elastic, guided by a hand",
         settings=ArmSettings(hidden=(_ELASTIC,) * len(PANDA_JOINTS), duration_s=30.0),
-        tuning_seeds=5,
-        most_values=5,
-        sweeps=2,
-        with_others=False,
-        margin_seeds=6,
-        margin_share=0.6,
+        tuning_seeds=5, most_values=5, sweeps=2, with_others=False, margin_seeds=6, margin_share=0.6,
     ),
-)
-"""The joint is that of the default."""
+)  # fmt: skip

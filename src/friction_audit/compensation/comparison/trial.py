@@ -61,11 +61,7 @@ class Outcome:
 
 
 def find_reference(simulation: Simulation) -> Reference:
-    """Return what the trials of a seed are held against, from one whose compensator does nothing but count cycles.
-
-    Raises:
-        AnalysisError: If there are too few cycles for a slope after the second.
-    """
+    """Return what the trials of a seed are held against, from one whose compensator does nothing but count cycles."""
     motion, cycle = simulation.truth.motion, simulation.truth.compensators["cycle"][:, 0]
     ends = np.flatnonzero(np.diff(cycle)) + 1
     if len(ends) < FEWEST:

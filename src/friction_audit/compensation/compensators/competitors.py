@@ -16,30 +16,27 @@ control of flexible joint robots, International Journal of Robotics Research 26(
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import MISSING, replace
 from typing import Self
 
 import numpy as np
 
-from friction_audit.compensation.compensators.law import Law, Numbers, soft_sign
+from friction_audit.compensation.compensators.law import Gained, Law, positive, soft_sign, within
 from friction_audit.compiled import Record, compiled
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.errors import UsageError
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class FixedCompensation(Numbers):
+class FixedCompensation(Gained):
     """A compensator that never learns: u = coulomb sgn(dq) + viscous dq outside the dead-band, else 0."""
 
-    where, not_negative = "fixed compensation", ("dead_band_rad_s",)
     gains = ("coulomb_nm", "viscous_nms_per_rad")
 
-    coulomb_nm: float  # Coulomb friction compensated [N m]
-    viscous_nms_per_rad: float  # viscous friction compensated [N m s/rad]
-    dead_band_rad_s: float = 0.02  # speed up to which it stays silent [rad/s]
+    coulomb_nm: float = within(MISSING, -math.inf)  # Coulomb friction compensated [N m]
+    viscous_nms_per_rad: float = within(MISSING, -math.inf)  # viscous friction compensated [N m s/rad]
+    dead_band_rad_s: float = within(0.02)  # speed up to which it stays silent [rad/s]
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class SigmoidCompensation(Law):
     """u = phi1 / (1 + exp(-phi2 (dq + phi3))) - phi1 / (1 + exp(-phi2 phi3)).
 
@@ -47,12 +44,11 @@ class SigmoidCompensation(Law):
     that slope, and is not amplified to the whole plateau as by a sign function.
     """
 
-    where, gains = "sigmoid compensation", ("height_nm",)
-    positive = ("height_nm", "steepness_s_per_rad")
+    gains = ("height_nm",)
 
-    height_nm: float  # phi1, from plateau to plateau [N m]
-    steepness_s_per_rad: float  # phi2 [s/rad]
-    shift_rad_s: float = 0.0  # phi3, which makes the plateaus unequal [rad/s]
+    height_nm: float = positive(MISSING)  # phi1, from plateau to plateau [N m]
+    steepness_s_per_rad: float = positive(MISSING)  # phi2 [s/rad]
+    shift_rad_s: float = within(0.0, -math.inf)  # phi3, which makes the plateaus unequal [rad/s]
 
     @property
     def plateaus_nm(self) -> tuple[float, float]:
@@ -78,8 +74,7 @@ STEEPNESS_S_PER_RAD = 9.0657  # of a fit: median of the published ones
 def fit_sigmoid(coulomb_nm: float, viscous_nms_per_rad: float, top_speed_rad_s: float = 1.0) -> SigmoidCompensation:
     """Return the sigmoid nearest to Coulomb and viscous friction over speeds up to a highest one, by least squares.
 
-    The steepness is given and not fitted: Coulomb friction is a step, and the nearest sigmoid to a step is as steep as
-    it may be, which at standstill turns noise of the velocity into torque.
+    Its steepness is not fitted: that nearest to a step has no bound, and turns noise of the velocity into torque.
     """
     speed = np.linspace(0.0, top_speed_rad_s, 401)[1:]
     level, shape = coulomb_nm + viscous_nms_per_rad * speed, np.tanh(STEEPNESS_S_PER_RAD * speed / 2)
@@ -100,7 +95,6 @@ def sigmoid_nm(group: Record, dq: float) -> float:
     return float(group.height_nm * (moving - at_rest))
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class LugreCompensation(Law):
     """u = sigma0 z + sigma1 dz/dt + sigma2 dq, with dz/dt = dq - sigma0 |dq| z / g(dq).
 
@@ -108,25 +102,20 @@ class LugreCompensation(Law):
     more than sigma0 times the displacement, so that noise of the velocity does not make it chatter.
     """
 
-    where = "LuGre compensation"
-    positive = ("coulomb_nm", "stribeck_rad_s", "stiffness_nm_per_rad")
-    not_negative = ("viscous_nms_per_rad", "damping_nms_per_rad")
     gains = ("coulomb_nm", "breakaway_nm", "viscous_nms_per_rad", "stiffness_nm_per_rad", "damping_nms_per_rad")
 
-    coulomb_nm: float  # Fc [N m]
-    breakaway_nm: float  # Fs [N m]
-    viscous_nms_per_rad: float  # sigma2 [N m s/rad]
-    stribeck_rad_s: float = 0.05  # vs [rad/s]
-    stiffness_nm_per_rad: float = 300.0  # sigma0 [N m/rad]
-    damping_nms_per_rad: float = 0.0  # sigma1 [N m s/rad]
+    coulomb_nm: float = positive(MISSING)  # Fc [N m]
+    breakaway_nm: float = within(MISSING)  # Fs [N m]
+    viscous_nms_per_rad: float = within(MISSING)  # sigma2 [N m s/rad]
+    stribeck_rad_s: float = positive(0.05)  # vs [rad/s]
+    stiffness_nm_per_rad: float = positive(300.0)  # sigma0 [N m/rad]
+    damping_nms_per_rad: float = within(0.0)  # sigma1 [N m s/rad]
 
     def __post_init__(self) -> None:
         Law.__post_init__(self)
         if self.breakaway_nm < self.coulomb_nm:
-            raise UsageError(
-                f"LuGre compensation: breakaway_nm {self.breakaway_nm:g}: expected coulomb_nm {self.coulomb_nm:g} "
-                f"or more"
-            )
+            found = f"breakaway_nm {self.breakaway_nm:g}"
+            raise UsageError(f"lugre_compensation: {found}: expected coulomb_nm {self.coulomb_nm:g} or more")
 
 
 @compiled(inline=True)
@@ -157,7 +146,6 @@ def lugre_nm(group: Record, memory: Record, dq: float) -> float:
     return float(elastic + group.damping_nms_per_rad * rate + group.viscous_nms_per_rad * dq)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class JointModelCompensation(Law):
     """A compensator that applies the terms of friction of a joint's model instead of the log's friction.
 
@@ -166,11 +154,9 @@ class JointModelCompensation(Law):
     are applied at any speed.
     """
 
-    where, not_negative = "compensation by a joint's model", ("dead_band_rad_s", "ramp_rad_s")
-
     terms: tuple[FittedTerm, ...]
-    dead_band_rad_s: float = 0.01  # speed up to which dry friction is silent [rad/s]
-    ramp_rad_s: float = 0.03  # range of speed over which it then rises to all of it [rad/s]
+    dead_band_rad_s: float = within(0.01)  # speed up to which dry friction is silent [rad/s]
+    ramp_rad_s: float = within(0.03)  # range of speed over which it then rises to all of it [rad/s]
 
     def __post_init__(self) -> None:
         if not self.terms:
@@ -178,7 +164,6 @@ class JointModelCompensation(Law):
         Law.__post_init__(self)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class DisturbanceObserver(Law):
     """u = gain times the observed friction, whose rate is L (F_m + u - B ddq - observed friction).
 
@@ -186,32 +171,19 @@ class DisturbanceObserver(Law):
     it then hunts. In the dead-band it is therefore silent, and observes on.
     """
 
-    where, gains = "disturbance observer", ("observer_gain_per_s",)
-    positive = ("observer_gain_per_s",)
-    not_negative = ("inertia_kg_m2", "dead_band_rad_s", "ramp_rad_s")
+    gains = ("observer_gain_per_s",)
 
-    inertia_kg_m2: float  # motor inertia B as assumed [kg m^2]
-    observer_gain_per_s: float  # L, bandwidth of the observer [1/s]
-    compensation_gain: float = 1.0  # share of the observed friction that is compensated
-    dead_band_rad_s: float = 0.01  # speed up to which it is silent [rad/s]
+    inertia_kg_m2: float = within(MISSING)  # motor inertia B as assumed [kg m^2]
+    observer_gain_per_s: float = positive(MISSING)  # L, bandwidth of the observer [1/s]
+    compensation_gain: float = positive(1.0, 1.0)  # share of the observed friction that is compensated
+    dead_band_rad_s: float = within(0.01)  # speed up to which it is silent [rad/s]
     # range of speed over which it then rises to all of it; dead-band and ramp 0: always all of it, as published [rad/s]
-    ramp_rad_s: float = 0.03
-
-    def __post_init__(self) -> None:
-        Law.__post_init__(self)
-        if not 0 < self.compensation_gain <= 1:
-            raise UsageError(
-                f"disturbance observer: compensation_gain {self.compensation_gain:g}: expected a share above 0, up to 1"
-            )
+    ramp_rad_s: float = within(0.03)
 
 
 @compiled(inline=True)
 def observe(group: Record, memory: Record, dq: float, interaction_nm: float, dt: float) -> None:
-    """Observe the past interval, exactly for friction that is steady over it.
-
-    F_m is taken as read at the end of the interval, while the u of the interval acted. Its value at the start was read
-    under the u before, and the jump between them is no friction.
-    """
+    """Observe the past interval, exactly for friction that is steady over it; F_m as read at its end, under its u."""
     if dt <= 0.0:
         return
     unexplained = interaction_nm + memory.u_nm - group.inertia_kg_m2 * (dq - memory.dq) / dt
@@ -229,20 +201,15 @@ def observed_nm(group: Record, memory: Record, dq: float) -> float:
     return float(share * group.compensation_gain * memory.observed_friction_nm)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class TorqueRegulation(Law):
     """u = (B / B_theta - 1) F_m, so that B_theta ddq = F_m - (B_theta / B) tau_f.
 
-    The torque does not depend on the velocity: nothing chatters at standstill, and a joint breaks away at B_theta / B
-    of its friction.
+    It does not depend on the velocity: nothing chatters at standstill; a joint breaks away at B_theta / B of friction.
     """
 
-    where = "torque regulation"
-    positive = ("inertia_kg_m2", "desired_inertia_kg_m2", "cutoff_hz")
-
-    inertia_kg_m2: float  # motor inertia B as assumed [kg m^2]
-    desired_inertia_kg_m2: float  # B_theta; above B the joint gets heavier [kg m^2]
-    cutoff_hz: float = math.inf  # corner of the first-order low-pass on F_m; infinite for none [Hz]
+    inertia_kg_m2: float = positive(MISSING)  # motor inertia B as assumed [kg m^2]
+    desired_inertia_kg_m2: float = positive(MISSING)  # B_theta; above B the joint gets heavier [kg m^2]
+    cutoff_hz: float = positive(math.inf)  # corner of the first-order low-pass on F_m; infinite for none [Hz]
 
     def scaled(self, factor: float) -> Self:
         """Return it with its torque gain B / B_theta - 1 times a factor."""

@@ -1,68 +1,92 @@
 """What the compensators share: bounds of numbers, passivity controller and limits, a ramped sign; and the paper's."""
 
 import math
+import re
 from dataclasses import dataclass, field, fields, replace
-from math import inf, isfinite
-from typing import ClassVar, Self
+from math import inf, ulp
+from typing import Any, ClassVar, Self, dataclass_transform
 
 from friction_audit.compiled import compiled
 from friction_audit.errors import UsageError
 
-MODELS = ("viscous", "coulomb", "combined")
+MODELS = {"viscous": 1, "coulomb": 1, "combined": 2}  # coefficients of each
 LONGEST_WINDOW = 64  # cycles that the memory of a compensator holds
 # Values of ``ridge``. With less than 0.001 two cycles of one speed still separate what is noise; with more than 0.003 a
 # step of friction takes more than the two cycles that it spans (benchmarks/bench_compensation.py).
 RIDGE, PUBLISHED = 0.003, 0.0
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Numbers:
-    """Settings whose plain numbers are finite, unless their default is infinite, and within bounds."""
+ABOVE_ZERO = ulp(0.0)  # the least number that is
 
-    where: ClassVar[str] = "compensator"  # what messages call them
-    positive: ClassVar[tuple[str, ...]] = ()  # names of numbers that must be above zero
-    not_negative: ClassVar[tuple[str, ...]] = ()
-    gains: ClassVar[tuple[str, ...]] = ()  # numbers to which the torque is proportional
+
+def kind_name(kind: type) -> str:
+    """Return the name of a class as the command line has it, e.g. ``slow_sweep``."""
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", kind.__name__).lower()
+
+
+def within(usual: Any = 0.0, low: float = 0.0, high: float = inf) -> Any:  # noqa: ANN401 - the field of a dataclass
+    """Return a field that holds a number in [low, high], or several in rising order; infinite only where that is usual.
+
+    With MISSING for what is usual it must be given.
+    """
+    return field(default=usual, metadata={"within": (low, high)})
+
+
+def positive(usual: Any, high: float = inf) -> Any:  # noqa: ANN401 - likewise
+    """Return a field that holds a number above zero."""
+    return within(usual, ABOVE_ZERO, high)
+
+
+@dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(field,))
+@dataclass(frozen=True, kw_only=True)
+class Checked:
+    """Settings, frozen dataclasses without a decorator, that refuse numbers out of the bounds of their fields."""
+
+    def __init_subclass__(cls) -> None:
+        dataclass(frozen=True, kw_only=True)(cls)
 
     def __post_init__(self) -> None:
         for item in fields(self):
-            if item.type is not float:
+            if "within" not in item.metadata:
                 continue
-            value, expected = getattr(self, item.name), "a finite number"
-            holds = isfinite(value) or value == item.default == inf
-            if item.name in self.positive:
-                holds, expected = holds and value > 0.0, "a number above zero"
-            elif item.name in self.not_negative:
-                holds, expected = holds and value >= 0.0, "zero or more"
-            if not holds:
-                raise UsageError(f"{self.where}: {item.name} {value:g}: expected {expected}")
+            value, (low, high) = getattr(self, item.name), item.metadata["within"]
+            numbers = value if isinstance(value, tuple) else (value,)
+            expected = "the smaller number first" if list(numbers) != sorted(numbers) else ""
+            if not all(low <= number <= high and (abs(number) < inf or number == item.default) for number in numbers):
+                least = {ABOVE_ZERO: "a number above zero", 0.0: "zero or more", -inf: "finite numbers"}
+                from_low = least.get(low, f"{low:g} or more")
+                expected = from_low if high == inf else f"a number from {low:g} to {high:g}"
+            if expected:
+                where = kind_name(type(self)).removesuffix("_settings").removesuffix("_parameters")
+                found = ", ".join(f"{number:g}" for number in numbers)
+                raise UsageError(f"{where}: {item.name} {found}: expected {expected}")
+
+
+class Gained(Checked):
+    """A law whose torque is proportional to some of its numbers."""
+
+    gains: ClassVar[tuple[str, ...]] = ()
 
     def scaled(self, factor: float) -> Self:
-        """Return them with their gains times a factor."""
+        """Return it with its gains times a factor."""
         return replace(self, **{name: factor * getattr(self, name) for name in self.gains})
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Guard(Numbers):
+class Guard(Gained):
     """Passivity controller and limits around a law of any kind."""
 
-    positive: ClassVar[tuple[str, ...]] = (
-        "max_damping_nms_per_rad", "max_torque_nm", "max_torque_rate_nm_s", "minimum_speed_rad_s"
-    )  # fmt: skip
-    not_negative: ClassVar[tuple[str, ...]] = ("initial_energy_j", "payback_s")
-
     passivity: bool = False  # if True, the passivity controller acts
-    initial_energy_j: float = 0.0  # E(0) of (21) [J]
-    minimum_speed_rad_s: float = 0.01  # the passivity controller does nothing below this speed [rad/s]
+    initial_energy_j: float = within(0.0)  # E(0) of (21) [J]
+    minimum_speed_rad_s: float = positive(0.01)  # the passivity controller does nothing below this speed [rad/s]
     # time over which it pays a deficit of the ledger; below a tick, within a tick as (22) has it. [s] ``payback_s`` of
     # this module gives the time for an elastic joint; the default is right from 40 Hz on
-    payback_s: float = 0.02
+    payback_s: float = within(0.02)
     # largest damping it may inject. [N m s/rad] It measures the link and brakes the motor, which in the elastic mode
     # move against each other: 16 N m s/rad already drive the mode of a motor of 0.1 kg m^2 with a link of 0.05 kg m^2;
     # the default is a third of that
-    max_damping_nms_per_rad: float = 5.0
-    max_torque_nm: float = inf  # largest torque of compensation and passivity controller together [N m]
-    max_torque_rate_nm_s: float = inf  # fastest change of it [N m/s]
+    max_damping_nms_per_rad: float = positive(5.0)
+    max_torque_nm: float = positive(inf)  # largest torque of compensation and passivity controller together [N m]
+    max_torque_rate_nm_s: float = positive(inf)  # fastest change of it [N m/s]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -73,7 +97,6 @@ class Coefficients:
     viscous_nms_per_rad: float = 0.0  # viscous friction [N m s/rad]
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class EnergyCompensator(Guard):
     """The compensator of the paper: estimates at the end of each energy cycle, applies the estimate in the next.
 
@@ -83,22 +106,20 @@ class EnergyCompensator(Guard):
     left is still friction, and its slope, a negative damping, stays small against inertia over tick.
     """
 
-    positive = (*Guard.positive, "minimum_path_rad", "maximum_gap_s", "cutoff_hz")
-    not_negative = (*Guard.not_negative, "ridge", "factor", "dead_band_rad_s", "ramp_rad_s")
     gains = ("factor",)
 
     model: str = "combined"  # ``"viscous"`` (8), ``"coulomb"`` (14) or ``"combined"`` (20)
     window: int | None = None  # number k of cycles an estimate is made from; None for the fewest, 1 or, combined, 2
     # weight of the coefficients in use, by which the combined model is a ridge regression (Hoerl and Kennard 1970)
     # towards them; ``PUBLISHED`` for (20) as printed, which divides by the difference of two cycles
-    ridge: float = RIDGE
-    minimum_path_rad: float = 0.02  # a cycle in which the joint moved less gives no equation [rad]
-    maximum_gap_s: float = 0.05  # a cycle with a longer gap between two ticks gives no equation [s]
+    ridge: float = within(RIDGE)
+    minimum_path_rad: float = positive(0.02)  # a cycle in which the joint moved less gives no equation [rad]
+    maximum_gap_s: float = positive(0.05)  # a cycle with a longer gap between two ticks gives no equation [s]
     # the estimate is multiplied by this before it is applied; above 1, over-compensation on purpose
-    factor: float = 1.0
+    factor: float = within(1.0)
     # speed up to which the Coulomb term is silent and the joint counts as at rest [rad/s]
-    dead_band_rad_s: float = 0.01
-    ramp_rad_s: float = 0.03  # range of speed over which the Coulomb term then rises to all of it [rad/s]
+    dead_band_rad_s: float = within(0.01)
+    ramp_rad_s: float = within(0.03)  # range of speed over which the Coulomb term then rises to all of it [rad/s]
     forced: Coefficients | None = None  # coefficients applied, instead of the estimate, or None
     forced_from_cycle: int = 2  # first cycle in which they are applied; cycles count from 1
     # if True, the estimate takes over after the first cycle in which the passivity controller acted
@@ -108,39 +129,31 @@ class EnergyCompensator(Guard):
     zero_crossings: bool = False
     initiation_rad_s: float = 0.2  # filtered speed above which a cycle begins [rad/s]
     termination_rad_s: float = 0.05  # filtered speed below which it may end; it ends when the joint then rests [rad/s]
-    cutoff_hz: float = 20.0  # corner of the causal first-order low-pass on the velocity, for detection only [Hz]
+    cutoff_hz: float = positive(
+        20.0
+    )  # corner of the causal first-order low-pass on the velocity, for detection only [Hz]
     passivity: bool = True
 
     def __post_init__(self) -> None:
         if self.model not in MODELS:
             raise UsageError(f"compensator: model {self.model}: expected one of {', '.join(MODELS)}")
-        if not self.unknowns <= self.cycles_per_estimate <= LONGEST_WINDOW:
-            raise UsageError(
-                f"compensator: window {self.window}: expected {self.unknowns} to {LONGEST_WINDOW} cycles with the "
-                f"{self.model} model"
-            )
+        if not MODELS[self.model] <= self.cycles_per_estimate <= LONGEST_WINDOW:
+            expected = f"{MODELS[self.model]} to {LONGEST_WINDOW} cycles with the {self.model} model"
+            raise UsageError(f"compensator: window {self.window}: expected {expected}")
         if not inf > self.initiation_rad_s > self.termination_rad_s > 0:
-            raise UsageError(
-                f"compensator: thresholds {self.initiation_rad_s:g}, {self.termination_rad_s:g}: expected initiation "
-                f"above termination and both above zero, in rad/s"
-            )
+            found = f"thresholds {self.initiation_rad_s:g}, {self.termination_rad_s:g}"
+            raise UsageError(f"compensator: {found}: expected initiation above termination, both above zero, in rad/s")
         if self.forced_from_cycle < 1:
             raise UsageError(f"compensator: forced_from_cycle {self.forced_from_cycle}: cycles count from 1")
         Guard.__post_init__(self)
 
     @property
-    def unknowns(self) -> int:
-        """Number of coefficients of the model."""
-        return 2 if self.model == "combined" else 1
-
-    @property
     def cycles_per_estimate(self) -> int:
         """The window k in force."""
-        return self.unknowns if self.window is None else self.window
+        return MODELS[self.model] if self.window is None else self.window
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Law(Numbers):
+class Law(Gained):
     """A law with a guard around it; the records hold its plain numbers as a group of its own."""
 
     guard: Guard = field(default_factory=Guard)  # passivity controller and limits

@@ -3,13 +3,14 @@
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, fields
-from math import inf, nan, pi, sqrt
-from typing import Any, ClassVar, NamedTuple, Self
+from math import inf, nan, sqrt
+from typing import Any, ClassVar, NamedTuple, Self, dataclass_transform
 
+from friction_audit.compensation.compensators.law import kind_name
 from friction_audit.effects.parameter import Parameter
 from friction_audit.effects.registry import effect_of, near_names
 from friction_audit.errors import UsageError
-from friction_audit.simulation.settings import JointParameters, kind_name
+from friction_audit.simulation.settings import JointParameters
 
 FORM = "form"
 LARGEST = 1e4  # no parameter of a joint comes near it, in any unit: larger numbers are slips, infinite ones no numbers
@@ -39,10 +40,9 @@ class NoEqualError(Exception):
 
 
 def number(usual: float, meaning: str, unit: str = "1", *, off: bool = False, **bounds: Any) -> Any:  # noqa: ANN401
-    """Return a field of a hidden effect, and what is usual where it is named without a number.
+    """Return a field of a hidden effect, at least zero unless bounds are given, and what is usual where it is named.
 
-    It is at least zero, unless ``lower`` or ``upper`` say otherwise; unit and bounds are those of the parameter
-    ``like`` of the effect of the same name, where there is one.
+    Unit and bounds are those of the parameter ``like`` of the effect of the same name, where there is one.
     """
     about = {"default": usual, "unit": unit, "meaning": meaning, "like": "", "lower": 0.0, "upper": inf} | bounds
     return field(default=0.0 if off else usual, metadata=about)
@@ -53,11 +53,13 @@ def strength(usual: float, meaning: str, unit: str = "1", **bounds: Any) -> Any:
     return number(usual, meaning, unit, off=True, **bounds)
 
 
+@dataclass_transform(frozen_default=True, kw_only_default=True)
 @dataclass(frozen=True, kw_only=True)
 class HiddenEffect:
     """A group of numbers that the mechanics read; made without arguments it does nothing.
 
-    Its name is that of its class and of the effect that a diagnosis names, from which it has family and bounds.
+    Its name is that of its class and of the effect that a diagnosis names, from which it has family and bounds. Each is
+    a frozen dataclass, without a decorator.
     """
 
     summary: ClassVar[str] = ""  # one line
@@ -71,6 +73,7 @@ class HiddenEffect:
 
     def __init_subclass__(cls) -> None:
         cls.name = kind_name(cls)
+        dataclass(frozen=True, kw_only=True)(cls)
 
     @classmethod
     def family(cls) -> str:
@@ -126,8 +129,7 @@ class HiddenEffect:
         """Return the parameters, form among them, that equal a term of a joint model, or raise NoEqualError."""
         if cls.same_law is None:
             raise NoEqualError("its own formulas differ")
-        own = {item.name: item.metadata["like"] for item in fields(cls) if item.name != FORM}
-        given: Given = {name: values[like] for name, like in own.items()}
+        given: Given = dict(zip((item.name for item in fields(cls) if item.name != FORM), values.values(), strict=True))
         return given | ({FORM: cls.same_law} if cls.same_law else {})
 
     @property
@@ -149,11 +151,6 @@ def described(parameter: Parameter) -> str:
 def alike(one: float, other: float) -> bool:
     """Return whether two fitted numbers may be taken for equal."""
     return abs(one - other) <= ALIKE * max(abs(one), abs(other))
-
-
-def within_half_turn(angle: float) -> float:
-    """Return an angle within half a turn. [rad]"""
-    return (angle + pi) % (2.0 * pi) - pi
 
 
 def must(holds: bool, reason: str) -> None:

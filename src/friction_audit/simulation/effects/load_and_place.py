@@ -1,7 +1,6 @@
 """Effects of load and place: friction and torques that follow the torque in the gear and the position."""
 
 import math
-from dataclasses import dataclass
 from math import inf
 
 import numpy as np
@@ -18,17 +17,14 @@ from friction_audit.simulation.effects.effect import (
     must,
     number,
     strength,
-    within_half_turn,
 )
 
 LINEAR_LOAD, QUADRATIC_LOAD, BACKDRIVE = range(3)
 REFERENCE_NM = 10.0  # load at which the quadratic form equals the linear one. [N m]
 
-# Share by which the loss exceeds its mean when the link drives the motor, and falls short of it otherwise.
-BACKDRIVE_EXCESS = 0.5
+BACKDRIVE_EXCESS = 0.5  # share by which the loss exceeds its mean where the link drives the motor, else falls short
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class LoadDependentFriction(HiddenEffect):
     summary = "friction grows with the torque that the gear transmits"
     forms = ("linear", "quadratic", "backdrive")
@@ -66,15 +62,11 @@ def load_friction_nm(group: Record, load_nm: float, power_w: float) -> float:
 SINUSOID, HARMONICS, PATCH = range(3)
 # Orders of the harmonics relative to the first: bearing and gear parts of incommensurate pitch.
 SECOND_ORDER, THIRD_ORDER = math.sqrt(3.0), math.sqrt(7.0)
-
 FIRST_WEIGHT, SECOND_WEIGHT, THIRD_WEIGHT = 0.5, 0.3, 0.2
-
-# Concentration of the patch (of a von Mises density): half as high at 0.42 rad of the cycle from its centre.
-PATCH_SHARPNESS = 8.0
+PATCH_SHARPNESS = 8.0  # of a von Mises density: half as high at 0.42 rad of the cycle from the centre of the patch
 WIDE_RAD = 10.0  # a wave under a bell of this width fills the whole range
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class PositionDependentFriction(HiddenEffect):
     summary = "the Coulomb level depends on the position"
     forms = ("sinusoid", "harmonics", "patch")
@@ -90,7 +82,7 @@ class PositionDependentFriction(HiddenEffect):
         must(width >= WIDE_RAD, "its wave fills the whole range")
         must(setting.joint.coulomb_nm > 0.0, "its wave is a share of the Coulomb friction, which is none")
         share = math.hypot(cosine, sine) / setting.joint.coulomb_nm
-        phase = within_half_turn(math.atan2(cosine, sine) - order * centre)
+        phase = math.remainder(math.atan2(cosine, sine) - order * centre, 2.0 * math.pi)
         return {"share": share, "cycles_per_rev": order, "phase_rad": phase, "form": "sinusoid"}
 
 
@@ -116,7 +108,6 @@ def place_factor(group: Record, q: float) -> float:
 COGGING, READING = range(2)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class TorqueRipple(HiddenEffect):
     summary = "a torque, or an error of the torque sensor, that repeats with the turns of the motor"
     forms = ("cogging", "reading")
@@ -139,10 +130,7 @@ class TorqueRipple(HiddenEffect):
 
 @compiled()
 def cogging_nm(group: Record, q: float) -> float:
-    """Return the cogging torque on the motor, behind the sensor; 0 where the sensor ripples instead. [N m]
-
-    Conservative: it gives back over a cycle what it took.
-    """
+    """Return the cogging torque on the motor, which is conservative; 0 where the sensor ripples instead. [N m]"""
     if group.form != COGGING or group.torque_nm == 0.0:
         return 0.0
     angle = group.cycles_per_rev * q
@@ -161,12 +149,8 @@ def ripple_reading_nm(group: TorqueRipple, q: Float) -> Float:
     return np.asarray(group.torque_nm * (np.cos(angle) + group.second_share * np.sin(2.0 * angle)))
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class GravityError(HiddenEffect):
-    """A wrong mass, a wrong centre of mass, an unknown payload or a tilted base.
-
-    All of them are the same for one joint: an amplitude and a phase.
-    """
+    """A wrong mass or centre of mass, an unknown payload or a tilted base: for one joint an amplitude and a phase."""
 
     summary = "the gravity torque that is subtracted is wrong"
     felt_at_rest = True
@@ -179,23 +163,18 @@ class GravityError(HiddenEffect):
         cosine, sine = values["gravity_cos_nm"], values["gravity_sin_nm"]
         must(round(values["gravity_error_source"]) == 0, "it errs in the joint's own angle")
         size = math.hypot(cosine, sine)
-        return {"torque_nm": -size if setting.driven else size, "phase_rad": within_half_turn(math.atan2(cosine, sine))}
+        return {"torque_nm": -size if setting.driven else size, "phase_rad": math.atan2(cosine, sine)}
 
 
 def gravity_error_nm(group: GravityError, q: Float) -> Float:
-    """Return by how much the gravity torque that is subtracted is too large, shape (n,). [N m]
-
-    The interaction torque comes out too large by it where a hand moves the joint, too small where the robot does.
-    """
+    """Return by how much the gravity torque that is subtracted is too large, shape (n,). [N m]"""
     return np.asarray(group.torque_nm * np.sin(q + group.phase_rad))
 
 
 LINEAR_CABLE, HARDENING_CABLE, SLACK, TETHER = range(4)
-# Distance from the centre at which the hardening form is twice as strong as the linear one. [rad]
-HARDENING_RAD = 1.0
+HARDENING_RAD = 1.0  # from the centre: there the hardening form is twice as strong as the linear one. [rad]
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class CableSpring(HiddenEffect):
     summary = "a cable or hose pulls the joint back"
     forms = ("linear", "hardening", "slack", "tether")
@@ -235,14 +214,10 @@ def cable_spring_nm(group: Record, q: float) -> float:
 
 SPRING_DAMPER, QUADRATIC_WALL, EXPONENTIAL_WALL = range(3)
 REFERENCE_RAD = 0.1  # depth at which the quadratic wall is as strong as the linear one. [rad]
-
 WIDTH_RAD = 0.05  # distance over which the exponential wall grows by e. [rad]
-
-# A person who gets so deep into an exponential wall does not exist; the number stays finite.
-HIGHEST_EXPONENT = 20.0
+HIGHEST_EXPONENT = 20.0  # nobody gets so deep into an exponential wall; the number stays finite
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class JointLimitStop(HiddenEffect):
     summary = "a soft wall at both ends of the range"
     forms = ("spring_damper", "quadratic", "exponential")

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import inf
 
 import numpy as np
@@ -12,7 +11,6 @@ from friction_audit.simulation.effects.effect import Given, HiddenEffect, Settin
 from friction_audit.simulation.settings import CONTROL_RATE_HZ
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class TorqueBias(HiddenEffect):
     summary = "the torque sensor does not read zero without a load"
     felt_at_rest = True
@@ -21,15 +19,10 @@ class TorqueBias(HiddenEffect):
 
     torque_nm: float = strength(0.15, "reading without a load", like="torque_bias_nm")
 
-    @classmethod
-    def from_parameters(cls, values: Values, setting: Setting) -> Given:
-        return {"torque_nm": next(iter(values.values()))}
-
 
 RAMP, RANDOM_WALK, THERMAL = range(3)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class TorqueDrift(HiddenEffect):
     summary = "the zero of the torque sensor moves during the recording"
     felt_at_rest = True
@@ -41,10 +34,7 @@ class TorqueDrift(HiddenEffect):
 
 
 def torque_drift_nm(group: TorqueDrift, t: Float, rng: np.random.Generator) -> Float:
-    """Return what is added to the interaction torque as read, shape (n,). [N m]
-
-    Only a random walk of some strength draws random numbers.
-    """
+    """Return what is added to the interaction torque as read, shape (n,); only a random walk draws numbers. [N m]"""
     if group.torque_nm == 0.0:
         return np.zeros_like(t)
     elapsed = t - t[0]
@@ -59,10 +49,8 @@ def torque_drift_nm(group: TorqueDrift, t: Float, rng: np.random.Generator) -> F
 
 
 TORQUE_LATE, VELOCITY_LATE = range(2)
-WHOLE_STEP = 1e-9  # a delay this close to a whole number of steps is meant to be one
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class TimeDelay(HiddenEffect):
     summary = "torque or motion reach the log late"
     forms = ("torque_late", "velocity_late")
@@ -77,19 +65,9 @@ class TimeDelay(HiddenEffect):
 
 
 def delayed(delay_s: float, signal: Float, dt: float = 1.0 / CONTROL_RATE_HZ) -> Float:
-    """Return a signal that comes late, the first value held until it arrives; the very same array without a delay.
-
-    Between two samples the line is read linearly: finely sampled, it neither overshoots at a jump nor smooths much.
-    """
-    if delay_s == 0.0:
-        return signal
-    steps = delay_s / dt
-    whole = math.floor(steps + WHOLE_STEP)
-    part = max(0.0, steps - whole)
-    newer = np.maximum(np.arange(len(signal)) - whole, 0)
-    if part <= WHOLE_STEP:
-        return signal[newer]
-    return np.asarray((1.0 - part) * signal[newer] + part * signal[np.maximum(newer - 1, 0)])
+    """Return a signal that comes late, linear between two samples, the first value held until it arrives."""
+    ticks = np.arange(len(signal), dtype=np.float64)
+    return np.interp(ticks - delay_s / dt, ticks, signal)
 
 
 NEXT, PREVIOUS, BOTH = range(3)
@@ -97,7 +75,6 @@ NEXT, PREVIOUS, BOTH = range(3)
 NEIGHBOURS = {NEXT: (1,), PREVIOUS: (-1,), BOTH: (-1, 1)}
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class TorqueCrosstalk(HiddenEffect):
     summary = "a torque sensor also feels the load of the neighbouring joint"
     felt_at_rest = True

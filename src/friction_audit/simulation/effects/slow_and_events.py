@@ -1,7 +1,6 @@
 """Slow effects and events: warmth, changes of friction, contacts, and a compensator that no log names."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,7 +11,6 @@ from friction_audit.simulation.effects.effect import Given, HiddenEffect, Settin
 AMBIENT, SELF_HEATING = range(2)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class WarmUp(HiddenEffect):
     """Friction of a warm joint over that of a cold one; warmth is 0 where cold and 1 where warm."""
 
@@ -60,7 +58,6 @@ def temperature_c(group: WarmUp, warmth: Float) -> Float:
 ABRUPT, RAMP, SETTLING = range(3)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class FrictionStep(HiddenEffect):
     summary = "friction changes once, at a moment of the recording"
     forms = ("abrupt", "ramp", "settling")
@@ -107,7 +104,6 @@ LARGEST = 5.0
 DRAG_SPEED_RAD_S = 0.05
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class ContactEvent(HiddenEffect):
     summary = "something touches the link side of the joint now and then"
     forms = ("knock", "drag", "step")
@@ -165,7 +161,6 @@ SMOOTH, DEAD_BAND, SIGMOID = range(3)
 SKEW = 0.2
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class UnloggedCompensation(HiddenEffect):
     summary = "a friction compensator was active that the log does not contain"
     forms = ("smooth", "dead_band", "sigmoid")

@@ -1,7 +1,6 @@
 """Effects of the structure: what is between motor and link, and inertia that the model does not know."""
 
 import math
-from dataclasses import dataclass
 from math import inf
 
 import numpy as np
@@ -14,12 +13,10 @@ from friction_audit.simulation.effects.effect import ALIKE, Given, HiddenEffect,
 LINEAR, HARDENING = range(2)
 # A stiffer gear rings faster than the integration can follow, and is rigid for all that a log shows. [rad/(N m)]
 LEAST_COMPLIANCE = 1e-5
-
 KNEE_NM = 1.0  # torque around which a strain-wave gear turns from soft to stiff. [N m]
 SMALL_NM = 0.02  # a spring that stiffens at a smaller torque is a linear one
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class JointElasticity(HiddenEffect):
     """A spring and a damper between motor and link.
 
@@ -64,7 +61,6 @@ def elastic_torque_nm(group: Record, stretch: float) -> float:
     return float(stretch / compliance)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Backlash(HiddenEffect):
     summary = "a gap between motor and link opens at every reversal"
 
@@ -88,19 +84,11 @@ class Backlash(HiddenEffect):
 
 @compiled()
 def engaged(group: Record, stretch: float) -> float:
-    """Return what is left of the stretch (motor less link) after the dead zone; the stretch itself without a gap. [rad]
-
-    The dead zone of Nordin and Gutman, Controlling mechanical systems with backlash (2002): 0 in the gap.
-    """
-    half = 0.5 * group.gap_rad
-    if stretch > half:
-        return float(stretch - half)
-    if stretch < -half:
-        return float(stretch + half)
-    return 0.0
+    """Return the stretch beyond the gap, the dead zone of Nordin and Gutman (Automatica 38, 2002). [rad]"""
+    beyond = abs(stretch) - 0.5 * group.gap_rad
+    return math.copysign(beyond, stretch) if beyond > 0.0 else 0.0
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class InertiaError(HiddenEffect):
     summary = "the reflected inertia is not that of the model"
     same_law = ""
@@ -108,7 +96,6 @@ class InertiaError(HiddenEffect):
     extra_kg_m2: float = strength(0.1, "true inertia less the model's, reflected", like="extra_inertia_kg_m2")
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class InertialCoupling(HiddenEffect):
     summary = "a joint's rotor also turns with the neighbouring joint nearer to the base"
     needs_neighbours = True

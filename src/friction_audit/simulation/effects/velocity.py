@@ -1,7 +1,6 @@
 """Effects of the velocity: how friction follows the speed, the direction, the rest and the reversals of a joint."""
 
 import math
-from dataclasses import dataclass
 
 from friction_audit.compiled import Record, compiled
 from friction_audit.joint_log import Float
@@ -10,7 +9,6 @@ from friction_audit.simulation.effects.effect import ALIKE, Given, HiddenEffect,
 EXPONENTIAL, LORENTZIAN, PIECEWISE = range(3)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Stribeck(HiddenEffect):
     summary = "friction falls from rest to the Coulomb level as the speed rises"
     forms = ("exponential", "lorentzian", "piecewise")
@@ -37,7 +35,6 @@ SATURATING, LOGARITHMIC, IMMEDIATE = range(3)
 LONG_REST_S = 10.0
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Stiction(HiddenEffect):
     summary = "break-away takes more than slow sliding, the more the longer the rest"
     forms = ("saturating", "logarithmic", "immediate")
@@ -70,7 +67,6 @@ BEND = 10.0
 SMALL_SPEED_RAD_S = 0.02  # a friction that bends at a lower speed is a power of the speed
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class NonlinearViscous(HiddenEffect):
     summary = "friction grows with speed along a curve, not a line"
     forms = ("power", "eyring", "arctan", "cubic")
@@ -104,7 +100,6 @@ def nonlinear_viscous_nm(group: Record, speed: float) -> float:
     return float(group.torque_nm * ratio**group.exponent)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class AsymmetricCoulomb(HiddenEffect):
     """What the level gains in a direction; passive up to the joint's own level, as the next up to its coefficient."""
 
@@ -116,7 +111,6 @@ class AsymmetricCoulomb(HiddenEffect):
     )
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class AsymmetricViscous(HiddenEffect):
     summary = "viscous friction differs between the directions"
     same_law = ""
@@ -135,7 +129,6 @@ LINEAR = 1e-9
 LEAST_LEVEL = 1e-6
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Presliding(HiddenEffect):
     summary = "friction builds up like a spring over the path since a reversal"
     forms = ("lugre", "dahl", "maxwell_slip")
@@ -238,7 +231,6 @@ AGE, NEWEST, PREVIOUS, RING = range(4)
 LAG_MEMORY = RING + SLOTS
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class FrictionalLag(HiddenEffect):
     summary = "friction answers late to a change of speed"
     forms = ("relaxing", "delayed")

@@ -1,8 +1,7 @@
 """Joints, their states and coordinates as records of numbers that compiled code reads by name.
 
-Every joint has an inner side, after the torque sensor, where friction acts, and an outer side before it: of a joint
-moved by hand the motor and the link, of a robot that moves by itself the link and the motor. A rigid joint turns both
-sides by the same angle; an elastic one, or one with backlash, has a coordinate for each.
+Every joint has an inner side, where friction acts, and beyond the torque sensor an outer one: motor and link where a
+hand moves it, link and motor where the robot does. An elastic joint, or one with backlash, has a coordinate for each.
 """
 
 from collections.abc import Sequence

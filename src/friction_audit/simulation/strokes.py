@@ -1,10 +1,6 @@
-"""Strokes of a person or a planner, of a joint or of a hand that guides an arm, and the minimum-jerk course under them.
-
-The course is that of Flash and Hogan (1985).
-"""
+"""Strokes of a person or a planner, of a joint or of a hand that guides an arm; minimum-jerk (Flash and Hogan 1985)."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import cycle
 from math import inf, isfinite
 from statistics import NormalDist
@@ -12,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from friction_audit.compensation.compensators.law import Checked, positive, within
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.simulation.settings import Checked, positive, within
 
 PEAK = 1.875  # steepest slope of the course, half-way: the peak speed of a stroke of length 1 in time 1
 REST_S = 0.5  # rest before the first stroke of a motion and after the last
@@ -70,7 +66,6 @@ STRATA = 10  # the speeds of so many strokes in a row are spread evenly over the
 TINY = 1e-9  # keeps a rank off 0, whose normal deviate is infinite
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class StopAndGo(Checked):
     """Strokes of a person who stops between them."""
 
@@ -133,7 +128,6 @@ Target = tuple[float, float]  # a place to go to [rad] and the speed to go with 
 MOST = 1000  # speeds or small reversals of a pass: more would outlast every recording
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class SlowSweep(Checked):
     """Strokes of constant speed from the start to one side and back, at the next speed to the other side and back.
 
@@ -217,7 +211,6 @@ class Stroke(NamedTuple):
         return abs(self.way_rad) / self.speed_rad_s + self.ease_s
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Prescribed(Checked):
     """Strokes one after the other."""
 
@@ -250,7 +243,6 @@ SHORTEST_M = 1e-3  # a hand that reaches less far stands still
 SMALL_RAD = 1e-3  # below this angle, the series of the Jacobian are exact to rounding
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class HandPath(Checked):
     """Minimum-jerk strokes between via points drawn in a ball around the start, the orientation turning along.
 
@@ -306,10 +298,7 @@ def plan_hand(settings: HandPath, ticks: int, dt: float, rng: np.random.Generato
 
 
 def _draw_stroke(settings: HandPath, pose: Float, rng: np.random.Generator) -> tuple[float, Float]:
-    """Draw duration [s] and change, shape (6,) [m, rad], of a stroke as far as it gets towards a via point.
-
-    The via point is at least half the reach away.
-    """
+    """Draw duration [s] and change, shape (6,) [m, rad], of a stroke towards a via point half the reach off or more."""
     while True:
         place = settings.reach_m * _draw_in_ball(rng) * (1.0, settings.sideways, 1.0)
         if np.linalg.norm(place - pose[:3]) >= settings.reach_m / 2:

@@ -1,24 +1,29 @@
-"""Periodic motions: a sinusoid, every half-period of which is an energy cycle, and the multisine of a commanded robot.
+"""Periodic motions: a sinusoid, and the multisine by which a robot excites itself (Swevers et al., 1997)."""
 
-A robot excites itself by a multisine, as identification practice has it (Swevers et al., 1997).
-"""
-
-from dataclasses import dataclass
 from itertools import count, islice
 from math import inf, isqrt, pi
 
 import numpy as np
 
+from friction_audit.compensation.compensators.law import Checked, positive, within
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.simulation.motion.strokes import SHORTEST_S, Intention, area, course, rising, slope
-from friction_audit.simulation.settings import Checked, positive, within
+from friction_audit.simulation.strokes import (
+    SHORTEST_S,
+    Intention,
+    Prescribed,
+    SlowSweep,
+    StopAndGo,
+    area,
+    course,
+    rising,
+    slope,
+)
 
 WIDEST = 0.5  # up to this spread, the speed never changes its sign inside a half-period
 ROUNDING = 1e-9  # a half-period that ends with the recording still fits
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Sinusoid(Checked):
     """Position A (1 - cos(2 pi t / T)): from rest at 0 to 2 A and back, as in the paper's simulations."""
 
@@ -58,7 +63,6 @@ STRIDE = 7  # a joint takes every seventh frequency; arms with more joints take 
 MOST_SINES = 100  # more are noise, and take as many primes
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Commanded(Checked):
     """A sum of sines of equal speed and random phase, scaled until it meets the range or the peak speed.
 
@@ -114,3 +118,8 @@ def frequencies_hz(settings: Commanded, joints: int) -> Float:
     primes = (n for n in count(2) if all(n % k for k in range(2, isqrt(n) + 1)))
     roots = np.sqrt(np.array(list(islice(primes, stride * settings.sines))) / 2)
     return settings.lowest_hz * roots.reshape(settings.sines, stride).T[:joints]
+
+
+# What a person or the commander of a robot intends with one joint: ``settings.intend(ticks, dt, rng)`` is the intended
+# position and velocity at the ticks + 1 instants of the controller, from rest at 0.
+MotionSettings = StopAndGo | Sinusoid | SlowSweep | Commanded | Prescribed
