@@ -56,7 +56,8 @@ def find_steps(series: Series, settings: DriftSettings, growth: float = 1.0) -> 
         if not alone or min(holm(alone)) > settings.alpha:
             break
         places = _settle(y, weight, _segmentation(y, count))
-    steps = [judged(*_span(places, k, len(y))) for k in range(len(places))]
+    ends = [0, *places, len(y)]
+    steps = [judged(*span) for span in zip(ends, ends[2:], strict=False)]
     adjusted = holm([step.p_value for step in steps])
     return tuple(replace(step, p_value=p) for step, p in zip(steps, adjusted, strict=True))
 
@@ -87,16 +88,11 @@ def _at_like_temperature(series: Series) -> Float:
 
 def _settle(y: Float, weight: Float, places: Sequence[int]) -> list[int]:
     """Move each step to its best place between its neighbours, by the errors of the sessions."""
-    moved = list(places)
-    for k in range(len(moved)):
-        first, last = _span(moved, k, len(y))
-        here = _between(y, weight, first, last)
-        moved[k] = first + int(here.split[np.argmax(np.abs(here.residual @ here.direction))])
-    return moved
-
-
-def _span(places: Sequence[int], k: int, length: int) -> tuple[int, int]:
-    return (places[k - 1] if k else 0), (places[k + 1] if k + 1 < len(places) else length)
+    ends = [0, *places, len(y)]
+    for k in range(1, len(places) + 1):
+        here = _between(y, weight, ends[k - 1], ends[k + 1])
+        ends[k] = ends[k - 1] + int(here.split[np.argmax(np.abs(here.residual @ here.direction))])
+    return ends[1:-1]
 
 
 def _between(y: Float, weight: Float, first: int, last: int) -> Directions:
@@ -143,10 +139,7 @@ def find_isolated(y: Float, error: Float) -> NDArray[np.bool_]:
     A step has alike sessions on both of its sides, a ramp has neighbours on either side: neither is isolated. The
     first and the last session may be: only the next session separates a step from a broken estimate.
     """
-    n = len(y)
-    if n < FEWEST:
-        return np.zeros(n, dtype=np.bool_)
-    variance, near = error**2 + steps_scatter(y, error) ** 2, np.zeros(n, dtype=np.bool_)
+    variance, near = error**2 + steps_scatter(y, error) ** 2, np.full(len(y), len(y) < FEWEST)
     for lag in range(1, REACH + 1):
         close = np.abs(y[lag:] - y[:-lag]) <= FAR * np.sqrt(variance[lag:] + variance[:-lag])
         near[lag:] |= close
@@ -177,7 +170,7 @@ def _outlier(series: Series) -> int | None:
         return None
     found = make_directions(series)
     freedom = found.freedom - 1  # one session less
-    direction = found.direction[:, ~found.episodes]
+    direction = found.direction[:, found.back == n]
     left = found.residual[:, None] - direction * (found.residual @ direction)
     free = 1.0 - np.sum(found.base**2, axis=1)[:, None] - direction**2
     without = np.sum(left**2, axis=0) - left**2 / free  # squares that remain without the session
