@@ -64,10 +64,7 @@ def analyse_arm(sessions: Sequence[Session], settings: DriftSettings) -> ArmDrif
 def choose_reference(
     compared: tuple[int, ...], baseline: int | tuple[int, ...]
 ) -> tuple[tuple[int, ...], tuple[str, ...]]:
-    """Return the sessions of the reference, and what is wrong with those asked for.
-
-    They are so many first ones of those compared, at most half of them, or those with these indices.
-    """
+    """Return the sessions of the reference, so many first ones or these indices, and what is wrong with them."""
     if isinstance(baseline, int):
         return compared[: min(baseline, max(1, len(compared) // 2))], ()
     chosen = tuple(index for index in baseline if index in compared)
@@ -238,11 +235,7 @@ def _speed_ratio(series: Series, model: Model) -> float:
 def make_chart(
     series: Series, y: Float, fit: Fit, level: Coefficient, reference: Collection[int], alpha: float
 ) -> tuple[ControlPoint, ...]:
-    """Compare each session with the mean of the reference; limits hold for all sessions together.
-
-    The limits are those of a new session: its own error, the scatter between sessions around the drift, and the error
-    of the reference's mean.
-    """
+    """Compare each session with the mean of the reference; limits hold for all sessions together."""
     from scipy.stats import t
 
     inside = np.isin(series.session, list(reference)) & series.kept
@@ -251,6 +244,7 @@ def make_chart(
     variance = (series.y_error**2 + fit.scatter**2) * max(1.0, fit.scale) ** 2
     weight = np.where(inside, 1.0 / variance, 0.0)
     mean, mean_variance = float(np.average(y, weights=weight)), float(1.0 / np.sum(weight))
+    # Of a new session: its own error, the scatter around the drift, the error of the mean of the reference.
     spread = variance + np.where(inside, -mean_variance, mean_variance)
     half = float(t.isf(alpha / (2.0 * len(y)), fit.freedom)) * np.sqrt(np.maximum(spread, 0.0))
     outside = (np.abs(y - mean) > half) & (half > 0.0)

@@ -109,10 +109,7 @@ def _between(y: Float, weight: Float, first: int, last: int) -> Directions:
 
 
 def _judge(y: Float, weight: Float, first: int, last: int, *, settings: DriftSettings, growth: float) -> Step:
-    """Return the best step with its p-value, by the largest statistic of random orders, and its interval of 95 %.
-
-    With few sessions the variance is uncertain: the bound of the likelihood ratio grows as that of a t-test does.
-    """
+    """Return the best step with its p-value, by the largest statistic of random orders, and its interval of 95 %."""
     from scipy.stats import chi2, f
 
     directions, length = _between(y, weight, first, last), last - first
@@ -121,7 +118,7 @@ def _judge(y: Float, weight: Float, first: int, last: int, *, settings: DriftSet
     real = np.abs(change_test.studentise(directions.residual[None, :], directions))[0] / growth
     along = (directions.residual @ directions.direction) ** 2
     best = float(np.max(along))
-    freedom = max(directions.freedom, 1)
+    freedom = max(directions.freedom, 1)  # of few sessions the variance is uncertain: a bound as of a t-test
     variance = max(float(np.sum(directions.residual**2)) - best, 0.0) / freedom
     bound = float(f.ppf(float(chi2.cdf(MOMENT_95, 1)), 1, freedom)) * growth**2
     possible: NDArray[np.int64] = first + directions.split[best - along <= bound * variance]

@@ -185,10 +185,7 @@ def detrend(rows: Float, directions: Directions) -> Float:
 
 
 def lagged_sum(rest: Float) -> Float:
-    """Return the sum of the autocorrelations of each series (m, n), each over its lag, outliers cut, shape (m,).
-
-    Of a long first-order process about -log(1 - correlation).
-    """
+    """Return the sum of the autocorrelations of each series (m, n), each over its lag, outliers cut, shape (m,)."""
     most = CUT * MAD_TO_SD * np.median(np.abs(rest), axis=1, keepdims=True)
     cut = np.clip(rest, -most, most)
     square = np.sum(cut**2, axis=1) + 1e-300
@@ -249,10 +246,7 @@ def judge_family(family: Sequence[Series], settings: DriftSettings) -> list[Verd
 def permute(
     family: Sequence[Directions], places: Sequence[Float], rng: np.random.Generator, width: int, settings: DriftSettings
 ) -> tuple[Float, Float]:
-    """Return the largest statistic without drift in each order, of all shapes and of the ramps, shape (orders, s) each.
-
-    Where sessions are too few for random orders, ``rng`` draws normal scatter.
-    """
+    """Return the largest statistic without drift in each order, of all shapes and of ramps, shape (orders, s) each."""
     orders = settings.permutations
     largest, largest_ramp = np.empty((2, orders, len(family)))
 
@@ -284,10 +278,7 @@ def score(statistic: Float | float, freedom: int) -> Float:
 
 
 def step_down(observed: Float, null: Float) -> Float:
-    """Return family-wise p-values by the step-down maximum (Westfall and Young 1993, algorithm 4.1), shape (s,).
-
-    ``observed`` are scores, shape (s,); ``null`` those without drift, all series in the same order, shape (orders, s).
-    """
+    """Return family-wise p-values of scores (s,), given those without drift (orders, s), by the step-down maximum."""
     order = np.argsort(-observed, kind="stable")
     maxima = np.maximum.accumulate(null[:, order[::-1]], axis=1)[:, ::-1]
     p = (1.0 + np.sum(maxima >= observed[order], axis=0)) / (1.0 + len(null))

@@ -29,10 +29,7 @@ LIKE: Mapping[str, Callable[[Session], object]] = {
 
 
 def choose_comparable(order: Order) -> tuple[tuple[int, ...], dict[int, str], list[str]]:
-    """Choose the largest group of sessions that are alike, the latest one of equal groups.
-
-    Return their indices, those of the others with the reason, and what limits the comparison.
-    """
+    """Return the largest group of sessions that are alike, the latest of equal ones; the others; what limits it."""
     sessions, out, warnings = order.sessions, dict(order.left_out), []
     for find in (_repeated, _unlike, _other_rate):
         out |= find({i: session for i, session in enumerate(sessions) if i not in out})
@@ -99,10 +96,7 @@ def _speed_warnings(sessions: Sequence[Session]) -> list[str]:
 
 
 def use_temperature(series: Series, sessions: Sequence[Session]) -> tuple[Series, str]:
-    """Decide whether a temperature is taken out of a series; return it, and what limits the comparison.
-
-    Its temperature is None where it is not taken out; else sessions without a temperature are set aside.
-    """
+    """Return a series, without its temperature where that is not taken out, and what limits the comparison."""
     bare = replace(series, temperature=None)
     if series.temperature is None or not len(series.value):
         return bare, ""

@@ -91,10 +91,7 @@ class Fit:
 
 
 def fit_model(series: Series, columns: Float, inflation: float = 1.0) -> Fit:
-    """Fit y of the n sessions that count by columns (n, p), level and temperature included.
-
-    ``inflation`` is the variance of a mean over that of independent sessions.
-    """
+    """Fit y by columns (n, p); ``inflation`` is the variance of a mean over that of independent sessions."""
     from statsmodels.robust.norms import HuberT
     from statsmodels.robust.robust_linear_model import RLM  # the whole of statsmodels.api takes longer to load
 
@@ -168,10 +165,7 @@ def criterion(series: Series, model: Model) -> float:
 
 
 def slope_over(series: Series, clock: Float | None, inflation: float) -> Coefficient:
-    """Return the slope of the coefficient over a clock (n,), the temperature in the model, unit of the coefficient.
-
-    NaN without a clock, with too few sessions, or where it is confounded with the temperature.
-    """
+    """Return the slope of the coefficient over a clock (n,), the temperature in the model; NaN where it has none."""
     if clock is None:
         return UNDETERMINED
     columns = np.column_stack([baseline_columns(series), clock - np.mean(clock)])

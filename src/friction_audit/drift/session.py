@@ -150,8 +150,9 @@ class Series:
 
     def take(self, which: NDArray[np.bool_]) -> "Series":
         """Return the series of some of its sessions."""
-        columns: dict[str, Any] = {name: getattr(self, name) for name in self.__slots__}
-        return replace(self, **{name: one[which] for name, one in columns.items() if isinstance(one, np.ndarray)})
+        columns = {name: getattr(self, name) for name in self.__slots__}
+        taken: dict[str, Any] = {name: one[which] for name, one in columns.items() if isinstance(one, np.ndarray)}
+        return replace(self, **taken)
 
     def counted(self) -> "Series":
         """Return the series of the sessions that count."""

@@ -160,10 +160,7 @@ def _check_alike(recordings: Iterable[Recording]) -> None:
 
 
 def _sides(own: _Pairs, parts: tuple[float, float]) -> tuple[_Mean, _Mean]:
-    """Return the mean of a combination of the coefficients on each side.
-
-    One recording alone shows nothing of the variance between recordings: it takes that of the other side.
-    """
+    """Return the mean of a combination on each side; one recording takes the variance between those of the other."""
     first, second = (_random_effects([_combined(*one, parts) for one in side]) for side in own)
     return _with_between(first, second), _with_between(second, first)
 
@@ -226,10 +223,7 @@ def _difference(first: _Mean, second: _Mean) -> _Mean:
 
 
 def _tested(every: Mapping[tuple[int, str], tuple[_Mean, _Mean]]) -> dict[tuple[int, str], CoefficientChange]:
-    """Test each coefficient by Welch's t test, adjusted over all joints and coefficients (Holm).
-
-    The smallest detectable change is at the level of the adjusted test.
-    """
+    """Test each coefficient by Welch's t test, adjusted over all joints and coefficients (Holm)."""
     p_values = {key: _p_value(_difference(*sides)) for key, sides in every.items()}
     known = {key: p for key, p in p_values.items() if np.isfinite(p)}
     adjusted = dict(zip(known, holm([*known.values()]) if known else (), strict=True))
