@@ -1,4 +1,4 @@
-"""Threads and processes: order, errors, what happens when one is killed or the program is stopped."""
+"""Threads and processes: order, errors, what happens when one is killed or the program is stopped; compiled loops."""
 
 import multiprocessing
 import os
@@ -14,9 +14,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numba.core import caching
 from threadpoolctl import threadpool_info, threadpool_limits
 
+from friction_audit.compiled import compiled
 from friction_audit.errors import AnalysisError
+from friction_audit.joint_log import Float, read_only
 from friction_audit.parallel import WORKERS, in_processes, one_joint_at_a_time, own_process, per_joint, workers_for
 
 forked = pytest.mark.skipif(sys.platform != "linux", reason="no process is forked there")
@@ -166,3 +169,37 @@ def is_there(process: int) -> bool:
         return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except OSError:
         return False
+
+
+@pytest.mark.parametrize("numbers", [np.arange(6.0), np.arange(12.0)[::2], np.asfortranarray(np.ones((3, 2)))])
+def test_numbers_for_a_loop_are_of_one_kind(numbers: Float) -> None:
+    given = read_only(numbers)
+    assert given.flags.c_contiguous
+    assert not given.flags.writeable
+    assert numbers.flags.writeable
+    np.testing.assert_array_equal(given, numbers)
+
+
+def test_a_loop_compiles_where_no_cache_can_be_written(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(caching.CacheImpl, "_locator_classes", [])
+    assert compiled()(lambda x: 2 * x)(21) == 42
+
+
+LOOP = "from friction_audit.compiled import compiled\n\n@compiled()\ndef {}:\n    return {}\n"
+MODULES = {
+    "inner.py": LOOP.format("inner(x)", "{factor} * x"),
+    "outer.py": "import inner\n" + LOOP.format("outer(x)", "inner.inner(x) + 1"),
+    "point.py": "from typing import NamedTuple\n\nclass {name}(NamedTuple):\n    x: float\n",
+    "loop.py": LOOP.format("of_point(p)", "p.x"),
+}
+RUN = "import loop, outer, point; print(outer.outer(20), loop.of_point(point.{name}(1.0)))"
+
+
+def test_a_loop_is_compiled_again_where_what_it_uses_has_changed_or_is_gone(tmp_path: Path) -> None:
+    for factor, name, printed in ((2, "Point", "41 1.0\n"), (30, "Place", "601 1.0\n")):
+        for file, text in MODULES.items():
+            (tmp_path / file).write_text(text.format(factor=factor, name=name))
+            if file in ("outer.py", "loop.py"):  # they are as they were
+                os.utime(tmp_path / file, (0, 0))
+        command = [sys.executable, "-c", RUN.format(name=name)]
+        assert subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True).stdout == printed

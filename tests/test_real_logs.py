@@ -16,6 +16,8 @@ import pytest
 
 from friction_audit.cli import main
 from friction_audit.io.readers import read_log
+from friction_audit.preprocessing.interaction_torque import extract_interaction
+from friction_audit.preprocessing.settings import TorqueSettings
 
 REAL = os.environ.get("FRICTION_AUDIT_REAL_LOGS")
 pytestmark = pytest.mark.skipif(REAL is None, reason="FRICTION_AUDIT_REAL_LOGS is not set")
@@ -81,6 +83,21 @@ def test_the_excitation_log_agrees_with_the_published_identification(capsys: pyt
     choice = document["settings"]["torque_chosen"]
     assert choice["sign_proved"]
     assert [one["verdict"] for one in choice["sign_evidence"]] == ["rises"] * 7
+
+
+@pytest.mark.parametrize(("robot", "gravity"), [("panda", "model"), ("none", "in-torque")])
+def test_auto_finds_out_that_the_arm_moved_by_itself(robot: str, gravity: str) -> None:
+    found = extract_interaction(read_log(path(EXCITATION)), TorqueSettings(robot=robot))
+    assert (found.choice.drive, found.choice.gravity, found.choice.sign_turned) == ("robot", gravity, True)
+    codes = {caution.code for caution in found.warnings}
+    assert {"dq_late", "sign_turned"} <= codes
+    assert ("gravity_in_torque" in codes) == (gravity == "in-torque")
+
+
+def test_one_way_motion_proves_no_sign() -> None:
+    found = extract_interaction(read_log(path(ONE_WAY)), TorqueSettings(robot="panda"))
+    assert "sign_unproved" in {caution.code for caution in found.warnings}
+    assert np.isfinite(found.torque).all()
 
 
 def test_an_arm_at_rest_has_no_answer(capsys: pytest.CaptureFixture[str]) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 
 from friction_audit.effects.joint_data import JointData, mean_sign
 from friction_audit.joint_log import Float
+from tests.effects.joint_data_by_hand import joint_of
 
 GRID_HZ = 400.0
 COULOMB_NM, VISCOUS_NMS_PER_RAD, INERTIA_KG_M2 = 0.3, 0.07, 0.2
@@ -24,11 +25,7 @@ def moved_joint(
 ) -> JointData:
     """A joint moved to and fro, every stroke a cycle, at speeds that change; white noise up to the grid's Nyquist.
 
-    Args:
-        missing: Torque, shape (n,), that the declared model does not hold.
-        noise_nm: Standard deviation of the noise that is left of it at the rows, about. [N m]
-        duration_s: Length. [s]
-        seed: Of the noise.
+    ``missing`` is torque that the declared model does not hold, ``noise_nm`` about what is left of noise at the rows.
     """
     t: Float = np.arange(0.0, duration_s, 1.0 / GRID_HZ)
     q, dq, ddq = np.zeros((3, len(t)))
@@ -36,13 +33,8 @@ def moved_joint(
         q += size * np.sin(w * t + phase)
         dq += size * w * np.cos(w * t + phase)
         ddq -= size * w**2 * np.sin(w * t + phase)
-    strokes = np.concatenate([[0], np.cumsum(np.diff(np.sign(dq)) != 0)])
     ends = (t < 0.2) | (t > t[-1] - 0.2)
     torque = INERTIA_KG_M2 * ddq + COULOMB_NM * mean_sign(t, dq, ddq) + VISCOUS_NMS_PER_RAD * dq
     noise = noise_nm / NOISE_LEFT * np.random.default_rng(seed).standard_normal(len(t))
-    data = JointData(
-        joint=0, t=t, q=q, dq=dq, ddq=ddq, torque=torque + noise, temperature=None,
-        others_dq=dq[:, None], others_ddq=ddq[:, None], others_torque=torque[:, None],
-        cycle=strokes.astype(np.int64), moving=np.ones(len(t), bool), valid=~ends, dead_speed_rad_s=1e-4,
-    )  # fmt: skip
+    data = joint_of(t, q, dq, ddq, torque + noise, moving=np.ones(len(t), bool), valid=~ends, dead_speed_rad_s=1e-4)
     return data if missing is None else replace(data, torque=data.torque + missing(data))

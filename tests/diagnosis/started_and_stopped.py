@@ -4,6 +4,7 @@ import numpy as np
 
 from friction_audit.effects.breakaway import find_breakaways, signed_rest
 from friction_audit.effects.joint_data import JointData
+from tests.effects.joint_data_by_hand import joint_of
 
 COULOMB_NM, EXCESS_NM, RISE_NM_PER_S = 0.3, 0.2, 1.5
 
@@ -19,9 +20,5 @@ def started_and_stopped(noise_nm: float = 0.0, starts: int = 20) -> JointData:
     q = np.cumsum(dq) / 400.0
     signed, ddq = signed_rest(dq, np.gradient(dq, t), find_breakaways(q, dq, 3e-3, 1 / 400), 3e-3)
     noise = noise_nm * np.random.default_rng(0).standard_normal(len(t))
-    return JointData(
-        joint=0, t=t, q=q, dq=signed, ddq=ddq, torque=torque + noise, temperature=None,
-        others_dq=dq[:, None], others_ddq=ddq[:, None], others_torque=torque[:, None],
-        cycle=(t // 1.0).astype(np.int64), moving=np.abs(dq) > 3e-3, valid=np.ones(len(t), bool),
-        dead_speed_rad_s=3e-3,
-    )  # fmt: skip
+    cycle, moving = (t // 1.0).astype(np.int64), np.abs(dq) > 3e-3
+    return joint_of(t, q, signed, ddq, torque + noise, cycle=cycle, moving=moving, dead_speed_rad_s=3e-3)

@@ -1,6 +1,7 @@
 """Contacts are found where they are, in noise of any autocorrelation time, and nothing else is taken for one."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,9 +10,15 @@ from scipy.signal import lfilter
 from friction_audit.diagnosis.contact_events import detect, touched, without_impulses
 from friction_audit.diagnosis.problem import RegressionProblem
 from friction_audit.diagnosis.samples import NoiseModel, least_squares
+from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.slow import Contact
 from friction_audit.joint_log import Float
+from friction_audit.pipeline import AuditSettings, diagnose_log
+from friction_audit.simulation import BenchSettings, simulate
+from friction_audit.simulation.effects.slow_and_events import draw_events
+from friction_audit.simulation.hide import hide
+from friction_audit.simulation.settings import make_streams
 from tests.effects.joint_data_by_hand import baseline, joint_data, two_sines
 
 MOTION = two_sines()
@@ -117,3 +124,51 @@ def test_samples_that_the_filter_mixes_with_a_contact_are_touched() -> None:
     assert np.all(inside[np.abs(pushed) > 1e-9])
     assert not np.any(inside & (np.abs(problem.samples.t - 20.15) > 1.0))
     assert not touched(problem, ()).any()
+
+
+# Contacts that the simulator hides in a stop-and-go motion are told, wherever they come, and only noise is left.
+
+SEED = 3
+BENCH = BenchSettings()
+TOUCHED = hide(BENCH, ("contact_event",))
+EVENTS = draw_events(TOUCHED.hidden[0].contact_event, BENCH.duration_s, make_streams(SEED, 1).events[0])
+"""All of them stand out by 30 and more standard deviations; half turn the joint, stop it or set it in motion."""
+
+
+@pytest.fixture(scope="module")
+def touched_joint() -> Any:
+    return diagnosed(TOUCHED)
+
+
+def diagnosed(settings: BenchSettings) -> Any:
+    asked = DiagnosisSettings(candidates=("contact_event", "stribeck"))
+    (joint,) = diagnose_log(simulate(settings, SEED).log, AuditSettings(), asked).discrepancy.joints
+    return joint
+
+
+def test_what_is_left_is_what_a_joint_leaves_that_nobody_touches(touched_joint: Any) -> None:
+    clean = diagnosed(BENCH)
+    assert touched_joint.verdict == "named"
+    assert clean.verdict == "adequate"
+    assert touched_joint.gap.after < 1.2 * clean.gap.after
+
+
+def test_every_event_is_left_out_and_little_else(touched_joint: Any) -> None:
+    for start, length, _ in EVENTS:
+        assert not np.any((touched_joint.traces.t > start) & (touched_joint.traces.t < start + length))
+    (effect,) = touched_joint.effects
+    assert effect.parameters["contacts"].value <= len(EVENTS)
+    assert effect.parameters["longest_contact_s"].value < 1.2
+    # The sensor reads what holds against the push.
+    largest = max((size for *_, size in EVENTS), key=abs)
+    assert effect.parameters["largest_contact_nm"].value == pytest.approx(-largest, rel=0.3)
+
+
+def test_the_trace_shows_each_event_at_its_place_and_only_noise_elsewhere(touched_joint: Any) -> None:
+    trace = touched_joint.contacts
+    away = np.ones(len(trace.t), bool)
+    for low, high in trace.spans_s:
+        assert any(low < start + 0.5 * length < high for start, length, _ in EVENTS)
+    for start, length, _ in EVENTS:
+        away &= (trace.t < start - 0.5) | (trace.t > start + length + 0.5)
+    assert float(np.nanstd(trace.residual_nm[away])) < 1.5 * touched_joint.gap.floor

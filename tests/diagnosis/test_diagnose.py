@@ -1,5 +1,7 @@
 """From a log to a name: effects hidden by the simulator, which shares no formula with the detector."""
 
+import json
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -7,13 +9,16 @@ import numpy as np
 import pytest
 from scipy.signal import butter, lfilter, sosfiltfilt
 
+from friction_audit.diagnosis import diagnose
 from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import DERIVATIVE, Float, JointLog
 from friction_audit.pipeline import AuditSettings, diagnose_log
+from friction_audit.reporting.diagnosis import diagnose_document
 from friction_audit.simulation import IDEAL_SENSORS, SCENARIOS, simulate
 from friction_audit.simulation.hide import hide
+from tests.reporting.conftest import build_estimate
 
 SEED = 2
 
@@ -33,33 +38,26 @@ def said(found: JointDiagnosis) -> tuple[set[str], ...]:
     return tuple({effect.name, *effect.alternatives} for effect in found.effects)
 
 
+SLOW = ("presliding", "torque_drift", "warm_up", "friction_step", "cable_spring")
+
+
 @pytest.mark.parametrize(
-    ("name", "duration_s"),
+    ("name", "scenario"),
     [
-        ("stribeck", 40.0),
-        pytest.param("presliding", 60.0, marks=pytest.mark.thorough),
-        pytest.param("torque_drift", 60.0, marks=pytest.mark.thorough),
-        ("time_delay", 40.0),
-        pytest.param("warm_up", 60.0, marks=pytest.mark.thorough),
-        pytest.param("friction_step", 60.0, marks=pytest.mark.thorough),
-        pytest.param("backlash", 40.0, marks=pytest.mark.thorough),
-        pytest.param("cable_spring", 60.0, marks=pytest.mark.thorough),
+        ("stribeck", "joint"),
+        ("time_delay", "joint"),
+        ("load_dependent_friction", "joint-loaded"),
+        *(pytest.param(name, "joint", marks=pytest.mark.thorough) for name in ("backlash", *SLOW)),
     ],
 )
-def test_an_effect_is_named(name: str, duration_s: float) -> None:
-    found = diagnosed(recorded(name, duration_s=duration_s))
+def test_an_effect_is_named(name: str, scenario: str) -> None:
+    found = diagnosed(recorded(name, scenario=scenario, duration_s=60.0 if name in SLOW else 40.0))
     assert found.verdict in ("named", "ambiguous")
     assert len(found.effects) == 1
     assert name in said(found)[0]
     assert found.gap is not None
     assert found.gap.shrink > 0.8
     assert found.omnibus_p < 0.01
-
-
-def test_friction_that_grows_with_the_load_is_named_where_gravity_is_logged() -> None:
-    found = diagnosed(recorded("load_dependent_friction", scenario="joint-loaded"))
-    assert found.verdict in ("named", "ambiguous")
-    assert "load_dependent_friction" in said(found)[0]
 
 
 @pytest.mark.parametrize(
@@ -107,6 +105,7 @@ def test_two_effects_are_both_in_the_answer(names: tuple[str, ...], duration_s: 
         assert any(name in one for one in said(found)), said(found)
 
 
+@pytest.mark.thorough
 @pytest.mark.xfail(strict=True, reason="a contact is named with it, where one impact came at another moment")
 def test_a_gap_in_sinusoids_is_not_named_a_delay() -> None:
     found = diagnosed(recorded("backlash:gap_rad=0.002", scenario="joint-sine", seed=1))
@@ -163,6 +162,18 @@ def test_an_effect_that_is_not_known_is_refused_with_those_that_are() -> None:
 def test_least_effect_is_a_torque(torque: float) -> None:
     with pytest.raises(UsageError, match="expected a torque of zero or more"):
         DiagnosisSettings(min_effect_nm=torque)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="no process is copied there")
+def test_copies_of_the_process_say_what_threads_say(monkeypatch: pytest.MonkeyPatch) -> None:
+    log, said = build_estimate(2, count=24, rate=250.0).log, []
+    for workers, other in ((1, "in_processes"), (2, "per_joint")):
+        with monkeypatch.context() as patch:
+            patch.setattr(diagnose, "workers_for", lambda *_, found=workers: found)
+            patch.setattr(diagnose, other, None)
+            found = diagnose_log(log, AuditSettings(), DiagnosisSettings(candidates=("stribeck",)))
+        said.append(json.dumps(diagnose_document(found)))
+    assert said[0] == said[1]
 
 
 @pytest.mark.parametrize("scenario", ["joint-sine", "joint-loaded"])

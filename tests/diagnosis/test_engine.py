@@ -137,16 +137,6 @@ def test_an_offset_is_named_with_what_cannot_be_separated_from_it() -> None:
     assert found.verdict == "ambiguous"
 
 
-def test_an_effect_with_a_twin_is_ambiguous() -> None:
-    twins = [
-        altered(BUMP, name="torque_bias", indistinguishable=("gravity_error",)),
-        altered(SQUARE, name="gravity_error"),
-    ]
-    found = diagnosed(moved_joint(bump, noise_nm=NOISE_NM), twins)
-    assert found.verdict == "ambiguous"
-    assert found.effects[0].alternatives == ("gravity_error",)
-
-
 def test_friction_that_scatters_is_unexplained() -> None:
     found = diagnosed(moved_joint(scattered, noise_nm=NOISE_NM))
     assert found.verdict == "unexplained"
@@ -286,9 +276,3 @@ def test_a_step_of_friction_is_found_at_its_moment() -> None:
     (effect,) = diagnosed(data, [effect_of("friction_step")]).effects
     assert effect.parameters["step_time_s"].value == pytest.approx(31.3, abs=0.05)
     assert effect.parameters["step_coulomb_nm"].value == pytest.approx(0.1, rel=0.1)
-
-
-def test_a_compensator_cannot_be_shown_where_friction_is_fitted() -> None:
-    found = diagnosed(moved_joint(helped, noise_nm=NOISE_NM), COMPENSATED)
-    assert "unlogged_compensation" not in names(found)
-    assert "log the commanded torque" in found.untestable["unlogged_compensation"]

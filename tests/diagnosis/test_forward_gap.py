@@ -14,6 +14,7 @@ from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_mo
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from tests.dynamics.joints import simulate
+from tests.effects.joint_data_by_hand import joint_of
 from tests.reporting.diagnosis_by_hand import STRIBECK
 
 NOMINAL = simple_model(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07)
@@ -26,19 +27,14 @@ CYCLES = np.array([4, 9])
 @cache
 def moved() -> JointData:
     """A joint that the augmented model moved under a sinusoidal torque of 2 s, a cycle per half period."""
-    t = np.arange(9600) / 400.0
+    t = np.arange(4400) / 400.0
     torque = (0.6 + 0.02 * t) * np.sin(np.pi * t)
     motion = simulate(AUGMENTED, t, torque)
     return data_of(t, torque, motion.q, motion.dq, motion.ddq)
 
 
 def data_of(t: Float, torque: Float, q: Float, dq: Float, ddq: Float) -> JointData:
-    whole = np.ones(len(t), bool)
-    return JointData(
-        joint=0, t=t, q=q, dq=dq, ddq=ddq, torque=torque, temperature=None,
-        others_dq=dq[:, None], others_ddq=ddq[:, None], others_torque=torque[:, None],
-        cycle=np.floor(t).astype(np.int64), moving=np.abs(dq) > 1e-3, valid=whole, dead_speed_rad_s=1e-3,
-    )  # fmt: skip
+    return joint_of(t, q, dq, ddq, torque, cycle=np.floor(t).astype(np.int64), dead_speed_rad_s=1e-3)
 
 
 def diagnosed(viscous_nms_per_rad: float = 0.07) -> JointDiagnosis:

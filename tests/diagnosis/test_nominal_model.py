@@ -64,16 +64,6 @@ def test_a_model_that_holds_everything_leaves_nothing_to_fit() -> None:
         nominal_model(EXACT, SAMPLES, held)
 
 
-def test_terms_of_a_model_file_are_columns_with_their_stated_shape() -> None:
-    stribeck = FittedTerm("stribeck", (0.2, 0.15, 1.0))
-    model = JointModel(inertia_kg_m2=INERTIA_KG_M2, terms=(*SIMPLE, stribeck))
-    data = moved_joint(lambda d: stribeck.torque(d.motion()), duration_s=30.0)
-    nominal = nominal_model(data, make_samples(data), model)
-    values = dict(zip(nominal.names, least_squares(nominal.columns, nominal.y), strict=True))
-    assert values["stribeck_excess_nm"] == pytest.approx(0.2, rel=1e-6)
-    assert values["coulomb_nm"] == pytest.approx(0.3, rel=1e-6)
-
-
 def test_columns_that_are_copies_share_the_smallest_coefficients() -> None:
     w = np.sin(np.arange(50.0))
     assert least_squares(np.column_stack([w, w, np.zeros(50)]), 2.0 * w) == pytest.approx([1.0, 1.0, 0.0])

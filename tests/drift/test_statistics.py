@@ -6,16 +6,14 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from friction_audit.drift.analyse import noncentrality
 from friction_audit.drift.change_points import find_steps
 from friction_audit.drift.change_test import (
     estimate_autocorrelation,
-    lagged_sum,
     make_directions,
     step_down,
     studentise,
 )
-from friction_audit.drift.regression import fit_model, residual_scatter, steps_scatter
+from friction_audit.drift.regression import fit_model, residual_scatter
 from friction_audit.drift.report import DriftSettings
 from friction_audit.drift.session import Series, make_series
 from friction_audit.joint_log import Float
@@ -31,12 +29,6 @@ def test_scatter_of_equal_errors_is_the_variance_less_theirs() -> None:
     residual = np.array([-3.0, -1.0, 1.0, 3.0])  # sum of squares 20, 4 - 1 degrees of freedom
     assert residual_scatter(residual, np.full(4, 2.0), 3) == pytest.approx(np.sqrt(20 / 3 - 4))
     assert residual_scatter(residual, np.full(4, 3.0), 3) == 0.0
-
-
-def test_scatter_between_neighbours_passes_over_a_step() -> None:
-    level = noisy(200, 1) + np.where(np.arange(200) >= 90, 1.0, 0.0)
-    assert steps_scatter(level, np.zeros(200)) == pytest.approx(0.003, rel=0.2)
-    assert steps_scatter(level, np.full(200, 0.01)) == 0.0
 
 
 def test_statistics_of_a_step_and_of_a_ramp_are_those_of_the_usual_tests() -> None:
@@ -76,27 +68,12 @@ def test_weighted_mean_by_hand() -> None:
     assert fit.covariance[0, 0] == pytest.approx(1 / np.sum(weight), rel=1e-3)
 
 
-def test_noncentrality_gives_the_power() -> None:
-    shift = noncentrality(2.5, 20, 0.9)
-    assert stats.nct.sf(2.5, 20, shift) == pytest.approx(0.9)
-    assert noncentrality(1.96, 100_000, 0.9) == pytest.approx(1.96 + stats.norm.ppf(0.9), abs=0.01)
-
-
 def wandering(rng: np.random.Generator, count: int, length: int, correlation: float) -> Float:
     """Return series, each session of which remembers the one before it, shape (count, length)."""
     noise = rng.standard_normal((count, length))
     for i in range(1, length):
         noise[:, i] = correlation * noise[:, i - 1] + np.sqrt(1 - correlation**2) * noise[:, i]
     return noise
-
-
-def test_lagged_sum_by_hand() -> None:
-    alternating = np.tile([1.0, -1.0], 8)[None, :]
-    # Products over one, two and three sessions: -15, 14, -13, each over its lag, over the 16 squares.
-    assert lagged_sum(alternating)[0] == pytest.approx((-15 + 14 / 2 - 13 / 3) / 16)
-    broken = alternating.copy()
-    broken[0, 3] = -1e6
-    assert abs(lagged_sum(broken)[0]) < 1.0
 
 
 @pytest.mark.parametrize("correlation", [0.0, 0.4, 0.7])

@@ -1,5 +1,7 @@
 """Joints by hand: a motion, no simulator; and how much of a torque an effect explains."""
 
+from typing import Any
+
 import numpy as np
 
 from friction_audit.effects.effect import Effect
@@ -9,28 +11,23 @@ from friction_audit.joint_log import Float
 STEP_S = 0.005
 
 
-def joint_data(q: Float, dq: Float, ddq: Float, *, joints: int = 3, joint: int = 1, seed: int = 0) -> JointData:
-    """A joint with noise for a torque and neighbours that move in their own way."""
-    n = len(q)
-    rng = np.random.default_rng(seed)
+def joint_of(t: Float, q: Float, dq: Float, ddq: Float, torque: Float, **given: Any) -> JointData:
+    """A joint alone, valid throughout; every stroke is a cycle."""
+    alone = {"others_dq": dq[:, None], "others_ddq": ddq[:, None], "others_torque": torque[:, None]}
+    known: dict[str, Any] = {"joint": 0, "temperature": None, "dead_speed_rad_s": 0.01, **alone} | given
+    strokes = np.concatenate([[0], np.cumsum(np.diff(np.sign(dq)) != 0)]).astype(np.int64)
+    marks = {"cycle": strokes, "moving": np.abs(dq) > known["dead_speed_rad_s"], "valid": np.ones(len(t), bool)}
+    return JointData(t=t, q=q, dq=dq, ddq=ddq, torque=torque, **(marks | known))
+
+
+def joint_data(q: Float, dq: Float, ddq: Float) -> JointData:
+    """A joint with noise for a torque, between two that move in their own way."""
+    rng, n = np.random.default_rng(0), len(q)
     t: Float = np.arange(n, dtype=np.float64) * STEP_S
-    turned = np.concatenate([[0], np.cumsum(np.diff(np.sign(dq)) != 0)])
-    return JointData(
-        joint=joint,
-        t=t,
-        q=q,
-        dq=dq,
-        ddq=ddq,
-        torque=rng.normal(size=n),
-        temperature=25.0 + t / 60.0,
-        others_dq=rng.normal(size=(n, joints)),
-        others_ddq=rng.normal(size=(n, joints)),
-        others_torque=rng.normal(size=(n, joints)),
-        cycle=turned.astype(np.int64),
-        moving=np.abs(dq) > 0.01,
-        valid=np.ones(n, dtype=bool),
-        dead_speed_rad_s=0.01,
-    )
+    torque, *others = rng.normal(size=n), *(rng.normal(size=(n, 3)) for _ in range(3))
+    names = ("others_dq", "others_ddq", "others_torque")
+    about = dict(zip(names, others, strict=True))
+    return joint_of(t, q, dq, ddq, torque, joint=1, temperature=25.0 + t / 60.0, **about)
 
 
 def two_sines(duration_s: float = 60.0) -> JointData:

@@ -18,7 +18,7 @@ from friction_audit.simulation.mechanics.records import pack
 from friction_audit.simulation.settings import JointParameters
 
 JOINT = JointParameters(inertia_kg_m2=0.3, coulomb_nm=0.4, viscous_nms_per_rad=0.1)
-DT, N = 1e-3, 2000
+DT, N = 4e-3, 500
 HIDDEN = {effect.name: effect for effect in EFFECTS}
 
 

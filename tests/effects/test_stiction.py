@@ -40,15 +40,6 @@ def test_a_smooth_start_reads_the_level_of_sliding(onset_s: float, direction: fl
     assert found.of(torque)[0] == pytest.approx(direction * LEVEL, abs=RISE * STEP_S)
 
 
-@pytest.mark.parametrize("excess", [0.05, 0.1, 0.3])
-def test_stiction_is_told_too_low_by_what_the_torque_rises_meanwhile(excess: float) -> None:
-    q, dq, torque = start(1.0, excess=excess)
-    found = breakaway.find_breakaways(q, dq, DEAD, STEP_S)
-    early = 1.0 - T[found.onset[0]]
-    assert 0.0 <= early < 0.02
-    assert found.of(torque)[0] == pytest.approx(LEVEL + excess - RISE * early)
-
-
 def test_torque_that_bends_is_carried_on_exactly() -> None:
     q, dq, _ = start(1.0)
     found = breakaway.find_breakaways(q, dq, DEAD, STEP_S)
@@ -161,12 +152,3 @@ def test_its_factor_is_the_excess_less_what_the_torque_rises_in_a_few_millisecon
     assert factors[1] == pytest.approx(COULOMB_NM, abs=0.005)
     assert EXCESS_NM - 0.015 * RISE_NM_PER_S < factors[2] < EXCESS_NM + 0.005
     assert np.abs(column[rows.weight == 1.0]).max() < 0.01
-
-
-def test_the_rest_must_be_long_to_be_worth_much() -> None:
-    data = started_and_stopped()
-    rows = make_samples(data)
-    broke = rows.weight < 1.0
-    half_aged = rows.of(STICTION.regressor(data, baseline(data), {**AT_ONCE, "ageing_s": 0.5 / np.log(2.0)}))[broke, 0]
-    assert np.abs(half_aged / rows.weight[broke]) == pytest.approx(0.5, abs=0.04)
-    assert np.array_equal(np.sign(half_aged), np.sign(rows.y[broke]))

@@ -16,7 +16,7 @@ from friction_audit.joint_log import Float
 from tests.diagnosis.toy_effects import altered
 from tests.effects.joint_data_by_hand import STEP_S, baseline, share_explained, two_sines
 
-DATA = two_sines(30.0)
+DATA = two_sines(20.0)
 BASE = baseline(DATA)
 SUBSTEPS = 10
 DELAY, LAG, SPRING, GAP, BRISTLE = RIVALS = tuple(

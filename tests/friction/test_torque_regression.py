@@ -42,17 +42,6 @@ def rows(samples: int = 2000) -> tuple[Float, Float]:
     return design, design @ TRUTH + 0.1 * noise
 
 
-def test_rows_on_a_line_keep_their_weight() -> None:
-    design, _ = rows()
-    np.testing.assert_array_equal(huber_weights(design, np.zeros(len(design))), 1.0)
-
-
-def test_one_row_far_off_does_not_count() -> None:
-    design, target = rows()
-    target[7] += 1e6
-    assert huber_weights(design, target)[7] < 1e-5
-
-
 def test_weights_are_those_of_statsmodels() -> None:
     design, target = rows()
     expected = RLM(target, design).fit(maxiter=ROUNDS_WITH_THE_START).weights
@@ -165,7 +154,7 @@ def test_instruments_of_a_parabola_are_exact() -> None:
 
 @pytest.mark.parametrize("logs", [8, pytest.param(40, marks=pytest.mark.thorough)])
 def test_the_intervals_hold_the_truth_about_as_often_as_they_say(logs: int) -> None:
-    settings = BenchSettings(duration_s=40.0)
+    settings = BenchSettings(duration_s=40.0, rate_hz=500.0)
     held = []
     for seed in range(logs):
         found: Any = estimate_log(simulate(settings, seed).log, AuditSettings()).friction.joints[0].regression

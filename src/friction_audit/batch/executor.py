@@ -14,7 +14,7 @@ from importlib import import_module
 from importlib.metadata import version
 from itertools import islice
 from sysconfig import get_python_version
-from typing import Any, Protocol, TypeVar
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 from friction_audit import __version__
 from friction_audit.errors import UsageError
@@ -30,8 +30,7 @@ PATIENCE_S = 15.0  # for the scheduler's first answer
 PER_THREAD = 2  # tasks under way for every thread of the cluster: one is worked on, one is at hand
 
 
-@dataclass(frozen=True, slots=True)
-class Lost:
+class Lost(NamedTuple):
     """Work that was not finished, and why."""
 
     message: str
@@ -119,9 +118,8 @@ class LocalExecutor(AbstractContextManager["LocalExecutor"]):
         if self._pool is not None:
             self._pool.shutdown()  # until then its own thread asks for the exit codes
         code = next((code for one in team if (code := one.exitcode)), 1)
-        if code >= 0:
-            how, more = f"ended with code {code} twice", "report it with the log"
-        else:
+        how, more = f"ended with code {code} twice", "report it with the log"
+        if code < 0:
             name = signal.Signals(-code).name if -code in set(signal.Signals) else f"signal {-code}"
             how = f"was ended by {name} twice, the second time while nothing else ran"
             more = "if memory was short, cut the log or use a machine with more"

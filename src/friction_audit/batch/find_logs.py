@@ -21,14 +21,12 @@ VERSION_KEYS = (
     "ETag", "etag", "Content-MD5", "md5Hash", "mtime", "LastModified", "Last-Modified", "last_modified", "updated",
     "created",
 )  # fmt: skip
-# What file systems of fsspec raise where a place cannot be reached or may not be looked at.
-UNREACHABLE = (OSError, RuntimeError, ValueError)
+UNREACHABLE = (OSError, RuntimeError, ValueError)  # of fsspec, where a place cannot be reached or looked at
 COMPRESSED = (".zstd", ".zst")
-# Suffixes of too much that is no log: read where the user names the file, left alone in a folder.
-NEEDS_A_NAME = (".txt", ".dat", *COMPRESSED)
 PACKED_STORAGES = tuple(storage + packed for storage in STORAGES for packed in COMPRESSED)
-# Endings of what is taken for a log in a folder.
-SUFFIXES = (*sorted({one for reader in READERS for one in reader.suffixes} - {*NEEDS_A_NAME}), *PACKED_STORAGES)
+# Endings of what is taken for a log in a folder: those of too much that is no log must be named by the user.
+NEEDS_A_NAME = {".txt", ".dat", *COMPRESSED}
+SUFFIXES = (*sorted({one for reader in READERS for one in reader.suffixes} - NEEDS_A_NAME), *PACKED_STORAGES)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -49,8 +47,7 @@ class LogFile:
 
     path: str  # as found, for people: bytes of a name that are no UTF-8 are written out
     place: str  # where a worker finds it: an absolute path, or a URL
-    # names of the folders that it lies in, the innermost first, no further than what the user named
-    folders: tuple[str, ...]
+    folders: tuple[str, ...]  # names of those that it lies in, innermost first, no further than what the user named
     size: int  # bytes, of all files of a bag; -1 where it is not known
     changed: str  # when it was last changed, in the words of its file system; empty where it is not known
     row: ManifestRow | None = None  # what the manifest says of it, or None
@@ -64,10 +61,7 @@ class LogFile:
 def find_logs(
     names: Sequence[str], rows: Mapping[str, ManifestRow], *, leave_out: Iterable[Path] = ()
 ) -> list[LogFile]:
-    """Find the logs that a user names: files, folders (searched to the bottom), globs, URLs, those of a manifest.
-
-    ``leave_out`` are no logs: the manifest itself, the folder of the results.
-    """
+    """Find the logs that a user names, in folders to the bottom; ``leave_out``, the manifest and results, are none."""
     closed = {os.path.realpath(path) for path in leave_out}
     found: dict[str, LogFile] = {}
     lost: list[str] = []
@@ -98,13 +92,11 @@ def _logs_of(name: str, closed: set[str]) -> list[LogFile]:
         return _logs_at(name)
     path = Path(name)
     if path.is_dir():
-        return [] if os.path.realpath(path) in closed else list(_logs_in(path, closed))
+        return list(_logs_in(path, closed))
     if os.path.lexists(path):  # a link that leads nowhere is listed as failed
         return [_local(name, ())]
-    if not glob.has_magic(name):
-        return []
-    matches = sorted(glob.glob(name, recursive=True), key=natural)  # noqa: PTH207 - Path knows no absolute patterns
-    return [log for match in matches for log in _logs_of(match, closed)]
+    matches = glob.glob(name, recursive=True) if glob.has_magic(name) else ()  # noqa: PTH207 - of absolute patterns too
+    return [log for match in sorted(matches, key=natural) for log in _logs_of(match, closed)]
 
 
 def _logs_in(top: Path, closed: set[str]) -> Iterator[LogFile]:
@@ -158,8 +150,7 @@ def _local(name: str, folders: tuple[str, ...]) -> LogFile:
     place, stamp = Path(name).absolute(), Stamp(size=-1, changed_ns=0)
     with suppress(OSError):  # the worker says why
         stamp = stamp_of(place)
-    # Devices are numbered anew at every start.
-    which = repr([(inode, *times) for _, _, inode, *times in stamp.identity])
+    which = repr([(inode, *times) for _, _, inode, *times in stamp.identity])  # devices are numbered anew at each start
     return LogFile(
         path=encodable(str(Path(name))),
         place=str(place),

@@ -1,7 +1,4 @@
-"""What came of a log, from its content alone; then which arm each session is of and when it was, also by a manifest.
-
-A manifest is a CSV table that says of every log what the log itself does not.
-"""
+"""What came of a log, from its content alone; then its arm and its moment, also by a manifest, a CSV table."""
 
 import csv
 import io
@@ -40,8 +37,7 @@ class Worked:
     """What came of a log."""
 
     sha256: str  # hash of its content; empty where it could not be read at all
-    # Its arms, each from the content alone: ``robot`` is what the log itself calls it, ``start_s`` that of its clock.
-    sessions: tuple[Session, ...] = ()
+    sessions: tuple[Session, ...] = ()  # its arms, each from the content alone: with the log's own name and start
     faults: tuple[Fault, ...] = ()  # arms without a summary
 
 
@@ -68,10 +64,7 @@ def parse_time(text: str) -> float | None:
 
 
 def time_in_name(names: Iterable[str]) -> float | None:
-    """Return the Unix time in the first of the names that holds one. [s]
-
-    A name without a zone is taken as UTC: what counts is the order and the distance of sessions.
-    """
+    """Return the Unix time in the first of the names that holds one, taken as UTC without a zone. [s]"""
     written = (found for name in names for form in (_MOMENT, _EPOCH) if (found := form.search(name)))
     return next((moment for one in written if (moment := _unix_time(one)) is not None), None)
 
@@ -90,15 +83,14 @@ def _unix_time(found: re.Match[str]) -> float | None:
 
 
 def identify(found: Sequence[tuple[LogFile, Session]]) -> tuple[tuple[Session, ...], tuple[str, ...]]:
-    """Return sessions with arm and start, and warnings.
-
-    They are by robot, each robot's in the order of their starts, or of their names where starts are not known.
-    """
-    named = [_session(file, session) for file, session in found]
+    """Return sessions with arm and start, by robot, each in the order of ``put_in_order``; and warnings."""
+    named: dict[str, list[Session]] = {}
+    for session in (_session(file, session) for file, session in found):
+        named.setdefault(session.robot, []).append(session)
     sessions: list[Session] = []
-    warnings = list(_shared_names(found))
-    for robot in sorted({session.robot for session in named}, key=natural):
-        groups = _alike_arms([session for session in named if session.robot == robot])
+    warnings = _shared_names(found)
+    for robot in sorted(named, key=natural):
+        groups = _alike_arms(named[robot])
         if len(groups) > 1:
             warnings.append(
                 f"robot {robot}: its logs are of unlike arms ({'; '.join(groups)}), which are not compared with each "

@@ -113,10 +113,11 @@ class Ledger(AbstractContextManager["Ledger"]):
     def __exit__(self, *_: object) -> None:
         self._database.close()  # nothing is written here that was not safe before
 
-    def known_hash(self, log: LogFile) -> str | None:
-        """Return the hash of a log's content if the log has not changed since it was last looked at."""
+    def known_hashes(self, logs: Iterable[LogFile]) -> dict[str, str]:
+        """Return the hashes of logs that have not changed since they were last looked at, by the places of the logs."""
         query = "SELECT sha256 FROM files WHERE place = ? AND size = ? AND changed = ?"
-        return next((str(row[0]) for row in self._ask(query, (encodable(log.place), log.size, log.changed))), None)
+        found = {log.place: self._ask(query, (encodable(log.place), log.size, log.changed)) for log in logs}
+        return {place: str(rows[0][0]) for place, rows in found.items() if rows}
 
     def known_sizes(self) -> set[int]:
         """Return the sizes of all logs that were looked at; content of another size is new."""
@@ -222,19 +223,16 @@ class Ledger(AbstractContextManager["Ledger"]):
 
     def _save_arm(self, one: Session | Fault, names: tuple[str, ...]) -> None:
         content = json.dumps(asdict(one), default=list, ensure_ascii=False)
-        columns: tuple[object, ...]
-        if isinstance(one, Session):
-            columns, joints = (one.robot, one.start_s, None, False), one.joints
-        else:
-            columns, joints = ("", None, one.message, not one.lasting), ()
+        columns: tuple[object, ...] = (
+            ("", None, one.message, not one.lasting)
+            if isinstance(one, Fault)
+            else (one.robot, one.start_s, None, False)
+        )
         query = "INSERT OR IGNORE INTO arms VALUES (NULL, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"
         cursor = self._database.execute(query, (*names, *columns, content, _digest(content)))
-        if cursor.rowcount:  # else another run was faster
-            rows = [
-                (cursor.lastrowid, joint.joint, name, found.value, found.low, found.high)
-                for joint in joints
-                for name, found in joint.coefficients.items()
-            ]
+        if cursor.rowcount and isinstance(one, Session):  # else another run was faster
+            pairs = [(joint.joint, *pair) for joint in one.joints for pair in joint.coefficients.items()]
+            rows = [(cursor.lastrowid, joint, name, c.value, c.low, c.high) for joint, name, c in pairs]
             self._database.executemany("INSERT OR REPLACE INTO coefficients VALUES (?, ?, ?, ?, ?, ?)", rows)
 
     def _ask(self, query: str, values: tuple[object, ...] = ()) -> list[sqlite3.Row]:

@@ -11,6 +11,7 @@ from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 from friction_audit.batch.executor import Executor, Lost
 from friction_audit.batch.find_logs import LogFile
@@ -43,8 +44,7 @@ MOST_NAMED = 3  # copies that a warning names; more are counted
 Watch = Callable[[int, int, int], None]
 
 
-@dataclass(frozen=True, slots=True)
-class BatchResult:
+class BatchResult(NamedTuple):
     """What came of a batch."""
 
     sessions: tuple[Session, ...]  # by robot, in order
@@ -60,8 +60,7 @@ class Standing:
 
     logs: tuple[LogFile, ...]  # the logs, copies left out
     hashes: Mapping[str, str]  # hash of each log's content by its place; none of logs that could not be read
-    # what went wrong in this run without being the log's fault, by the log's place
-    passing: Mapping[str, tuple[Fault, ...]]
+    passing: Mapping[str, tuple[Fault, ...]]  # what went wrong without being the log's fault, by the log's place
     new: int  # how many logs were worked on in this run
     known: int  # how many were known before
     warnings: tuple[str, ...]  # which logs are copies, one sentence each
@@ -81,11 +80,7 @@ def catch_up(
     *,
     backwards: bool = False,
 ) -> Standing:
-    """Work on all logs that the ledger does not know.
-
-    ``watch`` is called with the progress at the beginning and after every log. ``backwards`` begins with the last one:
-    in parallel with another run, so that the two meet halfway.
-    """
+    """Work on all logs that the ledger does not know; ``backwards``, so that another run is met halfway."""
     key = settings.key()
     hashes = _hashes(logs, ledger)
     first, copies = _one_of_each(logs, hashes)
@@ -97,7 +92,7 @@ def catch_up(
     ]
     new = [log for log in first if log.place not in hashes or not ledger.is_done(hashes[log.place], key)]
     passing = _work_through(new[::-1] if backwards else new, settings, ledger, executor, watch)
-    hashes |= {log.place: sha256 for log in new if (sha256 := ledger.known_hash(log)) is not None}
+    hashes |= ledger.known_hashes(new)
     first, late_copies = _one_of_each(first, hashes)
     named = [f"{path}: the same recording as {kept}" for path, kept in (copies | late_copies).items()]
     if named:
@@ -115,18 +110,13 @@ def catch_up(
 def gather(standing: Standing, settings: BatchSettings, ledger: Ledger) -> BatchResult:
     """Return the sessions of a batch, each of its arm and with its start."""
     key, hashes = settings.key(), standing.hashes
-    known = ledger.known(hashes.values(), key)
-    pairs: list[tuple[LogFile, Session]] = []
-    failed: list[FailedLog] = []
-    for log in standing.logs:
-        worked = known.get(hashes.get(log.place, ""), Worked(sha256=""))
-        pairs += [(log, one) for one in worked.sessions]
-        every = (*worked.faults, *standing.passing.get(log.place, ()))
-        failed += [FailedLog(name_of(log, one.topic), one.message) for one in every]
-    sessions, warnings = identify(pairs)
+    known, nothing = ledger.known(hashes.values(), key), Worked(sha256="")
+    found = [(log, known.get(hashes.get(log.place, ""), nothing)) for log in standing.logs]
+    faults = [(log, one) for log, worked in found for one in (*worked.faults, *standing.passing.get(log.place, ()))]
+    failed = tuple(FailedLog(name_of(log, one.topic), one.message) for log, one in faults)
+    sessions, warnings = identify([(log, one) for log, worked in found for one in worked.sessions])
     ledger.name_sessions(sessions, key)
-    warnings = (*standing.warnings, *warnings)
-    return BatchResult(sessions, failed=tuple(failed), new=standing.new, known=standing.known, warnings=warnings)
+    return BatchResult(sessions, failed, standing.new, standing.known, (*standing.warnings, *warnings))
 
 
 def _hashes(logs: Sequence[LogFile], ledger: Ledger) -> dict[str, str]:
@@ -135,7 +125,7 @@ def _hashes(logs: Sequence[LogFile], ledger: Ledger) -> dict[str, str]:
     Where a log is not known by its size and its time, content of an unknown size is new, and so are logs of
     one size whose ends differ: they are hashed when they are read. Of other logs the hash is taken here.
     """
-    known = {log.place: sha256 for log in logs if (sha256 := ledger.known_hash(log)) is not None}
+    known = ledger.known_hashes(logs)
     strange = [log for log in logs if log.place not in known and not log.is_remote]
     seen = ledger.known_sizes()
     of_size = Counter(log.size for log in strange)
@@ -168,8 +158,7 @@ def _one_of_each(logs: Sequence[LogFile], hashes: Mapping[str, str]) -> tuple[li
     else whose name holds a date; else that was changed first. Another name might give the session another date.
     """
     content = {log.place: hashes.get(log.place, log.place) for log in logs}
-    # Names without their numbers.
-    patterns = {log.place: re.sub(r"\d+", "#", log.path.rstrip("/").rpartition("/")[2]) for log in logs}
+    patterns = {log.place: re.sub(r"\d+", "#", log.path.rstrip("/").rpartition("/")[2]) for log in logs}  # of names
     alike = Counter(pattern for pattern, _ in {(patterns[log.place], content[log.place]) for log in logs})
 
     def fitness(log: LogFile) -> tuple[bool, int, bool, int]:
@@ -183,11 +172,7 @@ def _one_of_each(logs: Sequence[LogFile], hashes: Mapping[str, str]) -> tuple[li
 
 
 def _work_through(
-    new: Sequence[LogFile],
-    settings: BatchSettings,
-    ledger: Ledger,
-    executor: Executor,
-    watch: Watch,
+    new: Sequence[LogFile], settings: BatchSettings, ledger: Ledger, executor: Executor, watch: Watch
 ) -> dict[str, tuple[Fault, ...]]:
     """Work on new logs and save what comes of each at once; return what went wrong without being the log's fault."""
     key = settings.key()
@@ -198,11 +183,10 @@ def _work_through(
     def tasks() -> Iterator[LogFile]:
         nonlocal done
         for log in new:
-            sha256 = ledger.known_hash(log)
-            if sha256 is None or not ledger.is_done(sha256, key):
-                yield log
-            else:  # by another run
+            if any(ledger.is_done(sha256, key) for sha256 in ledger.known_hashes([log]).values()):  # by another run
                 done += 1
+            else:
+                yield log
 
     with closing(executor.run(partial(work_on, settings), tasks())) as outcomes:
         for log, worked in outcomes:

@@ -1,7 +1,6 @@
 """What a worker does with one log: read it, run the chain, keep the summary; and what is compared of an estimate.
 
-A worker may be a process on this machine or on another one: all that goes in and comes out can be pickled. Who only
-hands the work out imports no more than the names of it.
+A worker may be a process on this machine or on another one: all that goes in and comes out can be pickled.
 """
 
 import math
@@ -73,18 +72,17 @@ def _at_hand(log: LogFile) -> Iterator[Path]:
 
 def _work_on(settings: BatchSettings, path: Path) -> Worked:
     """Work on a log that stays what it is meanwhile: what comes of it is kept under the hash of its content."""
-
-    def stamp() -> Stamp | None:
-        with suppress(OSError):
-            return stamp_of(path)
-        return None
-
     for _ in range(READINGS):
-        before = stamp()
-        worked = _arms(settings, path)
-        if stamp() == before:
+        before, worked, after = _stamp(path), _arms(settings, path), _stamp(path)
+        if after == before:
             return worked
     raise InputError("the file changed while it was read; run the same command again when it is finished")
+
+
+def _stamp(path: Path) -> Stamp | None:
+    with suppress(OSError):
+        return stamp_of(path)
+    return None
 
 
 def _arms(settings: BatchSettings, path: Path, topic: str = "") -> Worked:
@@ -114,8 +112,9 @@ def _arms(settings: BatchSettings, path: Path, topic: str = "") -> Worked:
 def session_of(estimate: Estimate, discrepancy: "Discrepancy | None" = None) -> Session:
     """Return what is kept of an estimate."""
     log, interaction, source = estimate.log, estimate.interaction, estimate.log.source
-    choice, cautions = interaction.choice, (*interaction.warnings, *estimate.friction.warnings)
-    codes = [one.code for one in source.findings] + [one.code for one in cautions]
+    choice = interaction.choice
+    codes = [one.code for one in source.findings]
+    codes += [one.code for one in (*interaction.warnings, *estimate.friction.warnings)]
     unit = () if source.torque_unit == "N m" else ("torque_in_ampere",)
     findings = [one.message if one.joint is None else f"joint {one.joint}: {one.message}" for one in source.findings]
     made = {name: getattr(choice, name) for name in ("drive", "gravity", "inertia")}
@@ -191,15 +190,13 @@ def _change_within(own: EnergyCycles, joint: JointFriction) -> dict[str, Coeffic
     The thirds are fitted apart: points of the history share cycles, and their difference would look surer than it is.
     """
     kept = own.rows(own.reason == KEPT)
-    third = len(kept.joint) // 3
-    if joint.reason or third < FEWEST_CYCLES:
-        return dict.fromkeys(COEFFICIENTS, UNDETERMINED)
-    fit = fit_windows(set_up(kept, joint.model), third)
-    ends = {
-        key: (fit.coefficient(name, 0), fit.coefficient(name, -1))
-        for key, name in zip(COEFFICIENTS, ("coulomb", "viscous"), strict=True)
-    }
-    return {key: relative_change(*both) if both[0].low > 0.0 else UNDETERMINED for key, both in ends.items()}
+    third, found = len(kept.joint) // 3, dict.fromkeys(COEFFICIENTS, UNDETERMINED)
+    if not joint.reason and third >= FEWEST_CYCLES:
+        fit = fit_windows(set_up(kept, joint.model), third)
+        for key, name in zip(COEFFICIENTS, ("coulomb", "viscous"), strict=True):
+            first, last = (fit.coefficient(name, end) for end in (0, -1))
+            found[key] = relative_change(first, last) if first.low > 0.0 else UNDETERMINED
+    return found
 
 
 def _renamed(worked: Worked, here: str, name: str) -> Worked:
@@ -280,7 +277,6 @@ def _joint(found: Mapping[str, Any]) -> JointSummary:
 
 
 def _number(found: float | None) -> float:
-    number = NAN if found is None else float(found)
-    if math.isinf(number):
+    if math.isinf(number := NAN if found is None else float(found)):
         raise ValueError(number)
     return number

@@ -1,8 +1,10 @@
 """Sessions -> DriftReport: arm by arm, joint by joint, what became of each coefficient."""
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
+from itertools import groupby, pairwise, product
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -28,10 +30,10 @@ def analyse_drift(sessions: Sequence[Session], settings: DriftSettings) -> Drift
     return DriftReport(arms=tuple(analyse_arm(arm, settings) for arm in arms_of(sessions)))
 
 
-def arms_of(sessions: Sequence[Session]) -> list[tuple[Session, ...]]:
+def arms_of(sessions: Iterable[Session]) -> list[tuple[Session, ...]]:
     """Return the sessions of each arm, arms in the order of their names."""
-    robots = sorted({session.robot for session in sessions})
-    return [tuple(session for session in sessions if session.robot == robot) for robot in robots]
+    by_robot = attrgetter("robot")
+    return [tuple(own) for _, own in groupby(sorted(sessions, key=by_robot), by_robot)]
 
 
 def analyse_arm(sessions: Sequence[Session], settings: DriftSettings) -> ArmDrift:
@@ -54,7 +56,7 @@ def analyse_arm(sessions: Sequence[Session], settings: DriftSettings) -> ArmDrif
         left_out=tuple(left_out.items()),
         joints=tuple(made.JointDrift(joint=n, name=names[n], coefficients=tuple(own)) for n, own in found.items()),
         ordered_by=order.by,
-        autocorrelation=max((one.autocorrelation.first for one in verdicts if one is not None), default=0.0),
+        autocorrelation=max((one.scatter.first for one in verdicts if one is not None), default=0.0),
         warnings=(*limits, *odd, *warnings),
     )
 
@@ -62,10 +64,7 @@ def analyse_arm(sessions: Sequence[Session], settings: DriftSettings) -> ArmDrif
 def choose_reference(
     compared: tuple[int, ...], baseline: int | tuple[int, ...]
 ) -> tuple[tuple[int, ...], tuple[str, ...]]:
-    """Return the sessions of the reference, and what is wrong with those asked for.
-
-    They are so many first ones of those compared, at most half of them, or those with these indices.
-    """
+    """Return the sessions of the reference, so many first ones or these indices, and what is wrong with them."""
     if isinstance(baseline, int):
         return compared[: min(baseline, max(1, len(compared) // 2))], ()
     chosen = tuple(index for index in baseline if index in compared)
@@ -82,36 +81,29 @@ def _collect(order: Order, compared: tuple[int, ...]) -> tuple[list[Series], lis
     joints = sorted({joint.joint for index in compared for joint in order.sessions[index].joints})
     family: list[Series] = []
     warnings: dict[str, set[int]] = {}
-    for joint in joints:
-        for coefficient in COEFFICIENTS:
-            series = make_series(order.sessions, compared, joint, coefficient, by_start=order.by == "start")
-            series = replace(series, kept=~find_isolated(series.y, series.y_error))
-            like, warning = use_temperature(series, order.sessions)
-            family.append(leave_outliers_out(like))
-            warnings.setdefault(warning, set()).add(joint)
+    for joint, coefficient in product(joints, COEFFICIENTS):
+        series = make_series(order.sessions, compared, joint, coefficient, by_start=order.by == "start")
+        series = replace(series, kept=~find_isolated(series.y, series.y_error))
+        like, warning = use_temperature(series, order.sessions)
+        family.append(leave_outliers_out(like))
+        warnings.setdefault(warning, set()).add(joint)
     warnings.pop("", None)
-    said = []
-    for text, some in warnings.items():
-        which = f"joint{'s' * (len(some) > 1)} {write_joint_numbers(sorted(some))}: "
-        said.append(text if len(some) == len(joints) else f"{which}{text}")
-    return family, said
+    which = {text: f"joint{'s' * (len(some) > 1)} {write_joint_numbers(sorted(some))}: "
+             for text, some in warnings.items() if len(some) < len(joints)}  # fmt: skip
+    return family, [which.get(text, "") + text for text in warnings]
 
 
 def _judge(family: Sequence[Series], settings: DriftSettings) -> list[Verdict | None]:
     """Test the coefficients of an arm, all of whose sessions count; None for those with too few sessions."""
     # One degree of freedom is left given level, temperature and one change.
-    testable = {
-        i: series
-        for i, series in enumerate(family)
-        if len(series.y) >= made.FEWEST_SESSIONS and len(series.y) > regression.baseline_columns(series).shape[1] + 1
-    }
-    if not testable:
-        return [None] * len(family)
-    test = plain = judge_family([*testable.values()], settings)
-    if any(series.temperature is not None for series in testable.values()):
-        plain = judge_family([replace(series, temperature=None) for series in testable.values()], settings)
+    fewest = [max(made.FEWEST_SESSIONS, regression.baseline_columns(series).shape[1] + 2) for series in family]
+    testable = [i for i, series in enumerate(family) if len(series.y) >= fewest[i]]
+    some = [family[i] for i in testable]
+    test = plain = judge_family(some, settings) if some else []
+    if any(series.temperature is not None for series in some):
+        plain = judge_family([replace(series, temperature=None) for series in some], settings)
     pairs = zip(testable, test, plain, strict=True)
-    verdicts = {i: replace(found, p_without_temperature=bare.p_value) for i, found, bare in pairs}
+    verdicts = {i: found._replace(p_without_temperature=bare.p_value) for i, found, bare in pairs}
     return [verdicts.get(i) for i in range(len(family))]
 
 
@@ -140,7 +132,7 @@ def describe_series(
         own = [joint for session in sessions for joint in session.joints if joint.joint == series.joint]
         reasons = tuple(joint.reason for joint in own if joint.reason)
         return CoefficientDrift(**_shown(series, series.y, sessions), shape="too_few", drift=False, reasons=reasons)
-    warm, growth, first = series.counted(), verdict.autocorrelation.growth, verdict.autocorrelation.first
+    warm, growth, first = series.counted(), verdict.scatter.growth, verdict.scatter.first
     inflation = (1.0 + first) / (1.0 - first)
     shape, model, steps = _find_shape(warm, verdict, reference, settings)
     if shape == "temperature":
@@ -158,18 +150,21 @@ def describe_series(
     change = last.interval(ends.change) if np.any(ends.change) else UNDETERMINED
     smallest = smallest_change(counted, fit, critical=verdict.critical, growth=growth, power=settings.power)
     least = Coefficient(value=smallest, low=smallest, high=smallest)
+    over, slope = 1.0 if series.logarithmic else abs(level.value), UNDETERMINED
+    if counted.temperature is not None and over:
+        slope = regression.each(fit.interval(np.eye(len(fit.value))[-1]), lambda end: end / over)
     relative_scatter = not series.logarithmic and not regression.is_near_zero(level)
     return CoefficientDrift(
         **_shown(series, y, sessions),
         level=level,
         shape=shape,
         p_value=verdict.p_value,
-        temperature_slope=regression.temperature_slope(fit, counted, abs(level.value)),
+        temperature_slope=slope,
         temperature_c=float("nan") if counted.temperature is None else float(np.mean(counted.temperature)),
         trend_per_session=regression.slope_over(counted, counted.place, inflation),
         trend_per_day=regression.slope_over(counted, counted.day, inflation),
         trend_p_value=verdict.ramp_p_value,
-        change_points=_change_points(counted, steps, fit, verdict.p_value),
+        change_points=tuple(_change_points(counted, steps, fit, verdict.p_value)),
         control=make_chart(series, y, fit, level, reference, settings.alpha),
         change=to_change(change, level, series),
         total=to_relative(change, level, series),
@@ -193,7 +188,7 @@ def _find_shape(
             return "none", ends, ()
         confounded = max(shared(column, warmth) for column in (series.place, *ends.columns.T[:-1])) > CONFOUNDED
         return "temperature" if confounded else "none", ends, ()
-    steps = find_steps(series, settings, verdict.autocorrelation.growth)
+    steps = find_steps(series, settings, verdict.scatter.growth)
     segment = np.searchsorted([step.place for step in steps], np.arange(len(series.y)), side="right")
     stepped = regression.levels_model(series, segment, reference, free=regression.PLACE_AND_SIZE * len(steps))
     ramp = regression.ramp_model(series, reference)
@@ -204,23 +199,19 @@ def _find_shape(
     return (shape, ramp, ()) if better > 0.0 else (shape, stepped, steps)
 
 
-def _change_points(series: Series, steps: Sequence[Step], fit: Fit, p_value: float) -> tuple[made.ChangePoint, ...]:
-    points = []
-    for k, step in enumerate(steps):
-        before, after = np.eye(len(fit.value))[[k, k + 1]]
+def _change_points(series: Series, steps: Sequence[Step], fit: Fit, p_value: float) -> Iterator[made.ChangePoint]:
+    for (before, after), step in zip(pairwise(np.eye(len(fit.value))), steps, strict=False):
         level = to_level(fit.interval(before), series)
-        points.append(
-            made.ChangePoint(
-                session=int(series.session[step.place]),
-                low=int(series.session[step.low]),
-                high=int(series.session[step.high]),
-                before=level,
-                after=to_level(fit.interval(after), series),
-                relative=to_relative(fit.interval(after - before), level, series),
-                p_value=max(step.p_value, p_value),
-            )
+        session, low, high = series.session[[step.place, step.low, step.high]].tolist()
+        yield made.ChangePoint(
+            session=session,
+            low=low,
+            high=high,
+            before=level,
+            after=to_level(fit.interval(after), series),
+            relative=to_relative(fit.interval(after - before), level, series),
+            p_value=max(step.p_value, p_value),
         )
-    return tuple(points)
 
 
 def _warming(series: Series) -> float:
@@ -228,8 +219,7 @@ def _warming(series: Series) -> float:
     if series.temperature is None:
         return float("nan")
     low, high = np.quantile(series.place, (0.2, 0.8))
-    last, first = series.temperature[series.place >= high], series.temperature[series.place <= low]
-    return float(np.mean(last)) - float(np.mean(first))
+    return float(np.mean(series.temperature[series.place >= high]) - np.mean(series.temperature[series.place <= low]))
 
 
 def _speed_ratio(series: Series, model: Model) -> float:
@@ -245,11 +235,7 @@ def _speed_ratio(series: Series, model: Model) -> float:
 def make_chart(
     series: Series, y: Float, fit: Fit, level: Coefficient, reference: Collection[int], alpha: float
 ) -> tuple[ControlPoint, ...]:
-    """Compare each session with the mean of the reference; limits hold for all sessions together.
-
-    The limits are those of a new session: its own error, the scatter between sessions around the drift, and the error
-    of the reference's mean.
-    """
+    """Compare each session with the mean of the reference; limits hold for all sessions together."""
     from scipy.stats import t
 
     inside = np.isin(series.session, list(reference)) & series.kept
@@ -258,6 +244,7 @@ def make_chart(
     variance = (series.y_error**2 + fit.scatter**2) * max(1.0, fit.scale) ** 2
     weight = np.where(inside, 1.0 / variance, 0.0)
     mean, mean_variance = float(np.average(y, weights=weight)), float(1.0 / np.sum(weight))
+    # Of a new session: its own error, the scatter around the drift, the error of the mean of the reference.
     spread = variance + np.where(inside, -mean_variance, mean_variance)
     half = float(t.isf(alpha / (2.0 * len(y)), fit.freedom)) * np.sqrt(np.maximum(spread, 0.0))
     outside = (np.abs(y - mean) > half) & (half > 0.0)

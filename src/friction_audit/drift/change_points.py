@@ -56,7 +56,8 @@ def find_steps(series: Series, settings: DriftSettings, growth: float = 1.0) -> 
         if not alone or min(holm(alone)) > settings.alpha:
             break
         places = _settle(y, weight, _segmentation(y, count))
-    steps = [judged(*_span(places, k, len(y))) for k in range(len(places))]
+    ends = [0, *places, len(y)]
+    steps = [judged(*span) for span in zip(ends, ends[2:], strict=False)]
     adjusted = holm([step.p_value for step in steps])
     return tuple(replace(step, p_value=p) for step, p in zip(steps, adjusted, strict=True))
 
@@ -87,16 +88,11 @@ def _at_like_temperature(series: Series) -> Float:
 
 def _settle(y: Float, weight: Float, places: Sequence[int]) -> list[int]:
     """Move each step to its best place between its neighbours, by the errors of the sessions."""
-    moved = list(places)
-    for k in range(len(moved)):
-        first, last = _span(moved, k, len(y))
-        here = _between(y, weight, first, last)
-        moved[k] = first + int(here.split[np.argmax(np.abs(here.residual @ here.direction))])
-    return moved
-
-
-def _span(places: Sequence[int], k: int, length: int) -> tuple[int, int]:
-    return (places[k - 1] if k else 0), (places[k + 1] if k + 1 < len(places) else length)
+    ends = [0, *places, len(y)]
+    for k in range(1, len(places) + 1):
+        here = _between(y, weight, ends[k - 1], ends[k + 1])
+        ends[k] = ends[k - 1] + int(here.split[np.argmax(np.abs(here.residual @ here.direction))])
+    return ends[1:-1]
 
 
 def _between(y: Float, weight: Float, first: int, last: int) -> Directions:
@@ -113,10 +109,7 @@ def _between(y: Float, weight: Float, first: int, last: int) -> Directions:
 
 
 def _judge(y: Float, weight: Float, first: int, last: int, *, settings: DriftSettings, growth: float) -> Step:
-    """Return the best step with its p-value, by the largest statistic of random orders, and its interval of 95 %.
-
-    With few sessions the variance is uncertain: the bound of the likelihood ratio grows as that of a t-test does.
-    """
+    """Return the best step with its p-value, by the largest statistic of random orders, and its interval of 95 %."""
     from scipy.stats import chi2, f
 
     directions, length = _between(y, weight, first, last), last - first
@@ -125,7 +118,7 @@ def _judge(y: Float, weight: Float, first: int, last: int, *, settings: DriftSet
     real = np.abs(change_test.studentise(directions.residual[None, :], directions))[0] / growth
     along = (directions.residual @ directions.direction) ** 2
     best = float(np.max(along))
-    freedom = max(directions.freedom, 1)
+    freedom = max(directions.freedom, 1)  # of few sessions the variance is uncertain: a bound as of a t-test
     variance = max(float(np.sum(directions.residual**2)) - best, 0.0) / freedom
     bound = float(f.ppf(float(chi2.cdf(MOMENT_95, 1)), 1, freedom)) * growth**2
     possible: NDArray[np.int64] = first + directions.split[best - along <= bound * variance]
@@ -143,10 +136,7 @@ def find_isolated(y: Float, error: Float) -> NDArray[np.bool_]:
     A step has alike sessions on both of its sides, a ramp has neighbours on either side: neither is isolated. The
     first and the last session may be: only the next session separates a step from a broken estimate.
     """
-    n = len(y)
-    if n < FEWEST:
-        return np.zeros(n, dtype=np.bool_)
-    variance, near = error**2 + steps_scatter(y, error) ** 2, np.zeros(n, dtype=np.bool_)
+    variance, near = error**2 + steps_scatter(y, error) ** 2, np.full(len(y), len(y) < FEWEST)
     for lag in range(1, REACH + 1):
         close = np.abs(y[lag:] - y[:-lag]) <= FAR * np.sqrt(variance[lag:] + variance[:-lag])
         near[lag:] |= close
@@ -177,7 +167,7 @@ def _outlier(series: Series) -> int | None:
         return None
     found = make_directions(series)
     freedom = found.freedom - 1  # one session less
-    direction = found.direction[:, ~found.episodes]
+    direction = found.direction[:, found.back == n]
     left = found.residual[:, None] - direction * (found.residual @ direction)
     free = 1.0 - np.sum(found.base**2, axis=1)[:, None] - direction**2
     without = np.sum(left**2, axis=0) - left**2 / free  # squares that remain without the session

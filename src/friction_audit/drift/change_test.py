@@ -8,6 +8,7 @@ keeps the probability of any false change.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,10 +54,9 @@ class Directions:
     residual: Float  # what level and temperature leave of y, shape (n,)
     weight: Float  # one over the standard error with scatter, shape (n,)
     ramp: Float  # ramps as they are, shape (n, r); the last r of the directions
-    freedom: int  # degrees of freedom given level, temperature and one direction
-    episodes: NDArray[np.bool_]  # which directions are changes that come and go, shape (k,)
     ramps: NDArray[np.bool_]  # which directions are ramps, shape (k,)
-    factor: Float  # on the statistic of each direction, shape (k,)
+    factor: Float  # on the statistic of each direction, below 1 for changes that come and go, shape (k,)
+    freedom: int  # degrees of freedom given level, temperature and one direction
 
     def studentised(self, along: Float, square: Float) -> Float:
         """Return t of each direction, from the projections (m, k) and squared lengths of the series (m, 1)."""
@@ -104,10 +104,9 @@ def orthogonal(shapes: Float, *, split: Places, back: Places, base: Float, y: Fl
         residual=residual,
         weight=weight,
         ramp=shapes[:, split == 0],
-        freedom=len(y) - basis.shape[1] - 1,
-        episodes=back < len(y),
         ramps=split == 0,
         factor=np.where(back < len(y), EPISODE_FACTOR, 1.0),
+        freedom=len(y) - basis.shape[1] - 1,
     )
 
 
@@ -148,12 +147,11 @@ def _studentise_orders(directions: Directions, order: NDArray[np.int64]) -> Floa
     return directions.studentised(unit, np.asarray(np.sum(directions.residual**2)))
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Autocorrelation:
+class Autocorrelation(NamedTuple):
     """Of the scatter: sessions in a row that err together look like drift."""
 
     first: float = 0.0  # correlation of one session's scatter with the next one's; 0 where chance would do
-    growth: float = 1.0  # how much larger it makes the largest statistic, at the upper limit of what it may be
+    growth: float = 1.0  # how much larger it makes the largest statistic, at its upper limit
 
 
 def estimate_autocorrelation(family: Sequence[Directions], rng: np.random.Generator) -> Autocorrelation:
@@ -187,10 +185,7 @@ def detrend(rows: Float, directions: Directions) -> Float:
 
 
 def lagged_sum(rest: Float) -> Float:
-    """Return the sum of the autocorrelations of each series (m, n), each over its lag, outliers cut, shape (m,).
-
-    Of a long first-order process about -log(1 - correlation).
-    """
+    """Return the sum of the autocorrelations of each series (m, n), each over its lag, outliers cut, shape (m,)."""
     most = CUT * MAD_TO_SD * np.median(np.abs(rest), axis=1, keepdims=True)
     cut = np.clip(rest, -most, most)
     square = np.sum(cut**2, axis=1) + 1e-300
@@ -215,15 +210,14 @@ def _simulate(
     return float(low), float(middle), float(high), float(np.quantile(largest, QUANTILE))
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Verdict:
+class Verdict(NamedTuple):
     """What the test of an arm says of one series."""
 
     p_value: float  # of the largest statistic, family-wise
     ramp_p_value: float  # of the ramps alone, family-wise
     p_without_temperature: float  # as if no temperature were known; the same as ``p_value`` where none is used
     critical: float  # score that is exceeded without drift with probability alpha, in any series
-    autocorrelation: Autocorrelation  # of the scatter
+    scatter: Autocorrelation
 
 
 def judge_family(family: Sequence[Series], settings: DriftSettings) -> list[Verdict]:
@@ -246,19 +240,13 @@ def judge_family(family: Sequence[Series], settings: DriftSettings) -> list[Verd
         maxima[:, k], ramp_maxima[:, k] = score(maxima[:, k], freedom), score(ramp_maxima[:, k], freedom)
     critical = float(np.quantile(np.max(maxima, axis=1), 1.0 - settings.alpha))
     p_values = zip(step_down(observed, maxima).tolist(), step_down(ramp, ramp_maxima).tolist(), kinds, strict=True)
-    return [
-        Verdict(p_value=p, ramp_p_value=q, p_without_temperature=p, critical=critical, autocorrelation=of_kind[kind])
-        for p, q, kind in p_values
-    ]
+    return [Verdict(p, q, p_without_temperature=p, critical=critical, scatter=of_kind[kind]) for p, q, kind in p_values]
 
 
 def permute(
     family: Sequence[Directions], places: Sequence[Float], rng: np.random.Generator, width: int, settings: DriftSettings
 ) -> tuple[Float, Float]:
-    """Return the largest statistic without drift in each order, of all shapes and of the ramps, shape (orders, s) each.
-
-    Where sessions are too few for random orders, ``rng`` draws normal scatter.
-    """
+    """Return the largest statistic without drift in each order, of all shapes and of ramps, shape (orders, s) each."""
     orders = settings.permutations
     largest, largest_ramp = np.empty((2, orders, len(family)))
 
@@ -290,10 +278,7 @@ def score(statistic: Float | float, freedom: int) -> Float:
 
 
 def step_down(observed: Float, null: Float) -> Float:
-    """Return family-wise p-values by the step-down maximum (Westfall and Young 1993, algorithm 4.1), shape (s,).
-
-    ``observed`` are scores, shape (s,); ``null`` those without drift, all series in the same order, shape (orders, s).
-    """
+    """Return family-wise p-values of scores (s,), given those without drift (orders, s), by the step-down maximum."""
     order = np.argsort(-observed, kind="stable")
     maxima = np.maximum.accumulate(null[:, order[::-1]], axis=1)[:, ::-1]
     p = (1.0 + np.sum(maxima >= observed[order], axis=0)) / (1.0 + len(null))

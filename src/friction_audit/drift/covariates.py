@@ -29,10 +29,7 @@ LIKE: Mapping[str, Callable[[Session], object]] = {
 
 
 def choose_comparable(order: Order) -> tuple[tuple[int, ...], dict[int, str], list[str]]:
-    """Choose the largest group of sessions that are alike, the latest one of equal groups.
-
-    Return their indices, those of the others with the reason, and what limits the comparison.
-    """
+    """Return the largest group of sessions that are alike, the latest of equal ones; the others; what limits it."""
     sessions, out, warnings = order.sessions, dict(order.left_out), []
     for find in (_repeated, _unlike, _other_rate):
         out |= find({i: session for i, session in enumerate(sessions) if i not in out})
@@ -83,15 +80,14 @@ def _other_rate(sessions: dict[int, Session]) -> dict[int, str]:
 
 def _speed_warnings(sessions: Sequence[Session]) -> list[str]:
     """Warn of joints that some sessions moved at speeds that the usual one does not reach."""
+    ranges: dict[int, list[tuple[float, float, float]]] = {}
+    for joint in (joint for session in sessions for joint in session.joints if np.all(np.isfinite(joint.speed_rad_s))):
+        ranges.setdefault(joint.joint, []).append(joint.speed_rad_s)
     warnings = []
-    for number in sorted({joint.joint for session in sessions for joint in session.joints}):
-        ranges = [joint.speed_rad_s for session in sessions for joint in session.joints if joint.joint == number]
-        table = np.array([speeds for speeds in ranges if np.all(np.isfinite(speeds))])
-        if not len(table):
-            continue
+    for number, found in sorted(ranges.items()):
+        table = np.array(found)
         low, _, high = np.median(table, axis=0)
-        apart = int(np.count_nonzero((table[:, 0] > high) | (table[:, 2] < low)))
-        if apart:
+        if apart := int(np.count_nonzero((table[:, 0] > high) | (table[:, 2] < low))):
             warnings.append(
                 f"joint {number}: {apart} of {len(table)} sessions move at other speeds than the usual "
                 f"{low:.2g} to {high:.2g} rad/s; viscous friction is then an extrapolation"
@@ -100,10 +96,7 @@ def _speed_warnings(sessions: Sequence[Session]) -> list[str]:
 
 
 def use_temperature(series: Series, sessions: Sequence[Session]) -> tuple[Series, str]:
-    """Decide whether a temperature is taken out of a series; return it, and what limits the comparison.
-
-    Its temperature is None where it is not taken out; else sessions without a temperature are set aside.
-    """
+    """Return a series, without its temperature where that is not taken out, and what limits the comparison."""
     bare = replace(series, temperature=None)
     if series.temperature is None or not len(series.value):
         return bare, ""
@@ -137,8 +130,7 @@ class Recording:
     joints: int  # number of joints of its log, also those that were not estimated
     unit: str  # of the torque: ``"N m"``, ``"A"`` or ``"mA"``
     method: str  # estimator and friction model
-    # between the two coefficients, by number of the joint
-    correlation: Mapping[int, float] = field(default_factory=dict)
+    correlation: Mapping[int, float] = field(default_factory=dict)  # between both coefficients, by number of the joint
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -91,10 +91,7 @@ class Fit:
 
 
 def fit_model(series: Series, columns: Float, inflation: float = 1.0) -> Fit:
-    """Fit y of the n sessions that count by columns (n, p), level and temperature included.
-
-    ``inflation`` is the variance of a mean over that of independent sessions.
-    """
+    """Fit y by columns (n, p); ``inflation`` is the variance of a mean over that of independent sessions."""
     from statsmodels.robust.norms import HuberT
     from statsmodels.robust.robust_linear_model import RLM  # the whole of statsmodels.api takes longer to load
 
@@ -130,26 +127,25 @@ class Model:
 
 def levels_model(series: Series, segment: NDArray[np.int64], reference: Collection[int], free: int) -> Model:
     """Return a level for each segment, by the number of each session's."""
-    return _model(series, (segment[:, None] == np.unique(segment)).astype(float), reference, free)
+    return make_model(series, (segment[:, None] == np.unique(segment)).astype(float), reference, free)
 
 
 def ends_model(series: Series, reference: Collection[int]) -> Model:
     """Return a level for the reference, for as many last sessions, and for the others."""
-    inside = np.isin(series.session, list(reference))
-    later = np.flatnonzero(~inside)[-max(int(np.count_nonzero(inside)), 1) :]
-    segment = np.where(inside, 0, 1)
-    segment[later] = 2
+    segment = np.where(np.isin(series.session, list(reference)), 0, 1)
+    segment[np.flatnonzero(segment)[-max(int(np.count_nonzero(segment == 0)), 1) :]] = 2
     return levels_model(series, segment, reference, free=0)
 
 
 def ramp_model(series: Series, reference: Collection[int]) -> Model:
     """Return a straight change, over the sessions or over the days, whichever describes better."""
     ones = np.ones(len(series.y))
-    models = [_model(series, np.column_stack([ones, ramp]), reference, 1) for ramp in ramp_columns(series).T]
+    models = [make_model(series, np.column_stack([ones, ramp]), reference, 1) for ramp in ramp_columns(series).T]
     return min(models, key=lambda model: criterion(series, model))
 
 
-def _model(series: Series, columns: Float, reference: Collection[int], free: int) -> Model:
+def make_model(series: Series, columns: Float, reference: Collection[int], free: int) -> Model:
+    """Return the model of some columns, the temperature behind them where it is used."""
     inside = np.isin(series.session, list(reference))
     level = np.mean(columns[inside], axis=0) if np.any(inside) else columns[0]
     change = columns[-1] - level
@@ -169,10 +165,7 @@ def criterion(series: Series, model: Model) -> float:
 
 
 def slope_over(series: Series, clock: Float | None, inflation: float) -> Coefficient:
-    """Return the slope of the coefficient over a clock (n,), the temperature in the model, unit of the coefficient.
-
-    NaN without a clock, with too few sessions, or where it is confounded with the temperature.
-    """
+    """Return the slope of the coefficient over a clock (n,), the temperature in the model; NaN where it has none."""
     if clock is None:
         return UNDETERMINED
     columns = np.column_stack([baseline_columns(series), clock - np.mean(clock)])
@@ -183,14 +176,6 @@ def slope_over(series: Series, clock: Float | None, inflation: float) -> Coeffic
     first, last = np.eye(columns.shape[1])[[0, -1]]
     level = to_level(fit.interval(first), series).value if series.logarithmic else 1.0
     return each(fit.interval(last), lambda end: level * end)
-
-
-def temperature_slope(fit: Fit, series: Series, level: float) -> Coefficient:
-    """Return the relative change per degree of a fit with the temperature in its last column; NaN without one."""
-    over = 1.0 if series.logarithmic else level
-    if series.temperature is None or not over:
-        return UNDETERMINED
-    return each(fit.interval(np.eye(len(fit.value))[-1]), lambda end: end / over)
 
 
 def each(found: Coefficient, of: Callable[[float], Any]) -> Coefficient:

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from math import inf, isfinite, nan
+from math import inf, isnan, nan
 from typing import Literal, NamedTuple
 
 from friction_audit.drift.session import Session
@@ -18,9 +18,7 @@ SHAPES = ("none", "step", "steps", "ramp", "step_or_ramp", "temperature", "too_f
 
 LimitVerdict = Literal["kept", "exceeded", "untestable"]
 COEFFICIENT_OF = {"coulomb": "coulomb_nm", "viscous": "viscous_nms_per_rad", "any": None}
-
 PATTERN = re.compile(r"(?:joint(?P<joint>[1-9]\d*)\.)?(?P<name>[a-z]+)=(?P<size>[^%]+?)\s*(?P<percent>%)?")
-
 FEWEST_SESSIONS = 4  # two before and two after a step; fewer cannot tell a change from one odd session
 EXPECTED = "expected e.g. coulomb=15%, viscous=0.05 (N m s/rad), joint3.coulomb=10% or any=20%"
 
@@ -29,10 +27,8 @@ EXPECTED = "expected e.g. coulomb=15%, viscous=0.05 (N m s/rad), joint3.coulomb=
 class DriftSettings:
     """How drift is looked for."""
 
-    # sessions of the reference: so many first ones, or their indices in the order of the starts, from 0
-    baseline: int | tuple[int, ...] = 5
-    # probability that an arm on which nothing changes is said to drift, over all joints and coefficients
-    alpha: float = 0.05
+    baseline: int | tuple[int, ...] = 5  # the reference: so many first sessions, or their indices in order, from 0
+    alpha: float = 0.05  # probability that an arm on which nothing changes is said to drift
     power: float = 0.9  # probability with which the smallest drift is found
     permutations: int = 1999  # orders of the sessions that the tests are judged by
     seed: int = 0  # of the permutations: the same sessions give the same answer
@@ -69,8 +65,7 @@ class ControlPoint:
     """One session against the reference."""
 
     session: int  # index into ``ArmDrift.sessions``
-    # deviation from the reference's level; its interval is where a session without drift would lie, 0 in its middle
-    # (family-wise over the sessions). Unit of the coefficient.
+    # from the reference's level; the interval is where a session without drift lies, family-wise over the sessions
     deviation: Coefficient
     relative: Coefficient  # the same over the reference's level; NaN where that is near zero
     outside: bool  # whether the deviation lies outside of the limits
@@ -80,17 +75,14 @@ class ControlPoint:
 class CoefficientDrift:
     """One coefficient of one joint over the sessions; every interval is of 95 %."""
 
-    coefficient: str  # ``"coulomb_nm"`` or ``"viscous_nms_per_rad"``
+    coefficient: str  # one of ``COEFFICIENTS``
     sessions: tuple[int, ...]  # indices into ``ArmDrift.sessions`` of those that were compared
-    # the coefficient in each of them, as compared (at like temperature), with its own interval
-    values: tuple[Coefficient, ...]
-    # those of ``sessions`` that none of their neighbours comes near: shown, but not counted as drift
-    isolated: tuple[int, ...] = ()
+    values: tuple[Coefficient, ...]  # of each of them, as compared (at like temperature), with its own interval
+    isolated: tuple[int, ...] = ()  # those of ``sessions`` that no neighbour comes near: shown, not counted as drift
     level: Coefficient = UNDETERMINED  # level in the reference. Unit of the coefficient.
     shape: str = "none"  # what describes it: one of ``SHAPES``
     p_value: float = 1.0  # that nothing changes, family-wise over joints and coefficients of the arm
-    # relative change per degree that was taken out, NaN where none could be [1/K]
-    temperature_slope: Coefficient = UNDETERMINED
+    temperature_slope: Coefficient = UNDETERMINED  # change per degree that was taken out, NaN where none could be [1/K]
     temperature_c: float = float("nan")  # temperature that the values are compared at, NaN where none could be [degC]
     trend_per_session: Coefficient = UNDETERMINED  # robust slope, unit of the coefficient per session
     trend_per_day: Coefficient = UNDETERMINED  # the same per day; NaN where starts are not known
@@ -99,20 +91,14 @@ class CoefficientDrift:
     control: tuple[ControlPoint, ...] = ()  # every session against the reference
     change: Coefficient = UNDETERMINED  # from the reference to the last sessions, unit of the coefficient
     total: Coefficient = UNDETERMINED  # the same over the reference's level; NaN where that is near zero
-    # standard deviation between sessions beyond the intervals of the estimates, over the level (in the unit of the
-    # coefficient where the level is near zero)
-    scatter: float = float("nan")
-    # straight change, start to end, that so many sessions would have shown with 90 % power, unit of the coefficient
-    smallest_change: float = float("nan")
+    scatter: float = float("nan")  # between sessions beyond their intervals, over the level where that is not near zero
+    smallest_change: float = float("nan")  # straight change that would have been found with 90 % power, start to end
     smallest_drift: float = float("nan")  # the same over the level; NaN where that is near zero
-    # relative change within a session (warm-up), over all sessions that have one; no part of the drift
-    within: Coefficient = UNDETERMINED
+    within: Coefficient = UNDETERMINED  # relative change within a session (warm-up), over all; no part of the drift
     drift: bool  # whether there is any
-    # rise of the temperature from the first to the last sessions, NaN where it is not known [K]
-    warmer_k: float = float("nan")
+    warmer_k: float = float("nan")  # rise of the temperature, first to last sessions, NaN where it is not known [K]
     by_temperature: bool = False  # whether there is a change that the temperature explains
-    # speed of motion at the end of a change over its start, where it went with it, else NaN
-    speed_ratio: float = float("nan")
+    speed_ratio: float = float("nan")  # speed at the end of a change over its start, where it went with it, else NaN
     reasons: tuple[str, ...] = ()  # why sessions have no estimate, where there are too few
 
 
@@ -135,8 +121,7 @@ class ArmDrift:
     """One arm."""
 
     robot: str  # which arm
-    # all its sessions in the order of their starts (of their names where starts are not known)
-    sessions: tuple[Session, ...]
+    sessions: tuple[Session, ...]  # all of it in order
     compared: tuple[int, ...]  # indices of those that were compared
     reference: tuple[int, ...]  # indices of the sessions of the reference
     left_out: tuple[tuple[int, str], ...]  # index of each session that was not compared, with the reason
@@ -226,8 +211,6 @@ def judge(report: DriftReport, limits: Sequence[Limit]) -> Iterator[Judged]:
 def _verdict(found: CoefficientDrift, limit: Limit) -> LimitVerdict:
     change = (found.total if limit.relative else found.change).value
     least = found.smallest_drift if limit.relative else found.smallest_change
-    if found.drift and abs(change) >= limit.size:
-        return "exceeded"
-    proved = found.drift and isfinite(change)
-    tested = proved or limit.size == 0.0 or (least <= limit.size and found.shape != "temperature")
-    return "kept" if tested else "untestable"
+    if found.drift and not isnan(change):
+        return "exceeded" if abs(change) >= limit.size else "kept"
+    return "kept" if limit.size == 0.0 or (least <= limit.size and found.shape != "temperature") else "untestable"

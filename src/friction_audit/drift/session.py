@@ -13,8 +13,6 @@ from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.interaction import Caution
 
-Numbers = Sequence[float]
-
 COEFFICIENTS = ("coulomb_nm", "viscous_nms_per_rad")
 NORMAL_95 = 1.959964  # half of a 95 % interval, in standard errors
 LARGEST_RELATIVE_ERROR = 0.25  # less certain estimates are too skewed for a logarithm
@@ -29,9 +27,9 @@ BY_REGRESSION = (
 class SpeedCurve:
     """Torque against speed, the mean in bins of speed; kept as arrays, for a batch holds thousands of curves."""
 
-    speed_rad_s: Numbers = ()  # mean speed in each bin, rising, both directions [rad/s]
-    torque_nm: Numbers = ()  # mean interaction torque in it [N m]
-    spread_nm: Numbers = ()  # standard deviation of the torque in it [N m]
+    speed_rad_s: Sequence[float] = ()  # mean speed in each bin, rising, both directions [rad/s]
+    torque_nm: Sequence[float] = ()  # mean interaction torque in it [N m]
+    spread_nm: Sequence[float] = ()  # standard deviation of the torque in it [N m]
 
     def __post_init__(self) -> None:
         """Keep eight bytes a number."""
@@ -45,14 +43,12 @@ class JointSummary:
 
     joint: int  # number for people, 1..n
     name: str  # name in the log
-    # estimate with 95 % interval by ``"coulomb_nm"`` and ``"viscous_nms_per_rad"``; NaN where the log cannot give one
-    coefficients: Mapping[str, Coefficient]
+    coefficients: Mapping[str, Coefficient]  # estimates by ``COEFFICIENTS``; NaN where the log cannot give one
     cycles: int  # energy cycles that count
     moving_s: float  # time in motion [s]
     speed_rad_s: tuple[float, float, float]  # lower quartile, median and upper quartile of the speed in motion [rad/s]
     temperature_c: float | None = None  # mean of the logged temperature, or None [degC]
-    # relative change of each coefficient from the first to the last third of the session, with interval: warm-up, kept
-    # apart from drift between sessions. NaN where the session is too short.
+    # relative change of each from the first to the last third: warm-up, no drift; NaN where the session is too short
     within: Mapping[str, Coefficient] = field(default_factory=dict)
     curve: SpeedCurve = field(default_factory=SpeedCurve)  # torque against speed
     reason: str = ""  # why there is no estimate; empty if there is one
@@ -154,9 +150,8 @@ class Series:
 
     def take(self, which: NDArray[np.bool_]) -> "Series":
         """Return the series of some of its sessions."""
-        names = ("session", "place", "value", "error", "speed", "kept", "day", "temperature")
-        columns = {name: getattr(self, name) for name in names}
-        taken: dict[str, Any] = {name: None if column is None else column[which] for name, column in columns.items()}
+        columns = {name: getattr(self, name) for name in self.__slots__}
+        taken: dict[str, Any] = {name: one[which] for name, one in columns.items() if isinstance(one, np.ndarray)}
         return replace(self, **taken)
 
     def counted(self) -> "Series":

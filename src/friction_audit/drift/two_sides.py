@@ -1,8 +1,9 @@
 """Recordings before and after -> the change of each joint's friction: coefficients, friction law, conditions."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from scipy.special import stdtr, stdtrit
@@ -31,12 +32,10 @@ class CoefficientChange:
     after: Coefficient  # likewise
     freedom: float  # degrees of freedom of the difference (Welch-Satterthwaite)
     single_p_value: float  # of this test alone; that of ``found`` is adjusted over all joints and coefficients (Holm)
-    # change, relative change, p value, smallest detectable change; the reference is the side before
-    found: CoefficientDrift
+    found: CoefficientDrift  # the reference is the side before
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class LawChange:
+class LawChange(NamedTuple):
     """Coulomb plus viscous friction after less before, with its 95 % interval at each speed, shape (m,) each."""
 
     speed_rad_s: Float
@@ -92,19 +91,15 @@ class TwoSides:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class _Mean:
-    """A value with its variance, the degrees of freedom of that, and the variance between recordings in it.
-
-    ``scatter`` is the variance of the values of the recordings, within and between them; ``borrowed`` says that a
-    single recording has that of the other side.
-    """
+    """A value of some recordings."""
 
     value: float
     variance: float
-    freedom: float
-    between: float = NAN
-    scatter: float = NAN
+    freedom: float  # of the variance
+    between: float = NAN  # variance between recordings in it
+    scatter: float = NAN  # variance of the values of the recordings, within and between them
     recordings: int = 1
-    borrowed: bool = False
+    borrowed: bool = False  # whether a single recording has the variance between those of the other side
 
     def interval(self) -> Coefficient:
         half = _critical(self.freedom) * self.variance**0.5
@@ -152,7 +147,7 @@ def compare_sides(before: Sequence[Recording], after: Sequence[Recording]) -> Tw
     )
 
 
-def _check_alike(recordings: Sequence[Recording]) -> None:
+def _check_alike(recordings: Iterable[Recording]) -> None:
     for first, second in pairwise(recordings):
         paths = f"{first.session.path}, {second.session.path}"
         if first.unit != second.unit:
@@ -165,10 +160,7 @@ def _check_alike(recordings: Sequence[Recording]) -> None:
 
 
 def _sides(own: _Pairs, parts: tuple[float, float]) -> tuple[_Mean, _Mean]:
-    """Return the mean of a combination of the coefficients on each side.
-
-    One recording alone shows nothing of the variance between recordings: it takes that of the other side.
-    """
+    """Return the mean of a combination on each side; one recording takes the variance between those of the other."""
     first, second = (_random_effects([_combined(*one, parts) for one in side]) for side in own)
     return _with_between(first, second), _with_between(second, first)
 
@@ -231,10 +223,7 @@ def _difference(first: _Mean, second: _Mean) -> _Mean:
 
 
 def _tested(every: Mapping[tuple[int, str], tuple[_Mean, _Mean]]) -> dict[tuple[int, str], CoefficientChange]:
-    """Test each coefficient by Welch's t test, adjusted over all joints and coefficients (Holm).
-
-    The smallest detectable change is at the level of the adjusted test.
-    """
+    """Test each coefficient by Welch's t test, adjusted over all joints and coefficients (Holm)."""
     p_values = {key: _p_value(_difference(*sides)) for key, sides in every.items()}
     known = {key: p for key, p in p_values.items() if np.isfinite(p)}
     adjusted = dict(zip(known, holm([*known.values()]) if known else (), strict=True))
@@ -282,6 +271,4 @@ def _law(own: _Pairs) -> LawChange | None:
     speeds = np.linspace(top / SPEEDS, top, SPEEDS)
     found = [_difference(*_sides(own, (1.0, float(speed)))).interval() for speed in speeds]
     table = np.array([(one.value, one.low, one.high) for one in found]).T
-    if not np.isfinite(table).all():
-        return None
-    return LawChange(speed_rad_s=speeds, change_nm=table[0], low_nm=table[1], high_nm=table[2])
+    return LawChange(speeds, *table) if np.isfinite(table).all() else None

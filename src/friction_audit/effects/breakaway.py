@@ -5,15 +5,14 @@ Res. 88 (1983) 10359): after a rest of length T the excess is F_e (1 - exp(-T / 
 over the path x since the onset. What a joint at rest could have borne is in this torque only where its velocity,
 however small, already has the sign of the motion that follows: at break-away. Before, it bears what it is asked to.
 
-Break-away and its torque: at rest, friction balances the applied torque. At the last moment of rest it is at its limit,
-in the direction of the motion that follows. That moment is found from the position, not from the torque: without
-stiction a torque that rises steadily moves the joint as the cube of the time since. With stiction the joint starts
-faster, and the moment is found too early, so that the torque, still rising, is too low; a smooth start never gives too
-high a torque.
+At rest, friction balances the applied torque; at the last moment of rest it is at its limit, in the direction of the
+motion that follows. That moment is found from the position: without stiction a torque that rises steadily moves the
+joint as the cube of the time since. With stiction it starts faster, and the moment is found too early, so that the
+torque, still rising, is too low; a smooth start never gives too high a torque.
 
-A joint that creeps before it moves, on bristles or on a spring, has no such moment. One whose torque jumps, as where a
-controller starts it, has one, but some milliseconds too early or late the torque is another: it tells nothing, but
-where the torque falls behind the start by more than that. Then the joint had been loaded with more than sliding takes.
+A joint that creeps before it moves, on bristles or on a spring, has no such moment. Where the torque jumps, as where a
+controller starts the joint, some milliseconds make it another: it tells nothing, unless it falls behind the start by
+more than that. Then the joint had been loaded with more than sliding takes.
 """
 
 from collections.abc import Iterator, Sequence
@@ -79,10 +78,7 @@ class Breakaways:
 
 
 def find_breakaways(q: Float, dq: Float, dead_speed: float, step_s: float) -> Breakaways:
-    """Find the moments at which a joint leaves a standstill.
-
-    Position and velocity are on an even grid, shape (n,); below the dead speed the sign is the noise's.
-    """
+    """Find the moments at which a joint leaves a standstill, from signals (n,) on an even grid."""
     still = max(round(STANDSTILL_S / step_s), DEGREE + 1)
     before = still + APART
     going = np.abs(dq) > dead_speed
@@ -189,8 +185,8 @@ class Stiction(Effect):
             yield from ((k, (aged[age] * left)[:, None]) for k, (age, own) in enumerate(many) if own == path)
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        tried = product(AGEINGS_S, (AT_ONCE_RAD, *(SPAN_SHARES * (float(np.ptp(data.q)) or 1.0)).tolist()))
-        return tuple({"ageing_s": age, "renewal_rad": path} for age, path in tried)
+        paths = (SPAN_SHARES * (float(np.ptp(data.q)) or 1.0)).tolist()
+        return self.points(product(AGEINGS_S, (AT_ONCE_RAD, *paths)))
 
     def identifiable_part(self, data: JointData) -> tuple[Nonlinear, ...]:
         """An excess that fades over a path shows after the start, however the torque rose at break-away."""

@@ -46,10 +46,7 @@ class FrictionalLag(Effect):
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """Viscous friction, and Stribeck friction of several sizes and widths, by all lags."""
         usual = float(np.quantile(np.abs(data.dq), 0.95)) or 1.0
-        return tuple(
-            {"friction_lag_s": lag, "lagging_excess": excess, "lag_speed_rad_s": share * usual}
-            for (excess, share), lag in product(STRIBECK, LAGS_S.tolist())
-        )
+        return self.points((lag, e, share * usual) for (e, share), lag in product(STRIBECK, LAGS_S.tolist()))
 
 
 FRICTIONAL_LAG = FrictionalLag(
@@ -99,8 +96,7 @@ class TimeDelay(Effect):
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """All delays, of friction and inertia alone and, where there is a load, of all that the sensor bears."""
         loads = (0.0,) if data.load is None else (0.0, 1.0)
-        tried = product(loads, (1.0, -1.0), STEPS_S.tolist())
-        return tuple({"delay_step_s": sign * step, "delayed_load": load} for load, sign, step in tried)
+        return self.points((sign * step, load) for load, sign, step in product(loads, (1.0, -1.0), STEPS_S.tolist()))
 
     def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
         step = at["delay_step_s"]

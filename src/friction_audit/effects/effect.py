@@ -5,7 +5,7 @@ all other effects. Each is linear in its coefficients once its nonlinear paramet
 over the nonlinear parameters only. Effects whose formulas are alike share a module.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Flag, auto
 
@@ -44,32 +44,28 @@ class Effect:
     name: str  # from the vocabulary of the program, or ``inertia``, ``coulomb``, ``viscous``, ``offset``
     label: str  # a few words for people
     axis: str  # quantity on which it shows: speed, position, displacement, time, acceleration, load, neighbour
-    # Parameters in which the torque is linear, one per column; bounds above zero are sign constraints. Empty for an
-    # effect that no joint model can hold.
+    # Parameters in which the torque is linear, one per column; empty for an effect that no joint model can hold.
     coefficients: tuple[Parameter, ...] = ()
     nonlinear: tuple[Parameter, ...] = ()  # the other parameters
     traits: Trait = Trait.NONE
-    # Which motion a log must hold; what is returned names the one that it lacks.
-    needs: Callable[[JointData, Nominal], str | None] = moves
+    needs: Callable[[JointData, Nominal], str | None] = moves  # the motion that a log lacks, or None
     # Whether coefficients at a point of the grid are physically possible; above their lower bounds where None.
     possible: Callable[[Float, Nonlinear], bool] | None = None
     # Coefficient, where it follows from the nonlinear parameters, of one column that acts on the nominal torque.
     coefficient_of: Callable[[Nonlinear], float] = free
     # How it takes part in a forward simulation:
-    # - ``instant``: by its torque at the time, place and velocity of the instant, load, temperature and other joints as
-    #   recorded. Where the past matters too, its torque along the motion is iterated.
+    # - ``instant``: by its torque at the instant, load, temperature and other joints as recorded; where the past
+    #   matters too, its torque along the motion is iterated.
     # - ``bristle``: by a torque that builds up with the path since a reversal.
     # - ``delay``: the torque that drives the joint was read late; the columns act on ``Motion.rest``.
     # - ``spring``: the measured side is ahead of the side of friction by the torque between them, times the parameter
     #   whose name ends on ``_rad_per_nm``; farther up to the one that ends on ``soft_nm``.
-    # - ``gap``: the measured side moves within a gap, of the full width of the parameter whose name ends on ``_rad``,
-    #   before it takes the side of friction with it.
-    # Of a spring and of a gap ``far_share`` is the part of the inertia on the side of friction; the parameter that ends
-    # on ``damping_ratio`` damps the ringing, on flanks at the frequency that ends on ``_hz``.
+    # - ``gap``: the measured side moves within a gap, of the full width of the parameter whose name ends on ``_rad``.
+    # Of both ``far_share`` is the part of the inertia on the side of friction; the parameter that ends on
+    # ``damping_ratio`` damps the ringing, on flanks at the frequency that ends on ``_hz``.
     forward: Forward = "instant"
     record: str = ""  # the motion on which it shows itself best
-    # Effects that are easily confused with it, and the motion that separates the two; every pair stands in one of them.
-    separate: Mapping[str, str] = field(default_factory=dict)
+    separate: Mapping[str, str] = field(default_factory=dict)  # motions by easily confused effects; a pair stands once
     jumps: tuple[str, ...] = ()  # nonlinear parameters at whose value its torque jumps
     indistinguishable: tuple[str, ...] = ()  # effects that no motion of this kind separates from it
     part_of: tuple[str, ...] = ()  # effects that it may be a part of where they are found too
@@ -85,6 +81,11 @@ class Effect:
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """Return the values of the nonlinear parameters to try on a joint; one empty mapping without any."""
         return ({},)
+
+    def points(self, many: Iterable[Sequence[float]]) -> tuple[Nonlinear, ...]:
+        """Return points of a grid, given the nonlinear parameters in order; those that are lacking have no value."""
+        names = [one.name for one in self.nonlinear]
+        return tuple(dict(zip(names, values, strict=False)) for values in many)
 
     def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
         """Return why a log cannot show the effect, i.e. which motion is lacking; None if it can."""

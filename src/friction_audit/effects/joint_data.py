@@ -33,10 +33,7 @@ def mean_sign(t: Float, dq: Float, ddq: Float) -> Float:
 
 
 def grid_noise(signal: Float, differences: int = 2) -> float:
-    """Return the standard deviation of a signal's noise, from differences that no motion reaches.
-
-    Those are the second of a velocity or a torque, the fourth of a position, whose second are a motion's acceleration.
-    """
+    """Return the standard deviation of a signal's noise; ``differences`` are 4 of a position, else 2."""
     bend = np.abs(np.diff(signal, n=differences))
     return SIGMA_PER_BEND[differences] * SIGMA_PER_MEDIAN * float(np.median(bend)) if len(bend) else 0.0
 

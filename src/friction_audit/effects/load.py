@@ -31,10 +31,7 @@ class LoadDependentFriction(Effect):
     """
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
-        """Return sgn(dq) |load|^p and, where the power's direction counts, sgn(load) |load|^p as columns.
-
-        The load is what the sensor is predicted to read: what the motion takes and what the link weighs; or the latter.
-        """
+        """Return sgn(dq) |load|^p and, where the power's direction counts, sgn(load) |load|^p as columns."""
         exponent, directed, static = values
         load = np.zeros(len(motion.t)) if motion.load is None else motion.load
         if motion.rest is not None and not round(static):

@@ -31,10 +31,7 @@ class OneColumn(Effect):
 
 
 def stated_inertia(data: JointData, nominal: Nominal) -> str | None:
-    """The number or the motion that is lacking.
-
-    At one frequency the acceleration runs as the position does: then gravity is its alternative, and it gravity's.
-    """
+    """The number or the motion that is lacking; at one frequency gravity is its alternative."""
     if "inertia_kg_m2" in nominal.declared:
         return moves(data, nominal)
     return (

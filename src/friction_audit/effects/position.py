@@ -46,10 +46,7 @@ class PositionDependentFriction(Effect):
                 yield place, columns.T
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        """Waves from half a period over the range on, half a period apart; patches a width and a half apart.
-
-        A patch is a bell, three numbers for a log of few cycles (measured TX40, joint 4), or a wave under a bell.
-        """
+        """Waves from half a period over the range on, half a period apart; bells and waves under them, 1.5 apart."""
         low, high = reach(data)
         length = max(high - low, 1e-3)
         waves = [{ORDER: float(np.pi / length * k)} for k in range(1, WAVES + 1)]
@@ -107,10 +104,7 @@ class TorqueRipple(Effect):
         return np.stack([np.cos(angle), np.sin(angle)]).T
 
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
-        """Yield cos(k q) and sin(k q): those of evenly spaced orders by turning the phase by the same angle.
-
-        That takes four products where cosine and sine take many; a turn is right to rounding, and so are a hundred.
-        """
+        """Yield cos(k q) and sin(k q); of even orders by turning the phase, four products instead of a sine."""
         orders = np.array([order for (order,) in many])
         steps = np.diff(orders)
         if len(steps) == 0 or np.ptp(steps) > SAME_STEP * np.abs(orders).max():
@@ -126,8 +120,7 @@ class TorqueRipple(Effect):
         # Of the position while the joint moves: orders that differ by one over it are others.
         spread = max(float(np.std(data.q[data.used])) if data.used.any() else 0.0, 1e-3)
         step = np.clip((last - first) / MOST_ORDERS, FINEST / spread, COARSEST / spread)
-        orders = np.arange(first, last, step)[:MOST_ORDERS]
-        return tuple({"ripple_order": float(order)} for order in orders) or ({"ripple_order": first},)
+        return self.points((order,) for order in np.arange(first, last, step)[:MOST_ORDERS].tolist() or [first])
 
 
 @compiled()
@@ -201,10 +194,7 @@ class CableSpring(Effect):
         pairs = [(a, b) for a in range(PARTS) for b in range(a + STEP, PARTS + 1, STEP) if b - a < PARTS]
         places = [(PARTS, NONE), *((a + b, 0.5 * (b - a) / PARTS) for a, b in pairs)]
         length = high - low
-        bent = (
-            {"cable_centre_rad": low + 0.5 * twice / PARTS * length, "cable_free_rad": free * length}
-            for twice, free in places
-        )
+        bent = self.points((low + 0.5 * twice / PARTS * length, free * length) for twice, free in places)
         return (*bent, STRAIGHT)
 
 
@@ -259,15 +249,8 @@ class JointLimitStop(Effect):
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         low, high = float(data.q.min()), float(data.q.max())
         length = high - low
-        ends = ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))
-        return tuple(
-            {
-                "stop_upper_rad": high - up * depth * length,
-                "stop_lower_rad": low + down * depth * length,
-                "stop_exponent": exponent,
-            }
-            for (up, down), depth, exponent in product(ends, DEPTHS, EXPONENTS)
-        )
+        tried = product(((1.0, 0.0), (0.0, 1.0), (1.0, 1.0)), DEPTHS, EXPONENTS)
+        return self.points((high - up * deep * length, low + down * deep * length, n) for (up, down), deep, n in tried)
 
 
 JOINT_LIMIT_STOP = JointLimitStop(

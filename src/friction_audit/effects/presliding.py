@@ -36,10 +36,7 @@ KINDS = ((0.02, 1e-4), (0.5, 1e-4), (1.0, 1e-4), (2.0, 1e-4), (1.0, 0.01))
 
 class Presliding(Effect):
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
-        """Yield what bristles in the place of Coulomb friction add: z + T dz/dt - sgn(dq).
-
-        Those that differ by the damping alone have their bristles in common.
-        """
+        """Yield what bristles in the place of Coulomb friction add, z + T dz/dt - sgn(dq); equal bristles are one."""
         sign, steps = motion.direction, np.diff(motion.t)
         # The step of even times, of which a derivative takes a tenth of the work, or the times themselves.
         even = len(steps) > 0 and np.ptp(steps) <= EVEN * np.mean(steps)
@@ -53,10 +50,7 @@ class Presliding(Effect):
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         span = float(np.ptp(data.q)) or 1.0
-        return tuple(
-            {"reach_rad": share * span, "yielding_exponent": exponent, "bristle_damping_s": damping}
-            for (exponent, damping), share in product(KINDS, SPAN_SHARES.tolist())
-        )
+        return self.points((share * span, *kind) for kind, share in product(KINDS, SPAN_SHARES.tolist()))
 
 
 def bristle(q: Float, reach_rad: float, exponent: float) -> Float:

@@ -97,10 +97,7 @@ def motion_between(one: str, other: str) -> str:
 
 
 def motion_to_decide(name: str, alternatives: Sequence[str]) -> str:
-    """Return what to record to separate an effect from its alternatives, the most likely first; empty without any.
-
-    It is one motion, or one for each alternative with its name in front.
-    """
+    """Return the motion that separates an effect from its alternatives, or one for each; empty without any."""
     motions = {other: motion_between(name, other) for other in alternatives}
     if len(set(motions.values())) <= 1:
         return next(iter(motions.values()), "")

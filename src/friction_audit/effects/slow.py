@@ -1,7 +1,7 @@
 """Effects that come with the time of the recording: slowly, at one moment, or for stretches of it."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -42,10 +42,7 @@ class TorqueDrift(Effect):
     """
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
-        """Return sin((i - 1/2) pi x) for i = 1..4 as columns, x the share of the recording that is over.
-
-        Those of waves that are faster than the slowest few, which the values counts, are zero.
-        """
+        """Return sin((i - 1/2) pi x) for i = 1..4, x the share of the recording that is over; 0 for waves not meant."""
         length = motion.t[-1] - motion.t[0]
         share = (motion.t - motion.t[0]) / (length if length > 0.0 else 1.0)
         waves = np.zeros((WAVES, len(share)))
@@ -108,12 +105,9 @@ class WarmUp(Effect):
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """Time constants by the length of the log; rates by the range of the temperature, where there is one."""
-        length = duration(data)
-        tried: list[Nonlinear] = [{"warm_up_time_s": share * length, "warm_up_per_k": UNFELT_PER_K} for share in TIMES]
-        rise = 0.0 if data.temperature is None else float(np.ptp(data.temperature))
-        if rise >= LEAST_K:
-            tried += [{"warm_up_time_s": FOREVER * length, "warm_up_per_k": decay / rise} for decay in DECAYS]
-        return tuple(tried)
+        length, rise = duration(data), 0.0 if data.temperature is None else float(np.ptp(data.temperature))
+        by_temperature = [(FOREVER * length, decay / rise) for decay in DECAYS] if rise >= LEAST_K else []
+        return self.points([*((share * length, UNFELT_PER_K) for share in TIMES), *by_temperature])
 
     def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
         length = duration(data)
@@ -157,10 +151,8 @@ class FrictionStep(Effect):
         length = duration(data)
         steps = [(k / MOMENTS, AT_ONCE) for k in range(2, MOMENTS - 1)]
         ramps = [(k / RAMPS, LENGTH) for k in range(1, RAMPS)]
-        return tuple(
-            {"step_time_s": float(data.t[0]) + share * length, "step_length_s": part * length}
-            for share, part in (*steps, *ramps)
-        )
+        start = float(data.t[0])
+        return self.points((start + share * length, part * length) for share, part in (*steps, *ramps))
 
     def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
         found = len(np.unique(data.cycle[data.used]))
@@ -186,8 +178,7 @@ FRICTION_STEP = FrictionStep(
 )
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Contact:
+class Contact(NamedTuple):
     """One stretch of time in which something touches the arm."""
 
     start_s: float

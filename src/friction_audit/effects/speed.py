@@ -51,8 +51,7 @@ class Stribeck(Effect):
         return f"{excess!r} * way * std::exp(-std::pow(pace / {speed!r}, {exponent!r}))"
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        tried = product(low_speeds(data, self, 8), EXPONENTS)
-        return tuple({"stribeck_speed_rad_s": speed, "stribeck_exponent": exponent} for speed, exponent in tried)
+        return self.points(product(low_speeds(data, self, 8), EXPONENTS))
 
 
 STRIBECK = Stribeck(
@@ -92,10 +91,7 @@ class NonlinearViscous(Effect):
     """
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
-        """Return sgn(dq) S(|dq| / v_0) (v_0^2 + dq^2)^(n / 2) as a column, over its value at 1 rad/s.
-
-        S is the bend; with sharpness 0 that is dq (v_0^2 + dq^2)^((n - 1) / 2).
-        """
+        """Return sgn(dq) S(|dq| / v_0) (v_0^2 + dq^2)^(n / 2), S the bend, over its value at 1 rad/s."""
         exponent, speed, sharpness = values
         pace = np.append(np.abs(motion.dq), 1.0)
         if sharpness == 0.0:
@@ -119,19 +115,12 @@ class NonlinearViscous(Effect):
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         (fast,) = speeds(data, 95.0).tolist()
-        powers = [{"curved_viscous_exponent": n, "curved_viscous_speed_rad_s": NO_BEND * fast} for n in POWERS]
-        saturating = (
-            {"curved_viscous_exponent": 0.0, "curved_viscous_speed_rad_s": speed, "curved_viscous_sharpness": sharpness}
-            for speed, sharpness in product((BENDS * fast).tolist(), SHARPNESSES)
-        )
-        return *powers, *saturating
+        powers = [(n, NO_BEND * fast) for n in POWERS]
+        return self.points([*powers, *product([0.0], (BENDS * fast).tolist(), SHARPNESSES)])
 
 
 def bend(pace: Float, freedom: float) -> Float:
-    """Return the distribution of Student's t, from 0 at 0 to 1, at sqrt(2) times a pace >= 0.
-
-    From a table over the angle whose tangent is t / sqrt(freedom): the function itself takes a microsecond a sample.
-    """
+    """Return the distribution of Student's t, from 0 at 0 to 1, at sqrt(2) times a pace >= 0; from a fast table."""
     place = np.arctan(pace * np.sqrt(CARREAU / freedom)) * ((TABLE - 1) / (np.pi / 2.0))
     return np.asarray(np.interp(place, np.arange(TABLE), bend_table(freedom)))
 
@@ -189,17 +178,10 @@ class UnloggedCompensation(Effect):
         return np.asarray(np.tanh(skew) - np.tanh(speed + skew))[:, None]
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        return tuple(
-            {"unlogged_width_rad_s": width, "unlogged_skew": skew, "unlogged_form": form}
-            for width, (skew, form) in product(low_speeds(data, self, 6), FORMS)
-        )
+        return self.points((width, *form) for width, form in product(low_speeds(data, self, 6), FORMS))
 
     def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
-        """The numbers or the motion that are lacking: only stated friction can be missing.
-
-        Where Coulomb friction is fitted, less of it is all that a compensator leaves in addition to a rise towards
-        rest, which is Stribeck's.
-        """
+        """The numbers or the motion that are lacking: less of a fitted friction is all that a compensator leaves."""
         if "coulomb_nm" in nominal.declared:
             return both_directions(data, nominal)
         return (

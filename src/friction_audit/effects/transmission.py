@@ -217,10 +217,7 @@ class Backlash(Link):
         )
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        """All widths on soft flanks, and on harder ones that a smooth motion strikes; some with less inertia.
-
-        The projection finds frequency and damping in between.
-        """
+        """All widths on soft flanks, and on harder ones that a smooth motion strikes; some with less inertia."""
         widths = (SPAN_SHARES * (float(np.ptp(data.q)) or 1.0)).tolist()
         calm = {"motion_below_hz": MOTION_BELOW_HZ}
         kinds: tuple[dict[str, float], ...] = (SOFT, RINGING, MIDDLE | calm, HARD | calm)
