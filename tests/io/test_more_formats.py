@@ -64,7 +64,7 @@ def test_an_array_of_records(tmp_path: Path) -> None:
     [
         (np.zeros((3, 500)), "3 rows, 500 columns; expected one row per sample"),
         (np.zeros(500), r"shape \(500,\) float64; expected numbers of shape \(samples, columns\)"),
-        (np.array({"q": 1}, dtype=object), r"could run foreign code .* numpy.savez"),
+        (np.array({"q": 1}, dtype=object), r"could run foreign code; save plain arrays"),
     ],
 )
 def test_an_array_that_is_no_table(tmp_path: Path, array: Any, message: str) -> None:
@@ -187,5 +187,5 @@ def test_data_sets_without_numbers(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="a Git LFS pointer"):
         read_log(root)
     file.unlink()
-    with pytest.raises(InputError, match="a LeRobot data set with 0 frames; expected episodes"):
+    with pytest.raises(InputError, match="0 frames; expected episodes"):
         read_log(root)

@@ -153,9 +153,7 @@ def _array(path: Path) -> NDArray[Any]:
         array: NDArray[Any] = np.load(path, mmap_mode="r", allow_pickle=False)
     except (ValueError, OSError, EOFError, OverflowError, SyntaxError, TokenError) as error:
         if "allow_pickle" in str(error) or "Python objects" in str(error):
-            raise InputError(
-                f"{path}: Python objects, which could run foreign code if read; save numpy.savez(file, **log)"
-            ) from error
+            raise InputError(f"{path}: Python objects, which could run foreign code; save plain arrays") from error
         raise InputError(f"{path}: a damaged NumPy array: {error}; copy or save it again") from error
     is_plane = array.ndim == _PLANE and array.dtype.kind in "fiu"
     if not array.size or not (array.ndim == 1 if array.dtype.names else is_plane):
@@ -164,7 +162,6 @@ def _array(path: Path) -> NDArray[Any]:
             "save numpy.column_stack of the signals, or the signals by name with numpy.savez"
         )
     if array.dtype.names is None and array.shape[0] < array.shape[1]:
-        raise InputError(
-            f"{path}: {array.shape[0]} rows, {array.shape[1]} columns; expected one row per sample; save the transpose"
-        )
+        rows, columns = array.shape
+        raise InputError(f"{path}: {rows} rows, {columns} columns; expected one row per sample; save the transpose")
     return array

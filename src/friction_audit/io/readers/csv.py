@@ -136,9 +136,7 @@ class CsvTable(Table):
         for number, raw in enumerate(block.decode(errors="replace").split("\n"), start=line):
             text = raw.strip("\r")
             if "\r" in text:
-                raise InputError(
-                    f"{self.path}: line {number} has a carriage return within it; expected none there; repair the line"
-                )
+                raise InputError(f"{self.path}: line {number} has a carriage return within; expected none; repair it")
             fields = split_line(text, dialect.separator) if text.strip() else ()
             if fields and len(fields) != dialect.width:
                 raise InputError(

@@ -104,9 +104,7 @@ def _features(path: Path) -> dict[str, Any]:
         features = json.loads((path / DATA_SET).read_text(encoding="utf-8"))["features"]
         return {name: one for name, one in features.items() if isinstance(one, dict)}
     except (ValueError, LookupError, AttributeError, TypeError, RecursionError) as error:
-        raise InputError(
-            f"{path}: {DATA_SET} does not hold the features of a LeRobot data set ({error}); copy the data set again"
-        ) from error
+        raise InputError(f"{path}: {DATA_SET} holds no features of a data set ({error}); copy it again") from error
 
 
 def _episodes(path: Path) -> dict[str, tuple[Path, int]]:
@@ -120,9 +118,7 @@ def _episodes(path: Path) -> dict[str, tuple[Path, int]]:
                 counted = zip(*np.unique(index, return_counts=True), strict=True)
                 found |= {int(number): (file, int(count)) for number, count in counted}
     if not any(frames for _, frames in found.values()):
-        raise InputError(
-            f"{path}: a LeRobot data set with 0 frames; expected episodes in data/*/*.parquet; fetch or record them"
-        )
+        raise InputError(f"{path}: 0 frames; expected episodes in data/*/*.parquet; fetch or record them")
     return {f"episode_{number:06d}": found[number] for number in sorted(found)}
 
 

@@ -99,9 +99,7 @@ class NpzTable(ArrayTable):
 @contextmanager
 def _opened(path: Path) -> Iterator[zipfile.ZipFile]:
     if not starts_with(path, _ZIP_MAGIC):
-        raise InputError(
-            f"{path}: does not begin as a zip archive; expected one written by numpy.savez; save it again that way"
-        )
+        raise InputError(f"{path}: does not begin as a zip archive; expected one by numpy.savez; save it that way")
     try:
         with zipfile.ZipFile(path) as archive:
             yield archive

@@ -79,9 +79,7 @@ def _read_log(path: str | Path, options: ReadOptions, listen: Listen) -> JointLo
         except OSError as error:
             raise _unreadable(at[0], error) from error
         except MemoryError as error:
-            raise InputError(
-                f"{at[0]}: not enough memory to read a file of {at[1].size} bytes; {TAKE_A_PART}"
-            ) from error
+            raise InputError(f"{at[0]}: not enough memory for {at[1].size} bytes; {TAKE_A_PART}") from error
         except InputError as error:
             damage = (one for _, part in parts for one in part.findings if one.damaged)
             found = (_suffix_mismatch(at[0], at[2]), *damage)
@@ -210,9 +208,7 @@ def choose_reader(path: Path) -> Reader:
             return reader
     packed = next((name for magic, name in _PACKED.items() if starts_with(path, magic)), None)
     if packed is not None:
-        raise InputError(
-            f"{path}: packed with {packed}; expected a log that is not; unpack it with `{packed} -d {path}`"
-        )
+        raise InputError(f"{path}: packed with {packed}; expected one that is not; unpack with `{packed} -d {path}`")
     what = "of no known format"
     if path.is_dir():
         next(path.iterdir(), None)  # raises if it may not be looked into
@@ -280,9 +276,7 @@ def _convert_torque(recording: Recording, options: ReadOptions, path: str) -> Re
     for name, values in factors.items():
         if len(values) not in (1, joints):
             option = name.replace("_", "-")
-            raise UsageError(
-                f"{path}: --{option}: {len(values)} numbers; expected one, or one for each of {joints} joints"
-            )
+            raise UsageError(f"{path}: --{option}: {len(values)} numbers; expected one, or one per joint ({joints})")
     channel = next(c for c in ("tau_J", *TORQUE_CHANNELS) if c in recording.channels)
     name = recording.mapping.get(channel, channel)
     unit = torque_unit(name)

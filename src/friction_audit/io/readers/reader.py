@@ -50,9 +50,7 @@ def refuse_bomb(path: Path, unpacked: int, packed: int) -> None:
 def refuse_lfs_pointer(path: Path) -> None:
     """Refuse a file that stands for one that Git has not fetched."""
     if starts_with(path, _GIT_LFS):
-        raise InputError(
-            f"{path}: a Git LFS pointer; expected the log that it stands for; fetch it with `git lfs pull`"
-        )
+        raise InputError(f"{path}: a Git LFS pointer; expected the log itself; fetch it with `git lfs pull`")
 
 
 def address_limit() -> float:

@@ -22,7 +22,7 @@ from friction_audit.io.readers.message_stream import (
     Connection,
     MessageStream,
     Window,
-    block_of_payloads,
+    one_block,
     open_log,
     unpack,
 )
@@ -179,11 +179,11 @@ class Sqlite3Stream(MessageStream):
         """Join messages; what is no time stamp with bytes, or cannot be decompressed, is left out."""
         with suppress(TypeError, AttributeError, ValueError, OverflowError):  # the rows are then looked at one by one
             if not rows[0][2].startswith(_ZSTD_MAGIC):
-                return block_of_payloads(key, [time for _, time, _ in rows], [data for _, _, data in rows])
+                return one_block(key, [time for _, time, _ in rows], [data for _, _, data in rows])
         sound = [(time, own) for _, time, data in rows if isinstance(time, int) and (own := _message(data)) is not None]
         if len(sound) < len(rows):
             self._note(None, "messages without time stamp or bytes, or with broken compression, were left out")
-        return block_of_payloads(key, *zip(*sound, strict=True)) if sound else None
+        return one_block(key, *zip(*sound, strict=True)) if sound else None
 
     def _connect(self) -> sqlite3.Connection:
         """Open without writing any file next to it, unless a journal of its own must be taken into account."""

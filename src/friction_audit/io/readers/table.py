@@ -220,9 +220,7 @@ def _pivot(columns: ColumnMap, joint: NDArray[Any], part: Part, arm: str, path: 
     coded = pa.array(joint, from_pandas=True).dictionary_encode()
     codes, labels = coded.indices.fill_null(-1).to_numpy(), coded.dictionary.to_pylist()
     if len(labels) > MOST_JOINTS:
-        raise InputError(
-            f"{path}: {len(labels)} names in the column of joints; expected at most {MOST_JOINTS}; name another column"
-        )
+        raise InputError(f"{path}: {len(labels)} names of joints; expected at most {MOST_JOINTS}; name another column")
     texts = [_WHOLE.sub(r"\1", str(label).strip()) for label in labels]
     kept = [texts.index(text) for text in choose_arm(texts, arm, path=path)]
     if not kept:
