@@ -44,10 +44,8 @@ class ArrayTable(ColumnTable):
         samples = self._arrays[next(iter(names))].shape[0]
         for name in sorted(names):
             if (shape := self._arrays[name].shape)[0] != samples:
-                raise InputError(
-                    f"{self.path}: {name} has shape {shape}, {columns.time.name} has {samples} samples; "
-                    "expected one row per sample; save it transposed or cut to the same length"
-                )
+                what = f"{name} has shape {shape}, {columns.time.name} has {samples} samples"
+                raise InputError(f"{self.path}: {what}; expected one row per sample; transpose it, or cut it to length")
         return samples, sum(int(self._arrays[name].nbytes) for name in names)
 
     def read_clock(self, time: TimeColumn) -> Clock:
@@ -92,10 +90,8 @@ def arrays_of_frame(frame: Any, where: str) -> dict[str, NDArray[Any]]:  # noqa:
             arrays = {name: column_of(table, name) for name in table.column_names}
         except (TypeError, ValueError) as error:  # those of Arrow are ValueErrors
             if not hasattr(frame, "columns"):
-                raise UsageError(
-                    f"{where}: {type(frame).__name__}: expected a pandas or polars DataFrame, or a dict of arrays "
-                    "by name"
-                ) from error
+                what = "expected a pandas or polars DataFrame, or a dict of arrays by name"
+                raise UsageError(f"{where}: {type(frame).__name__}: {what}") from error
             raise InputError(f"{where}: {error}; expected columns of numbers, or of lists of one length") from error
         if arrays.get(_INDEX, np.zeros(0)).dtype.kind in "mM":
             arrays = {"time": arrays.pop(_INDEX), **arrays}
@@ -112,12 +108,10 @@ def column_of(table: Any, name: str) -> NDArray[Any]:  # noqa: ANN401 - a table 
 
     column = whole(table[name])
     if not is_list(column.type):
-        array: NDArray[Any] = column.to_numpy(zero_copy_only=False)
-        return array
+        return np.asarray(column.to_numpy(zero_copy_only=False))
     if len(lengths := compute.unique(compute.list_value_length(column))) > 1:
         raise ValueError(f"{name} holds lists of {len(lengths)} lengths")
-    values: NDArray[Any] = column.flatten().to_numpy(zero_copy_only=False)
-    return values.reshape(len(column), -1)
+    return np.asarray(column.flatten().to_numpy(zero_copy_only=False)).reshape(len(column), -1)
 
 
 def read(path: Path, options: ReadOptions) -> Recording:

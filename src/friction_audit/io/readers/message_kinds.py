@@ -20,7 +20,6 @@ from friction_audit.io.readers.channel_names import (
     arms_in,
     choose_arm,
     namespace,
-    numbered_joints,
     parse_name,
     ranks,
 )
@@ -106,8 +105,9 @@ def _row_of(message: object, kind: MessageKind) -> Row:
         stamp = _nanoseconds(robot_time)
         robot_time = float(robot_time) if stamp is None else stamp / 1e9
     stamps = (_nanoseconds(_value_at(message, path)) for path in kind.stamps)
-    joints = names or numbered_joints(max(map(len, channels.values()), default=0))
-    return Row(joints, channels, next((stamp for stamp in stamps if stamp is not None), None), robot_time)
+    if not names:
+        names = tuple(f"joint{k + 1}" for k in range(max(map(len, channels.values()), default=0)))
+    return Row(names, channels, next((stamp for stamp in stamps if stamp is not None), None), robot_time)
 
 
 def _value_at(message: object, path: str | None) -> Any:  # noqa: ANN401

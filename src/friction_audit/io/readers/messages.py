@@ -184,9 +184,10 @@ def _first_block(stream: MessageStream, connection: Connection) -> Block | None:
 
 def _kind(path: Path, connection: Connection, paths: Sequence[str], stated: Mapping[str, str]) -> MessageKind | None:
     """Match the fields of a connection; what the user mapped wins, InputError if it does not have that."""
-    if absent := [f"{field}{near_misses(field, paths)}" for field in stated.values() if field not in paths]:
+    if absent := [field for field in stated.values() if field not in paths]:
+        near = "".join(near_misses(field, paths) for field in absent)
         raise InputError(
-            f"{path}: topic {connection.topic}: no field {', '.join(absent)} in {connection.type}; "
+            f"{path}: topic {connection.topic}: no field {', '.join(absent)} in {connection.type}{near}; "
             f"its fields are {', '.join(paths)}; correct --map"
         )
     kind = match_kind(paths)

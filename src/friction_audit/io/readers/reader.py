@@ -32,19 +32,15 @@ def refuse_too_large(path: Path, needed: int, packed: int) -> None:
     except (AttributeError, ValueError, OSError):  # Windows does not hand out more memory than it has
         return
     if needed > memory:
-        raise InputError(
-            f"{path}: its numbers take {needed / _GIGABYTE:.3g} GB, more than the {memory / _GIGABYTE:.3g} GB of "
-            f"memory here; {TAKE_A_PART}"
-        )
+        size = f"{needed / _GIGABYTE:.3g} GB, more than the {memory / _GIGABYTE:.3g} GB of memory here"
+        raise InputError(f"{path}: its numbers take {size}; {TAKE_A_PART}")
 
 
 def refuse_bomb(path: Path, unpacked: int, packed: int) -> None:
     """Refuse more content than a recording can be packed to, both in bytes."""
     if unpacked > max(_BOMB_BYTES, _BOMB_RATIO * packed):
-        raise InputError(
-            f"{path}: {unpacked / _GIGABYTE:.3g} GB packed into {packed / _GIGABYTE:.3g} GB; measured numbers do not "
-            "shrink to less than a hundredth; the file is damaged or no recording"
-        )
+        size = f"{unpacked / _GIGABYTE:.3g} GB packed into {packed / _GIGABYTE:.3g} GB"
+        raise InputError(f"{path}: {size}; expected at most {_BOMB_RATIO} times; the file is damaged or no recording")
 
 
 def refuse_lfs_pointer(path: Path) -> None:
