@@ -43,9 +43,8 @@ class Arm:
         """Return the arm with its columns in the order of a log: by name if the names agree, else as is."""
         if len(joint_names) != len(self.joint_names):
             raise UsageError(
-                f"{where}: joints: {len(joint_names)} ({', '.join(joint_names)}); the model {self.name} has "
-                f"{len(self.joint_names)} ({', '.join(self.joint_names)}); the model needs every joint of the arm: "
-                "give the arm's own --urdf, or --robot none to do without a model"
+                f"{where}: joints: {len(joint_names)} ({', '.join(joint_names)}); the model {self.name} needs "
+                f"{len(self.joint_names)} ({', '.join(self.joint_names)}); give the arm's own --urdf, or --robot none"
             )
         if set(joint_names) != set(self.joint_names):
             return self

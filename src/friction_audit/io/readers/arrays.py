@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import InputError, UsageError
 from friction_audit.io.readers.columns import MOST_JOINTS, ColumnMap
-from friction_audit.io.readers.reader import ReadOptions, Topic
+from friction_audit.io.readers.reader import BY_NUMBER, ReadOptions, Topic
 from friction_audit.io.readers.table import ColumnTable, Part, read_table
 from friction_audit.io.readers.time_column import Clock, TimeColumn, stamps_of, to_clock
 from friction_audit.io.recording import Recording
@@ -119,13 +119,9 @@ def read(path: Path, options: ReadOptions) -> Recording:
     array = _array(path)
     if array.dtype.names:
         return read_table(ArrayTable(path, {name: array[name] for name in array.dtype.names}), options)
-    samples, width = array.shape
     if not options.mapping:
-        raise InputError(
-            f"{path}: an array of {samples} rows and {width} columns without names; expected to know what is in them; "
-            "name the columns by number, e.g. --map t=#1 --map q=#2-#8 --map dq=#9-#15 --map tau_J=#16-#22"
-        )
-    return read_table(ArrayTable(path, {f"#{column + 1}": array[:, column] for column in range(width)}), options)
+        raise InputError(f"{path}: an array of {array.shape[1]} columns without names; {BY_NUMBER}")
+    return read_table(ArrayTable(path, {f"#{number}": column for number, column in enumerate(array.T, 1)}), options)
 
 
 def topics(path: Path) -> tuple[Topic, ...]:
@@ -151,10 +147,8 @@ def _array(path: Path) -> NDArray[Any]:
         raise InputError(f"{path}: a damaged NumPy array: {error}; copy or save it again") from error
     is_plane = array.ndim == _PLANE and array.dtype.kind in "fiu"
     if not array.size or not (array.ndim == 1 if array.dtype.names else is_plane):
-        raise InputError(
-            f"{path}: an array of shape {array.shape} {array.dtype}; expected numbers of shape (samples, columns); "
-            "save numpy.column_stack of the signals, or the signals by name with numpy.savez"
-        )
+        what = f"an array of shape {array.shape} {array.dtype}; expected numbers of shape (samples, columns)"
+        raise InputError(f"{path}: {what}; save the signals by name with numpy.savez")
     if array.dtype.names is None and array.shape[0] < array.shape[1]:
         rows, columns = array.shape
         raise InputError(f"{path}: {rows} rows, {columns} columns; expected one row per sample; save the transpose")

@@ -72,10 +72,8 @@ def _on_clock_of(first_path: Path, first: Recording, path: Path, other: Recordin
     """Return the stamps of another file on the clock of the first."""
     if (first.start_s is None) != (other.start_s is None):
         dated, plain = (first_path, path) if first.start_s is not None else (path, first_path)
-        raise InputError(
-            f"{path}: cannot be joined: the clock of {dated} says the date, that of {plain} does not; expected one "
-            "clock in both files; name it with --map t=NAME, or bring the stamps of one file to the clock of the other"
-        )
+        what = f"the clock of {dated} says the date, that of {plain} does not; expected one clock in both files"
+        raise InputError(f"{path}: cannot be joined: {what}; name it with --map t=NAME, or convert the stamps of one")
     # A unit is guessed from the step, for logs of 5 Hz and more: that of a slow one, such as a temperature, is wrong.
     scale = UNITS[other.guessed_unit] / UNITS[first.guessed_unit] if other.guessed_unit and first.guessed_unit else 1.0
     return scale * other.t + (scale * other.origin_s - first.origin_s)

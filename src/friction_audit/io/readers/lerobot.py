@@ -44,12 +44,8 @@ def read(path: Path, options: ReadOptions) -> Recording:
     episodes = _episodes(path)
     wanted, _, arm = (options.topic or "").partition("#")
     if not wanted and len(episodes) > 1:
-        first, last = next(iter(episodes)), next(reversed(episodes))
-        raise SeveralLogsError(
-            f"{path}: {len(episodes)} episodes in one data set; choose one with --topic {first} ... --topic {last}, or "
-            "take all with batch-report",
-            list(episodes),
-        )
+        what = f"{len(episodes)} episodes in one data set; choose one with --topic {next(iter(episodes))}"
+        raise SeveralLogsError(f"{path}: {what}, or take all with batch-report", list(episodes))
     name = wanted or next(iter(episodes))
     if name not in episodes:
         raise InputError(f"{path}: no episode {name!r}; it has {', '.join([*episodes][:5])} ... ({len(episodes)})")

@@ -21,6 +21,7 @@ _MAPPABLE = ("t", *JOINT_CHANNELS)
 _BOMB_BYTES, _BOMB_RATIO = 1 << 30, 100  # noise does not shrink to a hundredth when it is compressed
 _GIGABYTE = 1e9
 _GIT_LFS = b"version https://git-lfs.github.com/spec/"
+BY_NUMBER = "expected names; give numbers, e.g. --map t=#1 --map q=#2-#8 --map dq=#9-#15 --map tau_J=#16-#22"
 TAKE_A_PART = "read a part of it with --t-start and --t-end, for example --t-start 0 --t-end 600"
 
 

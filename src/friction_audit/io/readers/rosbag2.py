@@ -109,10 +109,8 @@ def _decompress_file(path: Path, folder: Path) -> Path:
             while block := stream.read(_COPIED_BYTES):
                 left -= file.write(block)
                 if left < 0:
-                    raise InputError(
-                        f"{path}: holds more than {file.tell()} bytes when decompressed; expected at most "
-                        f"{MOST_TIMES_PACKED} times its size, which no recording exceeds; record it again"
-                    )
+                    what = f"holds more than {file.tell()} bytes; expected at most {MOST_TIMES_PACKED} times its size"
+                    raise InputError(f"{path}: {what}; record it again")
     except (zstandard.ZstdError, OSError) as error:
         raise InputError(
             f"{path}: cannot be decompressed into {folder} ({error}); copy it again, or set TMPDIR to a larger place"
