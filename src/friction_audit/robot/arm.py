@@ -248,11 +248,6 @@ def load_arm(
     return arm.with_load(mass, np.array(centre), np.zeros((3, 3)))
 
 
-def check_urdf(urdf: Path) -> None:
-    """Raise UsageError for a file that is no arm with inertias, without building its model."""
-    parse_urdf(read_urdf(urdf), str(urdf))
-
-
 def read_urdf(urdf: Path | None) -> bytes:
     """Return the content of a URDF; of the built-in Panda's without a file."""
     if urdf is None:

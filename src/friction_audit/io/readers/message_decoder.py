@@ -1,7 +1,4 @@
-"""Decoders of messages: ROS through rosbags or by where each number lies, JSON, protobuf by mcap-protobuf-support.
-
-The definition of a ROS message is from the file, from the standard set, or one of the known franka_msgs generations.
-"""
+"""Decoders of messages: ROS through rosbags or by where each number lies, JSON, protobuf by mcap-protobuf-support."""
 
 import json
 import struct
@@ -114,20 +111,18 @@ def _ros_decoder(connection: Connection, types: Types) -> MessageDecoder:
     encoding, name = connection.encoding, connection.type
 
     @cache
-    def store() -> Any:  # noqa: ANN401 - of rosbags, generated when it is first needed
+    def reader() -> Callable[[bytes, str], object]:  # generated when it is first needed
         made = get_typestore(Stores.EMPTY)
         made.register(types)
-        return made
-
-    def decode(payload: bytes) -> object:
-        return (store().deserialize_cdr if encoding == "cdr" else store().deserialize_ros1)(payload, name)
+        return made.deserialize_cdr if encoding == "cdr" else made.deserialize_ros1
 
     try:
         paths = tuple(_ros_paths(name, types))
     except KeyError as error:
         raise BrokenError(f"its definition does not say what {error} is") from error
     layout = partial(find_layout, typename=name, types=types, encoding=encoding)
-    return MessageDecoder(paths, decode, (SerdeError, TypesysError, KeyError), layout)  # KeyError: of an unknown type
+    errors = (SerdeError, TypesysError, KeyError)  # the last of an unknown type
+    return MessageDecoder(paths, lambda payload: reader()(payload, name), errors, layout)
 
 
 def _protobuf_decoder(connection: Connection) -> MessageDecoder:

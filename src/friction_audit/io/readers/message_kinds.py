@@ -1,8 +1,4 @@
-"""Which message fields are which channel, the values of one message, and which topic and which arm on it to read.
-
-A definition is matched by the names of its fields, not by its type's name: any message that has a position and a torque
-is readable.
-"""
+"""Which message fields are which channel, by their names; the values of a message; which topic and arm to read."""
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence

@@ -46,9 +46,9 @@ def write_channels(path: Path, channels: Sequence[Channel], messages: Iterable[t
 
 def ros_channel(message: ros.MessageType, types: ros.Typestore) -> Channel:
     """Return the channel of a topic of ROS 1 or ROS 2 messages, with their definition."""
-    definition, _ = types.generate_msgdef(message.name, ros_version=1 if message.ros == 1 else 2)
+    definition, _ = types.generate_msgdef(message.name, ros_version=message.ros)
     name, profile = message.name.replace("/msg/", "/") if message.ros == 1 else message.name, f"ros{message.ros}"
-    return Channel(message.topic, name, f"{profile}msg", definition.encode(), message.encoding, profile)
+    return Channel(message.topic, name, f"{profile}msg", definition.encode(), ros.ENCODINGS[message.ros], profile)
 
 
 def _write_ros(message: ros.MessageType, log: JointLog, path: Path) -> None:
