@@ -133,8 +133,13 @@ class JointLog(Recording):
             raise InputError(f"{path}: {t.size} samples; at least {MINIMUM_SAMPLES} are needed for a joint log")
         if t[0] != 0.0 or not np.isfinite(t[-1]) or not np.all(t[1:] > t[:-1]):
             raise InputError(f"{path}: time must start at 0 and increase strictly")
+        shape = len(t), len(self.joint_names)
         for name, array in channels.items():
-            _check_channel(name, array, (len(t), len(self.joint_names)), path)
+            if array.shape != shape or array.dtype != np.float64:
+                raise InputError(f"{path}: {name} has shape {array.shape} {array.dtype}; expected {shape} float64")
+            # A sum is finite only if every term is, up to overflow: one pass and no temporary array.
+            if not np.isfinite(array.sum()) and not np.isfinite(array).all():
+                raise InputError(f"{path}: {name} holds values that are not finite")
         if not channels.keys() & {*TORQUE_CHANNELS}:
             raise InputError(f"{path}: no torque channel; expected one of {', '.join(TORQUE_CHANNELS)}")
         for array in (t, *channels.values()):
@@ -237,14 +242,6 @@ def read_only(numbers: Float) -> Float:
     whole = np.ascontiguousarray(numbers, np.float64).view()
     whole.setflags(write=False)
     return whole
-
-
-def _check_channel(name: str, array: Float, shape: tuple[int, int], path: str) -> None:
-    if array.shape != shape or array.dtype != np.float64:
-        raise InputError(f"{path}: {name} has shape {array.shape} {array.dtype}; expected {shape} float64")
-    # A sum is finite only if every term is, up to overflow: one pass and no temporary array.
-    if not np.isfinite(array.sum()) and not np.isfinite(array).all():
-        raise InputError(f"{path}: {name} holds values that are not finite")
 
 
 assert tuple(f.name for f in fields(JointLog))[3:] == JOINT_CHANNELS

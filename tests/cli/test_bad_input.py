@@ -318,14 +318,14 @@ TEXTS = {
     "utf-32": ((NAMES + b"0,0,0,0\n").decode().encode("utf-32"), r"text in UTF-32; expected a table in UTF-8"),
     "old line ends": (b"time,q_1,dq_1,tau_J_1\r0,0,0,0\r", r"carriage return alone"),
     "no header": (b"0,0,0,0\n1,0,0,0\n", r"no header: line 1 holds 4 numbers.*--map t=#1"),
-    "only a header": (NAMES, r"0 samples; the table has a header \(4 columns\) and no rows.*record the arm"),
+    "only a header": (NAMES, r"0 samples: a header of 4 columns and no rows.*record the arm"),
     "word": (NAMES + b"0,0,x,0\n1,0,0,0\n", r"line 2, column dq_1: 'x' is not a number"),
     "no date": (NAMES + b"noon,0,0,0\nnoon,0,0,0\n", r"time holds neither a number nor an ISO 8601 date: 'noon'"),
     "narrow line": (NAMES + b"0,0,0,0\n1,0\n2,0,0,0\n", r"line 3 has 2 fields; expected 4"),
     "wide line": (NAMES + b"0,0,0,0\n1,0,0,0,0\n2,0,0,0\n", r"line 3 has 5 fields; expected 4"),
     "carriage return": (NAMES + b"0,0,0,0\n1,0\r1,0,0\n2,0,0,0\n", r"line 3 has a carriage return with"),
     "centuries": (NAMES + b"0,0,0,0\n1e-3,0,0,0\n9e99,0,0,0\n", r"row 3 is 9e\+\d+ s from the first one"),
-    "no time": (NAMES + b"nan,0,0,0\nnan,0,0,0\n", r"time holds no number in all 2 rows"),
+    "no time": (NAMES + b"nan,0,0,0\nnan,0,0,0\n", r"time holds no number in 2 rows"),
     "joint missing": (WIDE + b"0,0,0,0,0\n1,0,0,0,0\n", r"expected 2 joints: 1, 2 .*dq \(1 joint: 1\)"),
 }
 

@@ -111,7 +111,7 @@ def test_parts_of_a_joined_log_count_from_its_first_sample(tmp_path: Path) -> No
     [
         (torque(start=100.0), r"b.csv: its clock runs from 100 to 159.995 s, that of .*a.csv from 0 to 59.995 s"),
         (torque(start=EPOCH), "says the date"),
-        (motion(), "has q, dq, which .*a.csv has too"),
+        (motion(), "has q, dq, as .*a.csv; expected channels that it lacks"),
         ({"time": motion()["time"], "gauge": motion()["time"]}, "b.csv: no column for a torque|no column for"),
         ({"tau_J_1": motion()["time"]}, "b.csv: no column for t"),
         (torque() | {"tau_interaction_2": torque()["time"]}, "has 2 joints .* has 1"),

@@ -76,9 +76,14 @@ def test_unclear_requests_are_refused(name: str, dialect: str | None, words: str
         choose_writer(Path(name), dialect)
 
 
-@pytest.mark.parametrize("writer", [writer for writer in WRITERS if writer.needs], ids=lambda writer: writer.name)
+INTERACTION = make_log(channels=("q", "dq", "tau_interaction"), samples=10)
+FOR_EFFORT = [writer for writer in WRITERS if writer.lacks(INTERACTION)]
+
+
+@pytest.mark.parametrize("writer", FOR_EFFORT, ids=lambda writer: writer.name)
 def test_interaction_torque_alone_is_refused_where_effort_is_tau_J(writer: Writer, tmp_path: Path) -> None:
-    log = make_log(channels=("q", "dq", "tau_interaction"), samples=10)
+    assert len(FOR_EFFORT) == len(WRITERS) - 4  # the others hold all channels
+    log = INTERACTION
     path = place(tmp_path, writer)
     with pytest.raises(
         UsageError, match=r"needs tau_J \(the log has q, dq, tau_interaction\).* parquet, parquet-lists, csv"

@@ -14,7 +14,7 @@ from mcap.reader import make_reader
 
 from friction_audit.io.tidy_table import JointRows, TidyTable
 from friction_audit.io.writers.tables import UNKNOWN_START_NS, stamps_ns, to_frame, write_table
-from friction_audit.io.writers.topics import Span, span_of, write_topics
+from friction_audit.io.writers.topics import write_topics
 from friction_audit.joint_log import JointLog, Source
 
 START_S = 1_700_000_000.25
@@ -54,7 +54,7 @@ def messages(path: Path) -> list[tuple[Any, Any, Any]]:
 @pytest.fixture
 def written(tmp_path: Path) -> Path:
     path = tmp_path / "estimate.mcap"
-    write_topics(tables(), span_of(log()), path)
+    write_topics(tables(), log(), path)
     return path
 
 
@@ -82,25 +82,28 @@ def test_stamps_are_the_log_s_clock(written: Path) -> None:
         assert [m.log_time for _, c, m in found if c.topic.endswith(f"/joint_4/{name}")] == at
 
 
-def test_a_window_keeps_the_clock() -> None:
-    part = span_of(log().take_window(1.995, 4.0))
-    assert part.start_ns == stamps_ns(log())[200]
-    assert part.duration_s == pytest.approx(1.99)
-    assert span_of(log(None).take_window(1.995, 4.0)).start_ns == UNKNOWN_START_NS + 2_000_000_000
+DATED, BARE = int(stamps_ns(log())[0]), UNKNOWN_START_NS
 
 
-@pytest.mark.parametrize("start_s", [None, 0.0, -5.0])
-def test_a_window_from_before_the_start_begins_with_the_log(start_s: float | None) -> None:
-    whole = Span(start_ns=UNKNOWN_START_NS, duration_s=10.0)
-    assert span_of(log(None).take_window(start_s, None)) == span_of(log(None)) == whole
-
-
-def test_nothing_lies_outside_the_log() -> None:
-    assert Span(start_ns=10, duration_s=1.0).stamps(np.array([-0.1, 0.5, 1.2])) == [10, 500_000_010, 1_000_000_010]
+@pytest.mark.parametrize(
+    ("start_s", "window", "first", "last_s"),
+    [
+        (START_S, (1.995, 4.0), DATED + 2_000_000_000, 1.99),
+        (None, (1.995, 4.0), BARE + 2_000_000_000, 1.99),
+        *((None, (start, None), BARE, 10.0) for start in (None, 0.0, -5.0)),
+    ],
+)
+def test_a_window_keeps_the_clock_and_nothing_lies_outside_it(
+    start_s: float | None, window: tuple[float | None, float | None], first: int, last_s: float, tmp_path: Path
+) -> None:
+    moments = made("moments", {"time_s": float}, "time_s", {"time_s": np.array([-0.1, 0.5, 99.0])})
+    write_topics([moments], log(start_s).take_window(*window), tmp_path / "part.mcap")
+    found = [message.log_time - first for _, _, message in messages(tmp_path / "part.mcap")]
+    assert found == [0, 500_000_000, round(last_s * 1e9)]
 
 
 def test_no_rows_make_a_file_without_topics(tmp_path: Path) -> None:
-    write_topics([replace(tables()[0], rows=())], span_of(log()), tmp_path / "none.mcap")
+    write_topics([replace(tables()[0], rows=())], log(), tmp_path / "none.mcap")
     assert messages(tmp_path / "none.mcap") == []
 
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from friction_audit.io.readers.message_decoder import Layout, find_layout
-from friction_audit.io.readers.message_stream import Block, block_of_payloads
+from friction_audit.io.readers.message_stream import Block, one_block
 from tests.io.bag_writing import JOINT_STATE, header, ros1_store, ros2_store
 
 STORES = {"ros1": ros1_store(), "cdr": ros2_store()}
@@ -45,7 +45,7 @@ def test_equals_the_librarys_decoder_bit_for_bit(case: tuple[str, list[Any]], da
     encoding, messages = case
     payloads = [serialise(encoding, message) for message in messages]
     layout = layout_of(encoding, payloads[0])
-    records = layout.records(block_of_payloads(0, range(len(payloads)), payloads), NUMBERS)
+    records = layout.records(one_block(0, range(len(payloads)), payloads), NUMBERS)
     assert records is not None
     for record, payload in zip(records, payloads, strict=True):
         store = STORES[encoding]
@@ -58,7 +58,7 @@ def test_equals_the_librarys_decoder_bit_for_bit(case: tuple[str, list[Any]], da
     changed = list(map(bytearray, payloads))  # any other string or length is refused
     place = data.draw(st.sampled_from(layout.fixed.tolist()))
     data.draw(st.sampled_from(changed))[place] ^= data.draw(st.integers(1, 255))
-    assert layout.records(block_of_payloads(0, range(len(changed)), list(map(bytes, changed))), NUMBERS) is None
+    assert layout.records(one_block(0, range(len(changed)), list(map(bytes, changed))), NUMBERS) is None
 
 
 @pytest.mark.parametrize("gaps", [(0, 0), (5, 5), (3, 11)], ids=["joined", "even", "uneven"])

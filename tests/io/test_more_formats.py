@@ -47,7 +47,7 @@ def test_a_plain_array(tmp_path: Path) -> None:
     np.save(tmp_path / "run.npy", np.column_stack(list(arrays.values())))
     log = read_log(tmp_path / "run.npy", ReadOptions(mapping=BY_NUMBER))
     np.testing.assert_array_equal(log.tau_J, arrays["tau_J"])
-    with pytest.raises(InputError, match=r"300 rows and 10 columns without names.*--map t=#1"):
+    with pytest.raises(InputError, match=r"an array of 10 columns without names.*--map t=#1"):
         read_log(tmp_path / "run.npy")
 
 
@@ -64,7 +64,7 @@ def test_an_array_of_records(tmp_path: Path) -> None:
     [
         (np.zeros((3, 500)), "3 rows, 500 columns; expected one row per sample"),
         (np.zeros(500), r"shape \(500,\) float64; expected numbers of shape \(samples, columns\)"),
-        (np.array({"q": 1}, dtype=object), r"could run foreign code .* numpy.savez"),
+        (np.array({"q": 1}, dtype=object), r"could run foreign code; save plain arrays"),
     ],
 )
 def test_an_array_that_is_no_table(tmp_path: Path, array: Any, message: str) -> None:
@@ -187,5 +187,5 @@ def test_data_sets_without_numbers(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="a Git LFS pointer"):
         read_log(root)
     file.unlink()
-    with pytest.raises(InputError, match="a LeRobot data set with 0 frames; expected episodes"):
+    with pytest.raises(InputError, match="0 frames; expected episodes"):
         read_log(root)

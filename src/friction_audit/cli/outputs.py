@@ -127,12 +127,12 @@ class ResultFolder:
         if not self.exports:
             return []
         from friction_audit.io.writers.tables import write_table
-        from friction_audit.io.writers.topics import span_of, write_topics
+        from friction_audit.io.writers.topics import write_topics
 
         for kind in self.exports:
             with voice.step(f"export {kind}"):
                 if kind == MCAP:
-                    self.write(f"{self.name}.{MCAP}", lambda draft: write_topics(tables, span_of(log), draft))
+                    self.write(f"{self.name}.{MCAP}", lambda draft: write_topics(tables, log, draft))
                     continue
                 for table in tables:
                     self.write(f"{self.prefix}{table.name}.{kind}", partial(write_table, table, kind=kind))

@@ -1,8 +1,9 @@
 """Friction of the joints of a source -> a file of a simulator or a controller, checked by simulation in MuJoCo."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
+from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -168,88 +169,65 @@ def export_friction(
         lacking=lacking,
         by_order=by_order,
         armature_unknown=settings.armature is None and joints.reflected is None and target.armature,
-        simulated=_simulated(laws, joints, estimate),
+        simulated=tuple(sorted(_simulated(laws, joints, estimate), key=attrgetter("joint"))) if estimate else (),
         estimate=estimate,
     )
 
 
-def _simulated(laws: Sequence[FrictionLaw], joints: Joints, estimate: Estimate | None) -> tuple[SimulatedGap, ...]:
+def _simulated(laws: Sequence[FrictionLaw], joints: Joints, estimate: Estimate) -> Iterator[SimulatedGap]:
     """Simulate a log in MuJoCo: the whole arm where a model of it made the torque, else each joint alone."""
-    if estimate is None:
-        return ()
     import mujoco
 
     choice, log, seen = estimate.interaction.choice, estimate.log, estimate.interaction
     friction = {law.joint: law.fit(CUBIC) for law in laws}
-    found: dict[int, tuple[float, float, int]] = {}
     if choice.inertia == "model":  # what is left of the inertia moves no joint: it takes the whole arm
         arm = known_arm(log, estimate.settings.torque, choice)
         if arm is not None and choice.drive == "robot" and choice.source == "tau_J" and log.tau_J is not None:
-            q, dq, torque = (arm.to_model(signal) for signal in (log.q, log.dq, log.tau_J))
-            order = [column + 1 for column in arm.columns]
-            own = [friction.get(number) for number in order]
-            without, rubbing, windows = simulated_gaps(arm.model, log.t, q, dq, torque, own)
-            found = {n: (without[k], rubbing[k], windows) for k, n in enumerate(order) if n in friction}
-    else:
-        inertias = {number: model.inertia_kg_m2 for number, _, model in joints.models}
-        for number, fitted in ((law, one) for law, one in friction.items() if inertias[law] > 0.0):
+            signals = (arm.to_model(signal) for signal in (log.q, log.dq, log.tau_J))
+            yield from _gaps(arm.model, [column + 1 for column in arm.columns], friction, log.t, *signals)
+        return
+    for number, _, model in joints.models:
+        if number in friction and model.inertia_kg_m2 > 0.0:
             k = [seen.joint_numbers.index(number)]
-            q, dq, torque = (signal[:, k] for signal in (seen.q, seen.dq, seen.torque))
-            hinge = mujoco.MjModel.from_xml_string(HINGE.format(inertias[number]))
-            without, rubbing, windows = simulated_gaps(hinge, seen.t, q, dq, torque, [fitted])
-            found[number] = without[0], rubbing[0], windows
-    return tuple(
-        SimulatedGap(joint=number, without_rad=float(without), with_rad=float(rubbing), windows=windows)
-        for number, (without, rubbing, windows) in sorted(found.items())
-        if windows
-    )
+            hinge = mujoco.MjModel.from_xml_string(HINGE.format(model.inertia_kg_m2))
+            signals = (signal[:, k] for signal in (seen.q, seen.dq, seen.torque))
+            yield from _gaps(hinge, [number], friction, seen.t, *signals)
 
 
-def simulated_gaps(
-    model: "MjModel", t: Float, q: Float, dq: Float, torque: Float, friction: Sequence[FittedFriction | None]
-) -> tuple[Float, Float, int]:
-    """Move an arm of j joints by recorded torques (n, j) over windows that each start from the recording.
+def _gaps(
+    model: "MjModel", numbers: Sequence[int], friction: Mapping[int, FittedFriction], t: Float, *signals: Float
+) -> Iterator[SimulatedGap]:
+    """Move joints by recorded torques over windows that each start from the recording, and compare their ends.
 
-    Return the root mean square of simulated less recorded position at the ends of the windows, without friction and
-    with it, (j,) each [rad], and the number of windows.
+    ``signals`` are position, velocity and torque of the joints with these numbers, shape (n, j) each.
     """
+    import mujoco
+    from mujoco import rollout
+
     usual = float(np.median(np.diff(t)))
     step = min(STEP_S, usual)
     steps = round(WINDOW_S / step)
     times = np.arange(t[0], t[-1], step)
-    drive, position, velocity = (
-        np.column_stack([np.interp(times, t, column) for column in signal.T]) for signal in (torque, q, dq)
-    )
+    q, dq, torque = (np.column_stack([np.interp(times, t, one) for one in signal.T]) for signal in signals)
     starts = np.arange(0, len(times) - steps, steps)
-    gaps = t[:-1][np.diff(t) > GAP_STEPS * usual]
+    breaks = t[:-1][np.diff(t) > GAP_STEPS * usual]
     begins = times[starts]
-    inside = np.searchsorted(gaps, begins) != np.searchsorted(gaps, begins + WINDOW_S)
-    starts = starts[~inside]
+    starts = starts[np.searchsorted(breaks, begins) == np.searchsorted(breaks, begins + WINDOW_S)]
+    if not len(starts):
+        return
     starts = starts[np.linspace(0, len(starts) - 1, min(len(starts), MOST_WINDOWS)).astype(np.int64)]
     bare = copy(model)
     bare.opt.timestep = step
     rubbing = copy(bare)
-    for dof, fitted in enumerate(friction):
-        if fitted is not None:
-            rubbing.dof_frictionloss[dof], rubbing.dof_damping[dof], *rubbing.dof_dampingpoly[dof] = fitted.coefficients
-    if not len(starts):
-        return np.full(model.nv, np.nan), np.full(model.nv, np.nan), 0
-    ends = position[starts + steps]
-    errors = [_ends(one, drive, position, velocity, starts, steps) - ends for one in (bare, rubbing)]
-    without, with_friction = (np.sqrt(np.mean(error**2, axis=0)) for error in errors)
-    return without, with_friction, len(starts)
-
-
-def _ends(model: "MjModel", drive: Float, q: Float, dq: Float, starts: Sequence[int], steps: int) -> Float:
-    """Return the positions that the simulation reaches from each start, shape (w, j)."""
-    import mujoco
-
-    data, ends = mujoco.MjData(model), np.empty((len(starts), model.nv))
-    for window, start in enumerate(starts):
-        mujoco.mj_resetData(model, data)
-        data.qpos[:], data.qvel[:] = q[start], dq[start]
-        for k in range(start, start + steps):
-            data.qfrc_applied[:] = 0.5 * (drive[k] + drive[k + 1])
-            mujoco.mj_step(model, data)
-        ends[window] = data.qpos
-    return ends
+    for dof, fitted in ((dof, friction[number]) for dof, number in enumerate(numbers) if number in friction):
+        rubbing.dof_frictionloss[dof], rubbing.dof_damping[dof], *rubbing.dof_dampingpoly[dof] = fitted.coefficients
+    begun = np.column_stack([np.zeros(len(starts)), q[starts], dq[starts]])
+    pushes = (0.5 * (torque[:-1] + torque[1:]))[starts[:, None] + np.arange(steps)]
+    applied, found = int(mujoco.mjtState.mjSTATE_QFRC_APPLIED), []
+    for one in (bare, rubbing):
+        states, _ = rollout.rollout(one, mujoco.MjData(one), begun, pushes, control_spec=applied)
+        error = states[:, -1, 1 : 1 + model.nq] - q[starts + steps]
+        found.append(np.sqrt(np.mean(error**2, axis=0)).tolist())
+    for number, without, rubbed in zip(numbers, *found, strict=True):
+        if number in friction:
+            yield SimulatedGap(joint=number, without_rad=without, with_rad=rubbed, windows=len(starts))

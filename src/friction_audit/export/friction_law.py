@@ -1,9 +1,7 @@
-"""The part of a joint model that a simulator or a controller can hold, friction over velocity, and what a format is.
+"""The part of a joint model that a simulator can hold: friction as a polynomial of the velocity, up to its third power.
 
-A simulator holds a polynomial of the velocity: Coulomb friction, and damping of the first to the third power. What a
-model has beyond that (Stribeck, curved friction) is fitted to it over the speeds of the joint by non-negative least
-squares (Lawson, Hanson, Solving Least Squares Problems, 1974, chapter 23): no coefficient below zero, so that the
-simulated joint dissipates at every speed.
+What a model has beyond that is fitted over the speeds of the joint by non-negative least squares (Lawson, Hanson,
+Solving Least Squares Problems, 1974, chapter 23), so that the simulated joint dissipates at every speed.
 """
 
 from collections.abc import Sequence

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 from xml.parsers import expat
-from xml.sax.saxutils import escape, quoteattr
+from xml.sax.saxutils import quoteattr
 
 from friction_audit.errors import InputError
 from friction_audit.export.friction_law import ExportedJoint, number
@@ -71,13 +71,9 @@ class XmlText:
         line = self.text.rfind(b"\n", 0, parent.start) + 1
         before = self.text[line : parent.start].decode("utf-8", "replace")
         margin = before if not before.strip() else ""
-        return self._filled(parent, f"\n{margin}{INDENT}{child}\n{margin}", self.text[parent.inside : parent.close])
+        return self.filled(parent, f"\n{margin}{INDENT}{child}\n{margin}", self.text[parent.inside : parent.close])
 
-    def set_text(self, tag: Tag, text: str) -> Edit:
-        """Return the edit that replaces the content of an element."""
-        return self._filled(tag, escape(text))
-
-    def _filled(self, tag: Tag, content: str, kept: bytes = b"") -> Edit:
+    def filled(self, tag: Tag, content: str, kept: bytes = b"") -> Edit:
         """Return the edit that gives an element content after what is ``kept`` of it, and an end tag if it has none."""
         if tag.inside < tag.stop:
             return Edit(tag.inside + len(kept.rstrip()), tag.close, content.encode())
@@ -156,7 +152,7 @@ def edit_sdf(sdf: XmlText, joints: Sequence[tuple[Tag, ExportedJoint]]) -> Itera
             raise InputError(f"{sdf.where}: joint {joint.name} has no <axis>; expected one; repair the file")
         dynamics = sdf.child(axis, "dynamics")
         there = {name: own for name in values if dynamics and (own := sdf.child(dynamics, name))}
-        yield from (sdf.set_text(own, values[name]) for name, own in there.items())
+        yield from (sdf.filled(own, values[name]) for name, own in there.items())
         lacking = "".join(f"<{key}>{value}</{key}>" for key, value in values.items() if key not in there)
         if dynamics is None:
             yield sdf.append(axis, f"<dynamics>{lacking}</dynamics>")

@@ -11,7 +11,7 @@ from friction_audit.preprocessing.interaction import Caution
 from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.preprocessing.sign import CoarseLog, most, strokes_of, voting
 from friction_audit.preprocessing.torque_source import with_a_model
-from friction_audit.robot import STANDARD_GRAVITY, check_urdf
+from friction_audit.robot import STANDARD_GRAVITY, parse_urdf, read_urdf
 
 # An identified model errs by a few tenths of a newton metre, the vendor's by up to two on the heaviest joints; a
 # forgotten hand makes two to three.
@@ -27,7 +27,7 @@ def not_used(log: JointLog, balance: Balance, settings: TorqueSettings, *, hand:
     """Name options about the arm that change nothing, because the torque needs no model of it."""
     known, modelled = balance.plan.arm is not None, balance.modelled_means is not None
     if settings.urdf is not None and not known:
-        check_urdf(settings.urdf)  # a file that is no arm is refused though it is not used
+        parse_urdf(read_urdf(settings.urdf), str(settings.urdf))  # a file that is no arm is refused though not used
     given = (
         ("--payload", settings.payload is not None and not modelled),
         # Even with logged gravity the direction of gravity is the model's.

@@ -43,9 +43,8 @@ class Arm:
         """Return the arm with its columns in the order of a log: by name if the names agree, else as is."""
         if len(joint_names) != len(self.joint_names):
             raise UsageError(
-                f"{where}: joints: {len(joint_names)} ({', '.join(joint_names)}); the model {self.name} has "
-                f"{len(self.joint_names)} ({', '.join(self.joint_names)}); the model needs every joint of the arm: "
-                "give the arm's own --urdf, or --robot none to do without a model"
+                f"{where}: joints: {len(joint_names)} ({', '.join(joint_names)}); the model {self.name} needs "
+                f"{len(self.joint_names)} ({', '.join(self.joint_names)}); give the arm's own --urdf, or --robot none"
             )
         if set(joint_names) != set(self.joint_names):
             return self
@@ -109,10 +108,9 @@ class Arm:
         return np.asarray(np.linalg.norm(twist[:, 3:], axis=1))
 
     def gravity_direction(self, q: Float) -> Float:
-        """Return how gravity lies across each joint's axis, seen from the link that the joint moves.
+        """Return two components of the unit vector of gravity across each joint's axis, seen from the link it moves.
 
-        Returns:
-            Two components of the unit vector of gravity, across the axis and at right angles, shape (n, j, 2).
+        They are at right angles, shape (n, j, 2).
         """
         direction, (_, turns, *_) = np.empty((*q.shape, 2)), self._joint_axes()
         for rows in chunks(len(q)):
@@ -124,9 +122,8 @@ class Arm:
     def _joint_axes(self) -> tuple[Float, Float, Float, Float]:
         """Return axes for each body, the third along its joint, so that it turns two components of a vector only.
 
-        Returns:
-            The axes in its frame, the matrix to them from its parent's, joints at 0, shape (b, 3, 3) each, its joint in
-            the parent's axes from the parent's joint, and in its own frame, shape (b, 3) each.
+        They are in its frame; the matrix to them from its parent's, joints at 0, shape (b, 3, 3) each; its joint in the
+        parent's axes from the parent's joint, and in its own frame, shape (b, 3) each.
         """
         import mujoco as mj
 
@@ -163,10 +160,7 @@ class Arm:
         return replace(self, model=model)
 
     def with_load(self, mass_kg: float, centre_m: Float, inertia_kg_m2: Float) -> "Arm":
-        """Return the arm with a body fixed to the flange.
-
-        Centre of mass in the flange frame, shape (3,), and inertia about it in its axes, shape (3, 3).
-        """
+        """Return the arm with a body fixed to the flange, and its inertia about its centre in the flange's axes."""
         import mujoco as mj
 
         model, turned = copy(self.model), np.empty(9)
@@ -181,9 +175,7 @@ class Arm:
     def poses(self, q: Float) -> tuple[Float, Float, Float]:
         """Return poses of the links that the joints move, in the order of the model and in the axes of the base.
 
-        Returns:
-            Origin of each link, which lies on its joint's axis, shape (j, 3, n) [m], orientation, shape (j, 3, 3, n),
-            and axis of the joint, shape (j, 3, n).
+        Origin of each link, on its joint's axis, (j, 3, n) [m], orientation, (j, 3, 3, n), joint axis, (j, 3, n).
         """
         model, angle = self.model, self.to_model(q).T
         axes, turns, reaches, _ = self._joint_axes()
@@ -228,12 +220,9 @@ def load_arm(
     payload: Payload | None = None,
     gravity_vector: tuple[float, float, float] = STANDARD_GRAVITY,
 ) -> Arm:
-    """Load the built-in Panda, or the arm of a URDF.
+    """Load the built-in Panda, or the arm of a URDF; gravity is in the base frame. [m/s^2]
 
-    Args:
-        urdf: File of another arm, or None for the Panda.
-        payload: mass [kg] and centre of mass x, y, z [m] of a point mass in the flange frame, or None.
-        gravity_vector: Gravity in the base frame. [m/s^2]
+    The payload is mass [kg] and centre of mass x, y, z [m] of a point mass in the flange frame.
     """
     # In a thread of its own: MuJoCo keeps an error from its import, and with that all frames that the import was called
     # from, a whole log among them.
@@ -244,9 +233,7 @@ def load_arm(
     try:
         model = mj.MjModel.from_xml_string(xml)
     except ValueError as error:
-        raise UsageError(
-            f"{where}: MuJoCo cannot read it as a URDF ({' '.join(str(error).split())}); repair the file"
-        ) from error
+        raise UsageError(f"{where}: MuJoCo cannot read it ({' '.join(str(error).split())}); repair it") from error
     for body in range(1, model.nbody):
         _set_inertial(model, body, *inertials.get(model.body(body).name, ()))
     model.opt.gravity[:] = gravity_vector
@@ -259,11 +246,6 @@ def load_arm(
         given = ",".join(f"{value:g}" for value in payload)
         raise UsageError(f"--payload {given}: expected mass,x,y,z in kg and m with a mass above zero")
     return arm.with_load(mass, np.array(centre), np.zeros((3, 3)))
-
-
-def check_urdf(urdf: Path) -> None:
-    """Raise UsageError for a file that is no arm with inertias, without building its model."""
-    parse_urdf(read_urdf(urdf), str(urdf))
 
 
 def read_urdf(urdf: Path | None) -> bytes:

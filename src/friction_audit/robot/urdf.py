@@ -9,7 +9,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from friction_audit.errors import UsageError
+from friction_audit.errors import UsageError, few
 from friction_audit.joint_log import Float
 
 TURNING = ("revolute", "continuous")
@@ -18,7 +18,6 @@ FINGER = re.compile("finger|gripper", re.IGNORECASE)
 _KNOWN = ("revolute", "continuous", "prismatic", "fixed")
 _MOST_LINKS = 1000  # trees are walked by recursion, here and in MuJoCo
 _ABSURD = 1e6  # no arm is as heavy or as long, in SI units
-_SHOWN = 10
 # MuJoCo refuses massless links and point masses, which URDFs have. It gets this in their place, with axes of its own
 # so that it keeps the general case, and the true values are written into the model.
 _PLACEHOLDER = {
@@ -43,10 +42,8 @@ def parse_urdf(text: bytes, where: str) -> tuple[str, dict[str, tuple[Inertial, 
     fixed at zero; and the inertial parameters of the links, by name.
     """
     root = _root(text, where)
-    faults = _faults(root)
-    if faults:
-        more = f" and {len(faults) - _SHOWN} more" if len(faults) > _SHOWN else ""
-        raise UsageError(f"{where}: {'; '.join(faults[:_SHOWN])}{more}; repair the URDF, or give another one")
+    if faults := _faults(root):
+        raise UsageError(f"{where}: {'; '.join(few(faults, 10))}; repair the URDF, or give another one")
     # Children in the order of their joints' names: the order of columns of an arm with branches.
     joints = sorted(root.findall("joint"), key=lambda joint: joint.get("name", ""))
     if not any(_counts(joint) for joint in joints):
@@ -157,11 +154,9 @@ def _wrong_numbers(parent: ET.Element, tag: str, count: int, lowest: float = -in
             values = []
         sound = all(lowest <= value and abs(value) < _ABSURD for value in values)
         if len(values) != count or "_" in text or not sound:
-            what = "mass" if tag == "mass" else "axis" if tag == "axis" else f"{tag} {name}"
-            what = f"inertial {what}" if parent.tag == "inertial" and tag == "origin" else what
             plural = "a number" if count == 1 else f"{count} numbers"
             least = " of at least 0" if lowest == 0.0 else ""
-            yield f"{what} {text!r}; expected {plural}{least} below {_ABSURD:g}"
+            yield f"{tag} {name} {text!r}; expected {plural}{least} below {_ABSURD:g}"
 
 
 def _wrong_tree(links: list[ET.Element], joints: list[ET.Element]) -> Iterator[str]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import InputError, UsageError
 from friction_audit.io.readers.columns import MOST_JOINTS, ColumnMap
-from friction_audit.io.readers.reader import ReadOptions, Topic
+from friction_audit.io.readers.reader import BY_NUMBER, ReadOptions, Topic
 from friction_audit.io.readers.table import ColumnTable, Part, read_table
 from friction_audit.io.readers.time_column import Clock, TimeColumn, stamps_of, to_clock
 from friction_audit.io.recording import Recording
@@ -44,10 +44,8 @@ class ArrayTable(ColumnTable):
         samples = self._arrays[next(iter(names))].shape[0]
         for name in sorted(names):
             if (shape := self._arrays[name].shape)[0] != samples:
-                raise InputError(
-                    f"{self.path}: {name} has shape {shape}, {columns.time.name} has {samples} samples; "
-                    "expected one row per sample; save it transposed or cut to the same length"
-                )
+                what = f"{name} has shape {shape}, {columns.time.name} has {samples} samples"
+                raise InputError(f"{self.path}: {what}; expected one row per sample; transpose it, or cut it to length")
         return samples, sum(int(self._arrays[name].nbytes) for name in names)
 
     def read_clock(self, time: TimeColumn) -> Clock:
@@ -92,10 +90,8 @@ def arrays_of_frame(frame: Any, where: str) -> dict[str, NDArray[Any]]:  # noqa:
             arrays = {name: column_of(table, name) for name in table.column_names}
         except (TypeError, ValueError) as error:  # those of Arrow are ValueErrors
             if not hasattr(frame, "columns"):
-                raise UsageError(
-                    f"{where}: {type(frame).__name__}: expected a pandas or polars DataFrame, or a dict of arrays "
-                    "by name"
-                ) from error
+                what = "expected a pandas or polars DataFrame, or a dict of arrays by name"
+                raise UsageError(f"{where}: {type(frame).__name__}: {what}") from error
             raise InputError(f"{where}: {error}; expected columns of numbers, or of lists of one length") from error
         if arrays.get(_INDEX, np.zeros(0)).dtype.kind in "mM":
             arrays = {"time": arrays.pop(_INDEX), **arrays}
@@ -112,12 +108,10 @@ def column_of(table: Any, name: str) -> NDArray[Any]:  # noqa: ANN401 - a table 
 
     column = whole(table[name])
     if not is_list(column.type):
-        array: NDArray[Any] = column.to_numpy(zero_copy_only=False)
-        return array
+        return np.asarray(column.to_numpy(zero_copy_only=False))
     if len(lengths := compute.unique(compute.list_value_length(column))) > 1:
         raise ValueError(f"{name} holds lists of {len(lengths)} lengths")
-    values: NDArray[Any] = column.flatten().to_numpy(zero_copy_only=False)
-    return values.reshape(len(column), -1)
+    return np.asarray(column.flatten().to_numpy(zero_copy_only=False)).reshape(len(column), -1)
 
 
 def read(path: Path, options: ReadOptions) -> Recording:
@@ -125,13 +119,9 @@ def read(path: Path, options: ReadOptions) -> Recording:
     array = _array(path)
     if array.dtype.names:
         return read_table(ArrayTable(path, {name: array[name] for name in array.dtype.names}), options)
-    samples, width = array.shape
     if not options.mapping:
-        raise InputError(
-            f"{path}: an array of {samples} rows and {width} columns without names; expected to know what is in them; "
-            "name the columns by number, e.g. --map t=#1 --map q=#2-#8 --map dq=#9-#15 --map tau_J=#16-#22"
-        )
-    return read_table(ArrayTable(path, {f"#{column + 1}": array[:, column] for column in range(width)}), options)
+        raise InputError(f"{path}: an array of {array.shape[1]} columns without names; {BY_NUMBER}")
+    return read_table(ArrayTable(path, {f"#{number}": column for number, column in enumerate(array.T, 1)}), options)
 
 
 def topics(path: Path) -> tuple[Topic, ...]:
@@ -153,18 +143,13 @@ def _array(path: Path) -> NDArray[Any]:
         array: NDArray[Any] = np.load(path, mmap_mode="r", allow_pickle=False)
     except (ValueError, OSError, EOFError, OverflowError, SyntaxError, TokenError) as error:
         if "allow_pickle" in str(error) or "Python objects" in str(error):
-            raise InputError(
-                f"{path}: Python objects, which could run foreign code if read; save numpy.savez(file, **log)"
-            ) from error
+            raise InputError(f"{path}: Python objects, which could run foreign code; save plain arrays") from error
         raise InputError(f"{path}: a damaged NumPy array: {error}; copy or save it again") from error
     is_plane = array.ndim == _PLANE and array.dtype.kind in "fiu"
     if not array.size or not (array.ndim == 1 if array.dtype.names else is_plane):
-        raise InputError(
-            f"{path}: an array of shape {array.shape} {array.dtype}; expected numbers of shape (samples, columns); "
-            "save numpy.column_stack of the signals, or the signals by name with numpy.savez"
-        )
+        what = f"an array of shape {array.shape} {array.dtype}; expected numbers of shape (samples, columns)"
+        raise InputError(f"{path}: {what}; save the signals by name with numpy.savez")
     if array.dtype.names is None and array.shape[0] < array.shape[1]:
-        raise InputError(
-            f"{path}: {array.shape[0]} rows, {array.shape[1]} columns; expected one row per sample; save the transpose"
-        )
+        rows, columns = array.shape
+        raise InputError(f"{path}: {rows} rows, {columns} columns; expected one row per sample; save the transpose")
     return array

@@ -27,8 +27,7 @@ def are_the_same(texts: pa.Array, joints: Sequence[str]) -> NDArray[np.bool_]:
     codes = {text: code for code, text in enumerate(coded.dictionary.to_pylist())}
     expected = [codes.get(joint, -1) for joint in joints]
     rows = coded.indices.to_numpy(zero_copy_only=False).reshape(-1, len(joints))
-    same: NDArray[np.bool_] = (rows == expected).all(axis=1)
-    return same
+    return np.asarray((rows == expected).all(axis=1))
 
 
 def integers_or_floats(array: pa.Array) -> NDArray[Any]:
@@ -38,8 +37,7 @@ def integers_or_floats(array: pa.Array) -> NDArray[Any]:
     if pa.types.is_decimal(array.type) or pa.types.is_boolean(array.type):
         array = array.cast(pa.float64())
     # Arrow's own conversion loads pandas, half a second, which only nulls need.
-    numbers: NDArray[Any] = array.to_numpy(zero_copy_only=False) if array.null_count else np.from_dlpack(array)
-    return numbers
+    return np.asarray(array.to_numpy(zero_copy_only=False) if array.null_count else np.from_dlpack(array))
 
 
 def has_unit(kind: pa.DataType) -> bool:

@@ -3,9 +3,10 @@
 import re
 from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
+from typing import NamedTuple
 
-from friction_audit.errors import InputError
+from friction_audit.errors import InputError, few
 from friction_audit.io.readers.reader import SeveralLogsError
 from friction_audit.joint_log import Source
 from friction_audit.presets import ARM_JOINT, PRESETS, candidates
@@ -181,19 +182,17 @@ def _place(name: str) -> tuple[str, int] | None:
     return None if match is None else (match["head"], int(match["a"] or match["b"]))
 
 
-_SHOWN_GROUPS = 14
 _POSITION = re.compile(r"#(\d+)(?:-#?(\d+))?")
 
 JointKey = int | str  # a joint's number (0-based), or its name where it has no number
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Group:
+class Group(NamedTuple):
     """The columns of one channel."""
 
     template: str  # name with {i} or {joint} for the joint
     cells: Mapping[JointKey, int]  # joint -> position of the column
-    names: Mapping[JointKey, str] = field(default_factory=dict)  # joint -> the joint's name, where the columns have it
+    names: Mapping[JointKey, str] = {}  # joint -> the joint's name, where the columns have it
     degrees: bool = False  # true if the name says degrees
     in_order: bool = False  # true if the user gave the columns one by one, in the order of the joints
 
@@ -203,9 +202,7 @@ def shorten(names: Sequence[str]) -> str:
     runs: dict[str, list[str]] = defaultdict(list)
     for name in names:
         runs[re.sub(r"\d+(?!.*\d)", "#", name)].append(name)
-    shown = [run[0] if len(run) == 1 else f"{run[0]}...{run[-1]}" for run in runs.values()]
-    more = len(shown) - _SHOWN_GROUPS
-    return ", ".join(shown[:_SHOWN_GROUPS]) + (f" and {more} more" if more > 0 else "")
+    return ", ".join(few([run[0] if len(run) == 1 else f"{run[0]}...{run[-1]}" for run in runs.values()], 14))
 
 
 def stated_group(
@@ -218,7 +215,7 @@ def stated_group(
     bare, _, unit = value.rpartition(":")
     if unit in ("deg", "rad", "A", "mA") and value not in names:
         group = stated_group(bare, names, labels, outside)
-        return replace(group, template=value, degrees=unit == "deg")
+        return group._replace(template=value, degrees=unit == "deg")
     template = value.strip() if "{i}" in value else value + "[{i}]"
     pattern = re.compile(re.escape(template).replace(re.escape("{i}"), r"(\d+)"))
     places = reversed(list(enumerate(names)))  # of repeated names the first counts
@@ -229,11 +226,11 @@ def stated_group(
         cells: dict[JointKey, int] = {number - base: cell for number, cell in kept.items()}
         parsed = {key: parse_name(names[cell]) for key, cell in cells.items()}
         joints = {key: (name.joint if name else None) or (labels or {}).get(cells[key]) for key, name in parsed.items()}
-        return Group(template=value, cells=cells, names={key: name for key, name in joints.items() if name})
+        return Group(value, cells, names={key: name for key, name in joints.items() if name})
     if "{i}" in value:
         raise KeyError(value)
     listed = [cell for part in value.split(",") for cell in positions_of(part.strip(), names)]
-    return Group(template=value, cells=dict(enumerate(listed)), in_order=True)
+    return Group(value, dict(enumerate(listed)), in_order=True)
 
 
 def positions_of(part: str, names: Sequence[str]) -> list[int]:
@@ -269,20 +266,15 @@ def arms_in(names: Sequence[str]) -> dict[str, tuple[str, ...]]:
         if match := ARM_JOINT.match(name):
             numbered.setdefault(match["arm"] or "", []).append((int(match["number"]), name))
     if not numbered:
-        return {"": _by_last_number(bodies)} if bodies else {}
+        ends = [(match[1], int(match[2]), name) for name in bodies if (match := _LAST_NUMBER.fullmatch(name))]
+        is_row = len(ends) == len(bodies) and len({stem for stem, *_ in ends}) == 1
+        return {"": tuple(name for *_, name in sorted(ends)) if is_row else tuple(bodies)} if bodies else {}
     most = max(map(len, numbered.values()))
     return {
         arm: tuple(name for _, name in sorted(joints))
         for arm, joints in sorted(numbered.items())
         if len(joints) >= min(most, _FEWEST_OF_A_SECOND_ARM)
     }
-
-
-def _by_last_number(names: Sequence[str]) -> tuple[str, ...]:
-    numbered = [(match[1], int(match[2]), name) for name in names if (match := _LAST_NUMBER.fullmatch(name))]
-    if len(numbered) < len(names) or len({stem for stem, _, _ in numbered}) > 1:
-        return tuple(names)
-    return tuple(name for _, _, name in sorted(numbered))
 
 
 def choose_arm(names: Sequence[str], wanted: str, *, path: str, topic: str = "") -> tuple[str, ...]:
@@ -310,11 +302,6 @@ def robot_of(names: Iterable[str]) -> str:
     """Return the name of the preset that the joints' names say, ``"unknown"`` where they say none or several."""
     robots = candidates(tuple(names))
     return robots[0] if len(robots) == 1 else "unknown"
-
-
-def numbered_joints(count: int) -> tuple[str, ...]:
-    """Name joints that carry no names: joint1..joint{count}."""
-    return tuple(f"joint{number}" for number in range(1, count + 1))
 
 
 def namespace(topic: str) -> str:

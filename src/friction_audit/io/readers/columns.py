@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 
-from friction_audit.errors import InputError
+from friction_audit.errors import InputError, near_misses
 from friction_audit.io.readers.channel_names import (
     QUANTITIES,
     ForeignName,
@@ -105,22 +105,16 @@ def map_columns(
 
 def _refuse_several(q: Group | None, others: Sequence[str], path: str) -> None:
     """Refuse columns of positions of which each may be a joint by a name of its own, or of another arm."""
-    if q is None or not others or len(q.cells) > 1 or q.names or "{" in q.template:
-        return
-    listed = ",".join((q.template, *others))
-    raise InputError(
-        f"{path}: several columns may be q: {listed}; name those of one arm, in the order of its joints, with "
-        f"--map q={listed}, and those of the other channels likewise"
-    )
+    if q is not None and others and len(q.cells) == 1 and not q.names and "{" not in q.template:
+        raise InputError(
+            f"{path}: several columns may be q; name those of one arm in the order of its joints: "
+            f"--map q={','.join((q.template, *others))}, and those of the other channels likewise"
+        )
 
 
 def _refuse_absent(mapping: Mapping[str, str], names: Sequence[str], path: str) -> None:
     """Refuse columns that the table lacks, all of them at once."""
-    lost = []
-    for channel, name in absent(mapping, names).items():
-        near = " or ".join(difflib.get_close_matches(name, names, n=3, cutoff=0.5))
-        lost.append(f"--map {channel}={mapping[channel]}" + (f" (did you mean {near}?)" if near else ""))
-    if lost:
+    if lost := [f"--map {c}={mapping[c]}{near_misses(name, names)}" for c, name in absent(mapping, names).items()]:
         raise InputError(f"{path}: no column for {' and no column for '.join(lost)}; found {shorten(names)}")
 
 
@@ -171,10 +165,7 @@ def doubt_torque(columns: ColumnMap, names: Sequence[str]) -> tuple[Finding, ...
     parsed = parse_name(name)
     if parsed is None or len(parsed.words) > 1 or parsed.words[0] not in _AMBIGUOUS:
         return ()
-    message = (
-        f"column {name!r} was read as tau_J, the joint torque with gravity; if it is the interaction torque, without "
-        f"gravity, use --map tau_interaction={name}"
-    )
+    message = f"column {name!r} was read as tau_J, with gravity; if it is without, use --map tau_interaction={name}"
     return (Finding("torque_ambiguous", message),)
 
 
@@ -217,22 +208,19 @@ def _group(template: str, cells: Mapping[int, ForeignName], labels: Mapping[int,
         kept.setdefault(key, cell)  # of repeated names the first is the state, the second the command
         if (label := name.joint or labels.get(cell)) is not None:
             names.setdefault(key, label)
-    return Group(template=template, cells=kept, names=names, degrees=next(iter(cells.values())).degrees)
+    return Group(template, kept, names, degrees=next(iter(cells.values())).degrees)
 
 
 def _missing_message(names: Sequence[str], groups: Mapping[str, Group], *, found_time: bool, path: str) -> str:
-    wanted = [] if found_time else ["t"]
-    wanted += [channel for channel in REQUIRED if channel not in groups]
+    wanted = ([] if found_time else ["t"]) + [channel for channel in REQUIRED if channel not in groups]
     torques = [] if groups.keys() & {*TORQUE_CHANNELS} else list(TORQUE_CHANNELS)
     listed = wanted + ([f"a torque ({', '.join(TORQUE_CHANNELS)})"] if torques else [])
-    near = [hint for channel in (*wanted, *torques) for hint in _near_misses(channel, names)]
-    parts = [f"{path}: no column for {' and '.join(listed)}; found {shorten(names) or 'none'}"]
-    if near:
-        parts.append(f"close to it: {', '.join(dict.fromkeys(near))}")
-    examples = [f"--map {c}=<column{'' if c == 't' else ' with {i} for the joint'}>" for c in wanted]
-    examples += ["--map tau_J=<column with {i} for the joint>"] if torques else []
-    parts.append(f"name what is missing with {' '.join(examples)}")
-    return "; ".join(parts)
+    near = dict.fromkeys(hint for channel in (*wanted, *torques) for hint in _near_misses(channel, names))
+    close = f"; close to it: {', '.join(near)}" if near else ""
+    mapped = wanted + (["tau_J"] if torques else [])
+    examples = [f"--map {c}=<column{'' if c == 't' else ' with {i} for the joint'}>" for c in mapped]
+    found = f"{path}: no column for {' and '.join(listed)}; found {shorten(names) or 'none'}{close}"
+    return f"{found}; name what is missing with {' '.join(examples)}"
 
 
 def _near_misses(channel: str, names: Sequence[str]) -> list[str]:
@@ -253,7 +241,7 @@ def _align(
     there = [c for c in ("q", "dq") if c in groups] or list(groups)
     reference = next((groups[c] for c in there if not groups[c].in_order), groups[there[0]])
     joints = {key: name for group in reversed(list(groups.values())) for key, name in group.names.items()}
-    keys = _sorted_keys(reference.cells)
+    keys = _in_order(reference.cells)
     # The joints are sorted by the numbers in their names, if all of them are joints of one arm.
     key_of = {joints[key]: key for key in keys if key in joints}
     arms = list(arms_in(list(key_of)).values())
@@ -290,12 +278,12 @@ def _align(
     )
 
 
-def _sorted_keys(cells: Mapping[JointKey, int]) -> list[JointKey]:
+def _in_order(cells: Mapping[JointKey, int]) -> list[JointKey]:
     return sorted(cells, key=lambda key: (isinstance(key, str), key if isinstance(key, int) else 0))
 
 
 def _joints_text(cells: Mapping[JointKey, int]) -> str:
-    keys = [str(key + 1) if isinstance(key, int) else key for key in _sorted_keys(cells)]
+    keys = [str(key + 1) if isinstance(key, int) else key for key in _in_order(cells)]
     if len(keys) > _SHOWN_JOINTS:
         return f"{len(keys)} joints, more than an arm has: is the table transposed?"
     return f"{len(keys)} joint{'s' * (len(keys) != 1)}: {', '.join(keys)}"

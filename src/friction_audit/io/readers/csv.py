@@ -14,7 +14,7 @@ from friction_audit.errors import InputError
 from friction_audit.io.readers.channel_names import is_label, labels_of
 from friction_audit.io.readers.columns import ColumnMap
 from friction_audit.io.readers.csv_lines import Dialect, recognises, sniff_csv, split_line, value_of
-from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, ReadOptions, Topic, refuse_too_large
+from friction_audit.io.readers.reader import BY_NUMBER, IN_BLOCKS_BYTES, ReadOptions, Topic, refuse_too_large
 from friction_audit.io.readers.table import Part, Table, part_in_blocks, read_table
 from friction_audit.io.readers.time_column import Clock, TimeColumn, stamps_of, to_clock
 from friction_audit.io.recording import Recording, WholeLogError
@@ -35,10 +35,7 @@ def read(path: Path, options: ReadOptions) -> Recording:
     """Read a text table."""
     dialect = sniff_csv(path)
     if not dialect.has_header and not options.mapping:
-        raise InputError(
-            f"{path}: no header: line 1 holds {dialect.width} numbers; expected names of columns; say which column is "
-            "what by its number, e.g. --map t=#1 --map q=#2-#8 --map dq=#9-#15 --map tau_J=#16-#22"
-        )
+        raise InputError(f"{path}: no header: line 1 holds {dialect.width} numbers; {BY_NUMBER}")
     table = CsvTable(dialect)
     recording = read_table(table, options)
     return _check_libfranka(recording, path, options) if table.is_libfranka else recording
@@ -136,9 +133,7 @@ class CsvTable(Table):
         for number, raw in enumerate(block.decode(errors="replace").split("\n"), start=line):
             text = raw.strip("\r")
             if "\r" in text:
-                raise InputError(
-                    f"{self.path}: line {number} has a carriage return within it; expected none there; repair the line"
-                )
+                raise InputError(f"{self.path}: line {number} has a carriage return within; expected none; repair it")
             fields = split_line(text, dialect.separator) if text.strip() else ()
             if fields and len(fields) != dialect.width:
                 raise InputError(
@@ -166,10 +161,8 @@ class CsvTable(Table):
     def _refuse_moving_label(self, words: NDArray[Any], label: str, line: int) -> None:
         for row in np.flatnonzero(words != label):
             if words[row].strip() != label:
-                raise InputError(
-                    f"{self.path}: line {line + row}: joint {words[row]!r} where the first line has {label!r}; the "
-                    "order of the joints changes; expected one order in the whole table; sort the columns by joint"
-                )
+                where = f"{self.path}: line {line + row}: joint {words[row]!r} where the first line has {label!r}"
+                raise InputError(f"{where}; expected one order of the joints; sort the columns by joint")
 
     def _dated(self, columns: Block, time: TimeColumn) -> Block:
         """Return the rows with dates, which become nanoseconds since 1970; not those beyond what these can hold."""
@@ -277,10 +270,8 @@ def _check_libfranka(recording: Recording, path: Path, options: ReadOptions) -> 
     """Apply what is known of libfranka's logToCSV: its ring buffer, its first row, the robot of the old header."""
     rows, duration_s = len(recording.t), float(recording.t[-1])
     if rows <= _EXCEPTION_LOG_ROWS and duration_s < _EXCEPTION_LOG_S and not options.allow_short:
-        raise InputError(
-            f"{path}: {rows} rows, {duration_s:.2f} s: looks like a libfranka exception log (50 rows, of a motion that "
-            "failed); expected several movements; log the state continuously, or read it with --allow-short"
-        )
+        what = f"{rows} rows, {duration_s:.2f} s: looks like a libfranka exception log; expected several movements"
+        raise InputError(f"{path}: {what}; log the state continuously, or read it with --allow-short")
     if recording.mapping["q"] == "q[{i}]" and recording.robot == "unknown":  # the header of libfranka <= 0.9.0
         recording = replace(recording, robot="panda")
     is_start = rows > 1 and recording.first_s is None

@@ -178,9 +178,7 @@ def sniff_csv(path: Path) -> Dialect:
         names = names if has_header else tuple(f"#{column}" for column in range(1, len(fields) + 1))
     rows = tuple(split_line(text, separator) for text in texts[first : first + _LOOK] if text.strip())
     if not rows:
-        raise InputError(
-            f"{path}: 0 samples; the table has a header ({len(names)} columns) and no rows; record the arm in motion"
-        )
+        raise InputError(f"{path}: 0 samples: a header of {len(names)} columns and no rows; record the arm in motion")
     return Dialect(
         path=path,
         separator=separator,
@@ -239,7 +237,5 @@ def _width(path: Path, names: tuple[str, ...], rows: tuple[tuple[str, ...], ...]
     width = len(rows[0])
     trailing = rows[0][-1].strip() == "" if width == len(names) + 1 else names[-1].strip() == ""
     if width != len(names) and not (abs(width - len(names)) == 1 and trailing) and len(rows) > 1:
-        raise InputError(
-            f"{path}: line {line} has {width} fields; expected {len(names)} as in the header; repair the header"
-        )
+        raise InputError(f"{path}: line {line} has {width} fields; expected {len(names)} as in the header; repair it")
     return width if len(rows) > 1 else len(names)

@@ -21,7 +21,12 @@ def join_recordings(parts: Sequence[tuple[Path, Recording]], mapping: Mapping[st
     Linear interpolation (``numpy.interp``) at the stamps of the first file, without extrapolation.
     """
     (first_path, joined), *others = parts
-    _refuse_unused(parts, mapping)
+    stems = {channel: name.rpartition(":")[0] or name for channel, name in mapping.items()}
+    held = {c: any(part.mapping.get(c, "").startswith(stem) for _, part in parts) for c, stem in stems.items()}
+    if not all(held.values()):
+        unused = " ".join(f"--map {c}={mapping[c]}" for c, is_held in held.items() if not is_held)
+        names = ", ".join(str(path) for path, _ in parts)
+        raise InputError(f"{names}: no column for {unused} in any of these files; correct it")
     low, high = -inf, inf
     for path, other in others:
         stamps = _on_clock_of(first_path, joined, path, other)
@@ -30,9 +35,8 @@ def join_recordings(parts: Sequence[tuple[Path, Recording]], mapping: Mapping[st
         if not ((joined.t >= low) & (joined.t <= high)).any():
             raise InputError(
                 f"{path}: its clock runs from {start:.6g} to {stop:.6g} s, that of {first_path} from "
-                f"{np.nanmin(joined.t):.6g} to {np.nanmax(joined.t):.6g} s (from the first sample of "
-                f"{first_path.name}); expected clocks that overlap; name the common clock with --map t=NAME, or join "
-                "files of one recording"
+                f"{np.nanmin(joined.t):.6g} to {np.nanmax(joined.t):.6g} s (from its first sample); expected clocks "
+                "that overlap; name the common clock with --map t=NAME, or join files of one recording"
             )
         joined = _with_channels(first_path, joined, path, other, stamps)
     _refuse_lacks(parts, joined)
@@ -64,26 +68,12 @@ def _refuse_lacks(parts: Sequence[tuple[Path, Recording]], joined: Recording) ->
         )
 
 
-def _refuse_unused(parts: Sequence[tuple[Path, Recording]], mapping: Mapping[str, str]) -> None:
-    """Refuse what ``--map`` names and no file has."""
-    unused = []
-    for channel, name in mapping.items():
-        stem = name.rpartition(":")[0] or name
-        if not any(part.mapping.get(channel, "").startswith(stem) for _, part in parts):
-            unused.append(f"no column for --map {channel}={name}")
-    if unused:
-        names = ", ".join(str(path) for path, _ in parts)
-        raise InputError(f"{names}: {' and '.join(unused)} in any of these files; correct it")
-
-
 def _on_clock_of(first_path: Path, first: Recording, path: Path, other: Recording) -> Float:
     """Return the stamps of another file on the clock of the first."""
     if (first.start_s is None) != (other.start_s is None):
         dated, plain = (first_path, path) if first.start_s is not None else (path, first_path)
-        raise InputError(
-            f"{path}: cannot be joined: the clock of {dated} says the date, that of {plain} does not; expected one "
-            "clock in both files; name it with --map t=NAME, or bring the stamps of one file to the clock of the other"
-        )
+        what = f"the clock of {dated} says the date, that of {plain} does not; expected one clock in both files"
+        raise InputError(f"{path}: cannot be joined: {what}; name it with --map t=NAME, or convert the stamps of one")
     # A unit is guessed from the step, for logs of 5 Hz and more: that of a slow one, such as a temperature, is wrong.
     scale = UNITS[other.guessed_unit] / UNITS[first.guessed_unit] if other.guessed_unit and first.guessed_unit else 1.0
     return scale * other.t + (scale * other.origin_s - first.origin_s)
@@ -93,8 +83,8 @@ def _with_channels(first_path: Path, first: Recording, path: Path, other: Record
     new = [channel for channel in other.channels if channel not in first.channels]
     if not new:
         raise InputError(
-            f"{path}: has {', '.join(other.channels)}, which {first_path} has too; expected channels that it lacks; "
-            f"name other columns with --map, or leave out --join {path}"
+            f"{path}: has {', '.join(other.channels)}, as {first_path}; expected channels that it lacks; name them "
+            f"with --map, or leave out --join {path}"
         )
     order = _joints_in_order(first_path, first, path, other)
     rows = np.argsort(stamps, kind="stable")

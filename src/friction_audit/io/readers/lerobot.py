@@ -44,12 +44,8 @@ def read(path: Path, options: ReadOptions) -> Recording:
     episodes = _episodes(path)
     wanted, _, arm = (options.topic or "").partition("#")
     if not wanted and len(episodes) > 1:
-        first, last = next(iter(episodes)), next(reversed(episodes))
-        raise SeveralLogsError(
-            f"{path}: {len(episodes)} episodes in one data set; choose one with --topic {first} ... --topic {last}, or "
-            "take all with batch-report",
-            list(episodes),
-        )
+        what = f"{len(episodes)} episodes in one data set; choose one with --topic {next(iter(episodes))}"
+        raise SeveralLogsError(f"{path}: {what}, or take all with batch-report", list(episodes))
     name = wanted or next(iter(episodes))
     if name not in episodes:
         raise InputError(f"{path}: no episode {name!r}; it has {', '.join([*episodes][:5])} ... ({len(episodes)})")
@@ -104,9 +100,7 @@ def _features(path: Path) -> dict[str, Any]:
         features = json.loads((path / DATA_SET).read_text(encoding="utf-8"))["features"]
         return {name: one for name, one in features.items() if isinstance(one, dict)}
     except (ValueError, LookupError, AttributeError, TypeError, RecursionError) as error:
-        raise InputError(
-            f"{path}: {DATA_SET} does not hold the features of a LeRobot data set ({error}); copy the data set again"
-        ) from error
+        raise InputError(f"{path}: {DATA_SET} holds no features of a data set ({error}); copy it again") from error
 
 
 def _episodes(path: Path) -> dict[str, tuple[Path, int]]:
@@ -120,9 +114,7 @@ def _episodes(path: Path) -> dict[str, tuple[Path, int]]:
                 counted = zip(*np.unique(index, return_counts=True), strict=True)
                 found |= {int(number): (file, int(count)) for number, count in counted}
     if not any(frames for _, frames in found.values()):
-        raise InputError(
-            f"{path}: a LeRobot data set with 0 frames; expected episodes in data/*/*.parquet; fetch or record them"
-        )
+        raise InputError(f"{path}: 0 frames; expected episodes in data/*/*.parquet; fetch or record them")
     return {f"episode_{number:06d}": found[number] for number in sorted(found)}
 
 

@@ -113,9 +113,7 @@ def _flat(values: Mapping[str, Any], head: str) -> Iterator[tuple[str, NDArray[A
 
 def _from_hdf5(path: Path) -> Iterator[tuple[str, NDArray[Any]]]:
     if find_spec("h5py") is None:
-        raise InputError(
-            f"{path}: MATLAB version 7.3 needs h5py: pip install 'friction-audit[hdf5]' (or save it with '-v7')"
-        )
+        raise InputError(f"{path}: MATLAB 7.3 needs h5py: pip install 'friction-audit[hdf5]' (or save it with '-v7')")
     import h5py
 
     with h5py.File(path) as file:

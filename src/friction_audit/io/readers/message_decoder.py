@@ -1,7 +1,4 @@
-"""Decoders of messages: ROS through rosbags or by where each number lies, JSON, protobuf by mcap-protobuf-support.
-
-The definition of a ROS message is from the file, from the standard set, or one of the known franka_msgs generations.
-"""
+"""Decoders of messages: ROS through rosbags or by where each number lies, JSON, protobuf by mcap-protobuf-support."""
 
 import json
 import struct
@@ -23,7 +20,7 @@ _FRANKA_GENERATIONS = ("FrankaRobotState_nested", "FrankaState_flat", "FrankaSta
 _FRANKA_TYPES = ("franka_msgs/msg/FrankaState", "franka_msgs/msg/FrankaRobotState")
 _ERRORS = ("Errors_36", "Errors_41")  # which have so many flags
 _DEEPEST, _MOST_FIELDS = 64, 100_000  # the largest state message, FrankaRobotState, has some 200 fields in five levels
-_STAMP_TYPES = ("builtin_interfaces/msg/Time",)
+_STAMP = "builtin_interfaces/msg/Time"
 # Node types of rosbags; 1 is a base type, 4 a sequence, whose length lies before it.
 _MESSAGE, _ARRAY = 2, 3
 _CDR_HEADER_BYTES = 4
@@ -114,20 +111,18 @@ def _ros_decoder(connection: Connection, types: Types) -> MessageDecoder:
     encoding, name = connection.encoding, connection.type
 
     @cache
-    def store() -> Any:  # noqa: ANN401 - of rosbags, generated when it is first needed
+    def reader() -> Callable[[bytes, str], object]:  # generated when it is first needed
         made = get_typestore(Stores.EMPTY)
         made.register(types)
-        return made
-
-    def decode(payload: bytes) -> object:
-        return (store().deserialize_cdr if encoding == "cdr" else store().deserialize_ros1)(payload, name)
+        return made.deserialize_cdr if encoding == "cdr" else made.deserialize_ros1
 
     try:
         paths = tuple(_ros_paths(name, types))
     except KeyError as error:
         raise BrokenError(f"its definition does not say what {error} is") from error
     layout = partial(find_layout, typename=name, types=types, encoding=encoding)
-    return MessageDecoder(paths, decode, (SerdeError, TypesysError, KeyError), layout)  # KeyError: of an unknown type
+    errors = (SerdeError, TypesysError, KeyError)  # the last of an unknown type
+    return MessageDecoder(paths, lambda payload: reader()(payload, name), errors, layout)
 
 
 def _protobuf_decoder(connection: Connection) -> MessageDecoder:
@@ -138,9 +133,8 @@ def _protobuf_decoder(connection: Connection) -> MessageDecoder:
     from mcap_protobuf.decoder import DecoderFactory
 
     language, content = connection.definition
-    schema = Schema(id=1, name=connection.type, encoding=language, data=content)
     try:
-        decode = DecoderFactory().decoder_for("protobuf", schema)
+        decode = DecoderFactory().decoder_for("protobuf", Schema(1, content, language, connection.type))
     except (McapError, DecodeError, TypeError, KeyError) as error:
         raise BrokenError(f"its protobuf descriptors cannot be used ({error})") from error
     if decode is None:
@@ -157,11 +151,11 @@ def _find_definition(connection: Connection, payloads: Iterable[bytes]) -> Types
     standard = get_typestore(Stores.ROS1_NOETIC if connection.encoding == "ros1" else Stores.ROS2_HUMBLE).fielddefs
     if connection.type in standard:
         return standard
-    for payload in payloads if connection.type in _FRANKA_TYPES else ():
-        for types in _franka_definitions(connection.type):  # the generation whose layout has the payload's length
-            known = {**standard, **types}
+    if connection.type in _FRANKA_TYPES:  # the generation whose layout has the payload's length
+        for payload, generation, errors in product(payloads, _FRANKA_GENERATIONS, _ERRORS):
+            own = franka_types((errors, "CollisionIndicators", "Elbow", generation), connection.type)
             with suppress(BrokenError):
-                find_layout(payload, connection.type, known, encoding=connection.encoding)
+                find_layout(payload, connection.type, known := {**standard, **own}, encoding=connection.encoding)
                 return known
     return None
 
@@ -203,11 +197,6 @@ def _count_fields(typename: str, types: Types, above: tuple[str, ...] = ()) -> i
     return count
 
 
-def _franka_definitions(typename: str) -> Iterator[Types]:
-    for generation, errors in product(_FRANKA_GENERATIONS, _ERRORS):
-        yield franka_types((errors, "CollisionIndicators", "Elbow", generation), typename)
-
-
 def franka_types(names: Sequence[str], own: str) -> Types:
     """Return the types in some files of franka_msgs/, which are called as the types are; the last one is ``own``."""
     from importlib.resources import files
@@ -225,7 +214,7 @@ def franka_types(names: Sequence[str], own: str) -> Types:
 def _ros_paths(typename: str, types: Types, prefix: str = "") -> Iterator[str]:
     for name, description in types[typename][1]:
         path, (is_message, detail, length) = prefix + name, _element_of(description)
-        if not is_message or (length is None and detail in _STAMP_TYPES):
+        if not is_message or (length is None and detail == _STAMP):
             yield path
         elif not prefix:
             yield from _ros_paths(detail, types, f"{path}." if length is None else f"{path}[].")
@@ -301,12 +290,11 @@ class _Walk:
         if base not in _NUMBER_TYPES:
             raise BrokenError(f"{path} is of type {base}")
         width = np.dtype(_NUMBER_TYPES[base]).itemsize
-        if count:
-            self.align(width)
-        if self.position + count * width > len(self.payload):
-            raise BrokenError(f"{path} ends after the payload")
+        self.align(width if count else 1)
         self.numbers[path] = Leaf(self.position, _NUMBER_TYPES[base], count)
         self.position += count * width
+        if self.position > len(self.payload):
+            raise BrokenError(f"{path} ends after the payload")
 
     def deciding(self, size: int) -> bytes:
         """Return bytes that decide the layout."""

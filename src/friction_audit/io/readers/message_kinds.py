@@ -1,8 +1,4 @@
-"""Which message fields are which channel, the values of one message, and which topic and which arm on it to read.
-
-A definition is matched by the names of its fields, not by its type's name: any message that has a position and a torque
-is readable.
-"""
+"""Which message fields are which channel, by their names; the values of a message; which topic and arm to read."""
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -20,7 +16,6 @@ from friction_audit.io.readers.channel_names import (
     arms_in,
     choose_arm,
     namespace,
-    numbered_joints,
     parse_name,
     ranks,
 )
@@ -106,12 +101,9 @@ def _row_of(message: object, kind: MessageKind) -> Row:
         stamp = _nanoseconds(robot_time)
         robot_time = float(robot_time) if stamp is None else stamp / 1e9
     stamps = (_nanoseconds(_value_at(message, path)) for path in kind.stamps)
-    return Row(
-        names or numbered_joints(max(map(len, channels.values()), default=0)),
-        channels,
-        next((stamp for stamp in stamps if stamp is not None), None),
-        robot_time,
-    )
+    if not names:
+        names = tuple(f"joint{k + 1}" for k in range(max(map(len, channels.values()), default=0)))
+    return Row(names, channels, next((stamp for stamp in stamps if stamp is not None), None), robot_time)
 
 
 def _value_at(message: object, path: str | None) -> Any:  # noqa: ANN401
@@ -123,28 +115,23 @@ def _value_at(message: object, path: str | None) -> Any:  # noqa: ANN401
     head, entries, inner = path.partition("[].")
     value: Any = message
     for name in head.split("."):
-        value = value.get(name) if isinstance(value, Mapping) else _attribute(value, name)
+        if isinstance(value, Mapping):
+            value = value.get(name)
+        else:  # an optional protobuf field that was not set is None, not its default
+            field = value.DESCRIPTOR.fields_by_name.get(name) if hasattr(value, "DESCRIPTOR") else None
+            is_unset = field is not None and field.has_presence and not value.HasField(name)
+            value = None if is_unset else getattr(value, name, None)
         if value is None:
             return None
     return [_value_at(entry, inner) for entry in value] if entries else value
-
-
-def _attribute(message: object, name: str) -> object | None:
-    """Return an attribute; an optional protobuf field that was not set is None, not its default."""
-    descriptor = getattr(message, "DESCRIPTOR", None)
-    if descriptor is not None:
-        field = descriptor.fields_by_name.get(name)
-        if field is None or (field.has_presence and not message.HasField(name)):  # type: ignore[attr-defined]
-            return None
-    return getattr(message, name, None)
 
 
 def _numbers(values: Any) -> Float:  # noqa: ANN401
     if isinstance(values, np.ndarray):
         return values.astype(np.float64)
     entries = list(values) if isinstance(values, Iterable) else [values]
-    numbers = [np.nan if value is None else float(value) for value in entries]
-    return np.array(numbers if any(value is not None for value in entries) else [], np.float64)
+    is_empty = all(value is None for value in entries)
+    return np.array([] if is_empty else [np.nan if value is None else float(value) for value in entries], np.float64)
 
 
 def _nanoseconds(stamp: object) -> int | None:
@@ -162,7 +149,7 @@ _EXPECTED = "expected fields q, dq and tau_J, or position, velocity and effort"
 _NOT_MEASURED = re.compile(r"desired|command|target|goal|motor_state|external")
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+@dataclass(frozen=True, eq=False, slots=True)
 class Candidate:
     """A topic whose messages can be read as joint states."""
 

@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.io.readers.channel_names import numbered_joints
 from friction_audit.io.readers.columns import MOST_JOINTS
 from friction_audit.io.readers.message_decoder import Layout, Records
 from friction_audit.io.readers.message_kinds import Candidate, Row, rows_of
@@ -21,8 +20,7 @@ _NANOSECONDS = 10**9
 _CLOCKS = {"robot_time": 1.0, "header_stamp": 1e9, "log_time": 1e9}
 _SMALLEST_CAPACITY = 1024
 
-Times = Mapping[str, NDArray[Any]]
-"""Clock -> its reading in each message, nanoseconds as integers; a clock that some messages lack is not there."""
+Times = Mapping[str, NDArray[Any]]  # clock that all messages have -> its readings, nanoseconds as integers
 
 
 class Piece(NamedTuple):
@@ -103,7 +101,7 @@ class JointDecoder:
         names = layout.strings.get(kind.names, ()) if kind.names else ()
         if not any(names):
             counts = [layout.numbers[path].count for path in kind.fields.values() if path in layout.numbers]
-            names = numbered_joints(max(counts))
+            names = tuple(f"joint{k + 1}" for k in range(max(counts)))
         columns, fields = _columns_of(names, self.joints), {name: records[kind.fields[name]] for name in self._channels}
         if (columns < 0).any() or any(field.shape[1] != len(names) for field in fields.values()):
             return None
@@ -133,12 +131,9 @@ class JointDecoder:
                 values = row.channels.get(name, np.empty(0))
                 there = (columns >= 0) & (columns < len(values))
                 array[there, at] = values[columns[there]]
-        own: dict[str, list[Any]] = {
-            "header_stamp": [row.stamp for _, row, _ in found],
-            "robot_time": [row.robot_time for _, row, _ in found],
-        }
-        times = {name: np.array(readings) for name, readings in own.items() if None not in readings}
-        times["log_time"] = np.array([log_time for log_time, *_ in found], np.int64)
+        stamps, readings = [row.stamp for _, row, _ in found], [row.robot_time for _, row, _ in found]
+        own = {"header_stamp": stamps, "robot_time": readings, "log_time": [log_time for log_time, *_ in found]}
+        times = {name: np.array(values) for name, values in own.items() if None not in values}
         return Piece(times, {name: list(array) for name, array in arrays.items()})
 
 
@@ -150,9 +145,7 @@ def _columns_of(names: tuple[str, ...], joints: tuple[str, ...]) -> NDArray[np.i
 
 
 _FIRST_UNIX_TIME_S = 1e9  # September 2001: below it, a clock counts from something else than 1970
-_DISAGREEMENT_SD_S = 5e-3
-_DISAGREEMENT_STEPS = 2.0
-_DISAGREEMENT_DRIFT = 2e-4
+_DISAGREEMENT_SD_S, _DISAGREEMENT_STEPS, _DISAGREEMENT_DRIFT = 5e-3, 2.0, 2e-4
 _ROBOT_TIME_UNITS = ((1e3, "milliseconds"), (1e6, "microseconds"), (1e9, "nanoseconds"))
 _UNIT_TOLERANCE = 0.2
 _TITLES = {"robot_time": "the robot's own time", "header_stamp": "the header stamp", "log_time": "the log time"}
@@ -213,11 +206,11 @@ def _disagreement(t: Float, log_t: Float, chosen: str) -> list[Finding]:
     drift = float(centred @ difference / (centred @ centred))
     sd_s = float(np.std(difference - drift * centred))
     limit_s = max(_DISAGREEMENT_SD_S, _DISAGREEMENT_STEPS * float(t.max()) / (len(t) - 1))
-    texts = {}
+    code, used, found = "clock_disagreement", f"{chosen} was used", list[Finding]()
     if sd_s > limit_s:
-        texts[f"{_TITLES[chosen]} and the log time differ irregularly, standard deviation {sd_s * 1e3:.3g} ms"] = sd_s
+        text = f"{_TITLES[chosen]} and the log time differ irregularly, standard deviation {sd_s * 1e3:.3g} ms"
+        found.append(Finding(code, f"{text}; {used}", amount=sd_s))
     if abs(drift) > _DISAGREEMENT_DRIFT and abs(drift) * t.max() > limit_s:
-        texts[f"the log time runs {drift * 100:+.3g} % against {_TITLES[chosen]}"] = drift
-    return [
-        Finding("clock_disagreement", f"{text}; {chosen} was used", amount=amount) for text, amount in texts.items()
-    ]
+        text = f"the log time runs {drift * 100:+.3g} % against {_TITLES[chosen]}"
+        found.append(Finding(code, f"{text}; {used}", amount=drift))
+    return found

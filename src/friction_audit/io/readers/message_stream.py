@@ -55,17 +55,14 @@ def unpack(compression: str, packed: bytes, claimed: int, *, cut: bool = False) 
 
 def _decompress(compression: str, packed: bytes, limit: int) -> bytes:
     """Decompress as far as it goes, up to one byte more than the limit."""
-    if compression == "bz2":
-        return BZ2Decompressor().decompress(packed, max_length=limit + 1)
-    if compression == "lz4":
-        from lz4.frame import LZ4FrameDecompressor  # type: ignore[import-untyped]
-
-        data: bytes = LZ4FrameDecompressor().decompress(packed, max_length=limit + 1)
-        return data
-    if compression != "zstd":
-        raise ValueError(f"unknown compression {compression!r}")
+    from lz4.frame import LZ4FrameDecompressor  # type: ignore[import-untyped]
     from zstandard import ZstdDecompressor, ZstdError, frame_content_size
 
+    if compression != "zstd":
+        if compression not in ("bz2", "lz4"):
+            raise ValueError(f"unknown compression {compression!r}")
+        made = BZ2Decompressor() if compression == "bz2" else LZ4FrameDecompressor()
+        return bytes(made.decompress(packed, max_length=limit + 1))
     with suppress(ZstdError):  # the stream says what is wrong; it reads cut frames too, and takes 1.3 times as long
         if frame_content_size(packed) == limit:
             return ZstdDecompressor().decompress(packed, max_output_size=limit)
@@ -180,10 +177,8 @@ class MessageStream(AbstractContextManager["MessageStream"]):
     def _refuse_without(self, found: Collection[object], first: str) -> None:
         """Refuse a damaged file in which nothing was found."""
         if self._damage and not found:
-            raise InputError(
-                f"{self._path}: breaks off at byte {min(map(int, self._damage))} of {self._bytes} before the first "
-                f"whole {first}; copy it again or record again"
-            )
+            where = f"byte {min(map(int, self._damage))} of {self._bytes}"
+            raise InputError(f"{self._path}: breaks off at {where} before the first whole {first}; copy it again")
 
     def _unpack(self, offset: int, compression: str, packed: bytes, claimed: int, *, cut: bool) -> bytes | None:
         """Return the records of the chunk at an offset, None if they cannot be decompressed."""
@@ -209,10 +204,8 @@ class BlockCollector:
 
     def __init__(self, data: bytes, keys: Collection[int] | None) -> None:
         """Keep the chunk's records, and the keys of the connections wanted, None for all."""
-        self.blocks: list[Block] = []
-        self._data, self._keys = data, keys
+        self._data, self._keys, self._alternating, self._blocks = data, keys, False, list[Block]()
         self._mixed = defaultdict[int, list[tuple[int, int, int]]](list)
-        self._alternating = False
 
     def add(self, key: int, time: int, start: int, size: int, heads: Heads) -> int:
         """Add a message, or the run that begins with it; returns how many bytes were taken."""
@@ -229,7 +222,7 @@ class BlockCollector:
         if wanted:
             log_time = heads.in_ns(np.ascontiguousarray(rows[:run, heads.clock : heads.clock + 8]))
             starts = start + stride * np.arange(run, dtype=np.int64)
-            self.blocks.append(Block(key, log_time, self._data, starts, np.full(run, size, np.int64)))
+            self._blocks.append(Block(key, log_time, self._data, starts, np.full(run, size, np.int64)))
         self._alternating = run < _SHORTEST_RUN
         return run * stride
 
@@ -237,11 +230,11 @@ class BlockCollector:
         """Return all blocks."""
         for key, entries in self._mixed.items():
             start, size, log_time = np.array(entries, np.int64).T
-            self.blocks.append(Block(key, log_time, self._data, start, size))
-        return self.blocks
+            self._blocks.append(Block(key, log_time, self._data, start, size))
+        return self._blocks
 
 
-def block_of_payloads(key: int, log_time: Sequence[int], payloads: Sequence[bytes]) -> Block:
+def one_block(key: int, log_time: Sequence[int], payloads: Sequence[bytes]) -> Block:
     """Join separate payloads into one block."""
     size = np.fromiter(map(len, payloads), np.int64, len(payloads))
     start = np.concatenate(([0], np.cumsum(size)[:-1])).astype(np.int64)
@@ -254,10 +247,8 @@ def open_log(path: Path, magic: bytes = b"", what: str = "") -> Iterator[BinaryI
     try:
         with path.open("rb") as file:
             if (found := file.read(len(magic))) != magic:
-                raise InputError(
-                    f"{path}: {f'does not begin as {what}' if found else 'is empty'}; expected the bytes "
-                    f"{magic!r}; check the file's type and that it was copied whole"
-                )
+                how = f"does not begin as {what}" if found else "is empty"
+                raise InputError(f"{path}: {how}; expected the bytes {magic!r}; copy the whole file again")
             yield file
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}; check the path and its permissions") from error

@@ -5,28 +5,20 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import replace
-from difflib import get_close_matches
 from functools import partial
 from itertools import chain, islice
 from pathlib import Path
 
 import numpy as np
 
-from friction_audit.errors import InputError
+from friction_audit.errors import InputError, near_misses
 from friction_audit.io.files import stamp_of
 from friction_audit.io.readers.channel_names import robot_of
 from friction_audit.io.readers.columns import MOST_JOINTS
 from friction_audit.io.readers.message_decoder import decoder_for
 from friction_audit.io.readers.message_kinds import Candidate, MessageKind, choose_topic, match_kind, rows_of
 from friction_audit.io.readers.message_samples import JointDecoder, JointSamples, MessageClock, choose_clock
-from friction_audit.io.readers.message_stream import (
-    Block,
-    BrokenError,
-    Connection,
-    MessageStream,
-    Window,
-    block_of_payloads,
-)
+from friction_audit.io.readers.message_stream import Block, BrokenError, Connection, MessageStream, Window, one_block
 from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, MARGIN_S, ReadOptions, Topic, refuse_too_large, serial_in
 from friction_audit.io.recording import Blocks, Recording
 from friction_audit.joint_log import Finding, Float, find_window
@@ -74,9 +66,7 @@ def _read(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
         decoder.undecodable = decoder.incomplete = 0
         missing = _missing(stream, chosen, _collect(stream, decoder, samples))
     if not samples.count:
-        raise InputError(
-            f"{path}: no message on topic {chosen.topic} can be decoded as {chosen.type}; choose another with --topic"
-        )
+        raise InputError(f"{path}: no message on {chosen.topic} can be decoded as {chosen.type}; choose another topic")
     clock = choose_clock(samples.times)
     t, channels = clock.t[skipped:], {name: array[skipped:] for name, array in samples.channels.items()}
     if not channels:
@@ -144,36 +134,28 @@ def _candidates(path: Path, stream: MessageStream, options: ReadOptions) -> list
     wanted = options.topic.partition("#")[0].strip("/") if options.topic else None
     # actual.velocities[{i}] names the array actual.velocities
     stated = {c: _UNIT.sub("", text).replace("[{i}]", "").replace(".{i}", "") for c, text in options.mapping.items()}
-    found = defaultdict[str, list[Candidate]](list)
-    refusals: list[InputError] = []
+    found, refusals = dict[str, Candidate](), list[InputError]()
     for connection in stream.connections:
         try:
-            if connection.messages and (candidate := _candidate(path, stream, connection, stated, wanted)):
-                found[connection.topic].append(candidate)
+            new = _candidate(path, stream, connection, stated, wanted) if connection.messages else None
         except InputError as error:
             refusals.append(error)
+            continue
+        if new and (old := found.setdefault(new.topic, new)) is not new and old.kind == new.kind:
+            decoders, rows = {**old.decoders, **new.decoders}, [*old.rows, *new.rows]
+            found[new.topic] = replace(old, messages=old.messages + new.messages, decoders=decoders, rows=rows)
     if refusals and (wanted is not None or not found):
         raise refusals[0]
-    return [_joined([one for one in group if one.kind == group[0].kind]) for group in found.values()]
-
-
-def _joined(group: Sequence[Candidate]) -> Candidate:
-    """Return the candidate of all connections of a topic."""
-    return replace(
-        group[0],
-        messages=sum(one.messages for one in group),
-        decoders={key: decoder for one in group for key, decoder in one.decoders.items()},
-        rows=[row for one in group for row in one.rows],
-    )
+    return list(found.values())
 
 
 def _candidate(
     path: Path, stream: MessageStream, connection: Connection, stated: Mapping[str, str], wanted: str | None
 ) -> Candidate | None:
     """Find out what a connection's messages hold, and decode the first ones; None if these are no joint states."""
-    topic, first = connection.topic, map(_first_block, [stream], [connection])  # read when it is asked for
+    topic, first = connection.topic, filter(None, map(_first_block, [stream], [connection]))  # read when it is needed
     try:
-        decoder = decoder_for(connection, (payload for block in first if block for payload in block.payloads()))
+        decoder = decoder_for(connection, (payload for block in first for payload in block.payloads()))
     except BrokenError as error:  # a broken definition matters only on the topic that the user asked for
         if topic.strip("/") != wanted:
             return None
@@ -188,13 +170,8 @@ def _candidate(
     rows = [row for row in rows_of(block, decoder, kind) if row]
     joints = max((len(row.names) for row in rows), default=0)
     if joints > MOST_JOINTS and is_wanted:
-        raise InputError(
-            f"{path}: {joints} joints on topic {topic}; expected at most {MOST_JOINTS}; choose another --topic"
-        )
-    decoders = {connection.key: decoder}
-    return Candidate(
-        topic=topic, type=connection.type, messages=connection.messages, kind=kind, decoders=decoders, rows=rows
-    )
+        raise InputError(f"{path}: {joints} joints on {topic}; expected at most {MOST_JOINTS}; choose another topic")
+    return Candidate(topic, connection.type, connection.messages, kind, {connection.key: decoder}, rows)
 
 
 def _first_block(stream: MessageStream, connection: Connection) -> Block | None:
@@ -202,17 +179,15 @@ def _first_block(stream: MessageStream, connection: Connection) -> Block | None:
     blocks = stream.blocks([connection.key])
     timed = (one for block in blocks for one in zip(block.log_time.tolist(), block.payloads(), strict=True))
     found = list(islice(timed, min(_SAMPLED_MESSAGES, connection.messages)))
-    return block_of_payloads(connection.key, *zip(*found, strict=True)) if found else None
+    return one_block(connection.key, *zip(*found, strict=True)) if found else None
 
 
 def _kind(path: Path, connection: Connection, paths: Sequence[str], stated: Mapping[str, str]) -> MessageKind | None:
     """Match the fields of a connection; what the user mapped wins, InputError if it does not have that."""
-    absent = [field for field in stated.values() if field not in paths]
-    if absent:
-        near = sorted({name for field in absent for name in get_close_matches(field, paths, cutoff=0.5)})
-        hint = f"; did you mean {', '.join(near)}?" if near else ""
+    if absent := [field for field in stated.values() if field not in paths]:
+        near = "".join(near_misses(field, paths) for field in absent)
         raise InputError(
-            f"{path}: topic {connection.topic}: no field {', '.join(absent)} in {connection.type}{hint}; "
+            f"{path}: topic {connection.topic}: no field {', '.join(absent)} in {connection.type}{near}; "
             f"its fields are {', '.join(paths)}; correct --map"
         )
     kind = match_kind(paths)
@@ -246,9 +221,9 @@ def _read_part(
     """
     chosen = decoder.chosen
     samples = JointSamples(len(decoder.joints), chosen.channels, 0)
-    for connection in stream.connections:
-        if connection.key in chosen.decoders and (first := _first_block(stream, connection)):
-            samples.add(decoder.of_messages(first))
+    own = [connection for connection in stream.connections if connection.key in chosen.decoders]
+    for first in filter(None, map(partial(_first_block, stream), own)):
+        samples.add(decoder.of_messages(first))
     skipped, decoder.undecodable = samples.count, 0
     if not skipped:
         return None

@@ -99,9 +99,7 @@ class NpzTable(ArrayTable):
 @contextmanager
 def _opened(path: Path) -> Iterator[zipfile.ZipFile]:
     if not starts_with(path, _ZIP_MAGIC):
-        raise InputError(
-            f"{path}: does not begin as a zip archive; expected one written by numpy.savez; save it again that way"
-        )
+        raise InputError(f"{path}: does not begin as a zip archive; expected one by numpy.savez; save it that way")
     try:
         with zipfile.ZipFile(path) as archive:
             yield archive
@@ -124,10 +122,8 @@ def _entries(archive: zipfile.ZipFile, path: Path) -> tuple[dict[str, Entry], tu
             damage.append(Finding("damaged_numbers", text, damaged=True))
             continue
         if entry.dtype.hasobject:
-            raise InputError(
-                f"{path}: array {name!r} is pickled, which could run foreign code when it is read; save plain arrays: "
-                "numpy.savez(file, **{name: numpy.asarray(values, dtype=float) for name, values in log.items()})"
-            )
+            what = f"array {name!r} is pickled, which could run foreign code"
+            raise InputError(f"{path}: {what}; save plain arrays of numbers with numpy.savez")
         if entry.shape:
             entries[name] = entry
     return entries, tuple(damage)

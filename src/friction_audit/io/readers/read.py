@@ -1,8 +1,4 @@
-"""Read a log of any format: the list of readers, the checks, and the hash of the content.
-
-A format is added by writing one file with ``read`` and ``topics``, and its line in READERS, with what its files begin
-with; without that, the file has ``recognises``.
-"""
+"""Read a log of any format: the list of readers, the checks, and the hash of the content."""
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -65,13 +61,16 @@ def read_log(path: str | Path, options: ReadOptions = _DEFAULT, listen: Listen =
 def _read_log(path: str | Path, options: ReadOptions, listen: Listen) -> JointLog:
     files = [(file := Path(name), _stamp(file), choose_reader(file)) for name in (path, *options.join)]
     at, parts, asked = files[0], list[tuple[Path, Recording]](), _asked(options)
+    own, arm = OneOfSeveral.of(asked) if options.join else asked, (options.topic or "").partition("#")[2]
     with ThreadPoolExecutor(max_workers=1, thread_name_prefix="sha256") as pool:
         # hashlib gives the lock away: this costs no time on a second core.
         digests = [pool.submit(sha256_of, file) for file, *_ in files] if options.hashed else []
         try:
             for at in files:
-                part = at[2].loaded.read(at[0], _own_options(asked, first=at is files[0]))
+                part = at[2].loaded.read(at[0], own)
                 parts.append((at[0], part.with_findings(_suffix_mismatch(at[0], at[2]))))
+                # The part of the log and the topic that are asked for are those of the first file.
+                own = replace(own, topic=f"#{arm}" if arm else None, t_start_s=None, t_end_s=None)
             at = files[0]
             recording = join_recordings(parts, asked.mapping) if options.join else parts[0][1]
             recording = _checked(recording, options, str(path), listen)
@@ -79,9 +78,7 @@ def _read_log(path: str | Path, options: ReadOptions, listen: Listen) -> JointLo
         except OSError as error:
             raise _unreadable(at[0], error) from error
         except MemoryError as error:
-            raise InputError(
-                f"{at[0]}: not enough memory to read a file of {at[1].size} bytes; {TAKE_A_PART}"
-            ) from error
+            raise InputError(f"{at[0]}: not enough memory for {at[1].size} bytes; {TAKE_A_PART}") from error
         except InputError as error:
             damage = (one for _, part in parts for one in part.findings if one.damaged)
             found = (_suffix_mismatch(at[0], at[2]), *damage)
@@ -100,15 +97,6 @@ def _read_log(path: str | Path, options: ReadOptions, listen: Listen) -> JointLo
 def _asked(options: ReadOptions) -> ReadOptions:
     """Return what is left for a reader to do: a velocity for ``--map dq=derivative`` is not looked for in a file."""
     return replace(options, mapping={c: name for c, name in options.mapping.items() if (c, name) != ("dq", DERIVATIVE)})
-
-
-def _own_options(options: ReadOptions, *, first: bool) -> ReadOptions:
-    """Return how one of several files is read: the parts and the topic are those of the first one."""
-    if not options.join:
-        return options
-    arm = (options.topic or "").partition("#")[2]
-    own = {} if first else {"topic": f"#{arm}" if arm else None, "t_start_s": None, "t_end_s": None}
-    return OneOfSeveral.of(options, **own)
 
 
 def log_from_frame(frame: Any, options: ReadOptions = _DEFAULT, *, name: str = "frame") -> JointLog:  # noqa: ANN401
@@ -210,9 +198,7 @@ def choose_reader(path: Path) -> Reader:
             return reader
     packed = next((name for magic, name in _PACKED.items() if starts_with(path, magic)), None)
     if packed is not None:
-        raise InputError(
-            f"{path}: packed with {packed}; expected a log that is not; unpack it with `{packed} -d {path}`"
-        )
+        raise InputError(f"{path}: packed with {packed}; expected one that is not; unpack with `{packed} -d {path}`")
     what = "of no known format"
     if path.is_dir():
         next(path.iterdir(), None)  # raises if it may not be looked into
@@ -253,9 +239,7 @@ def _suffix_mismatch(path: Path, reader: Reader) -> Finding | None:
     others = [other.name for other in READERS if other.is_named(path)]
     if reader.name in others or not others:
         return None
-    message = (
-        f"the name ends in {path.suffix}, as {others[0]} does, but the content is {reader.name}; it was read as that"
-    )
+    message = f"the name ends in {path.suffix}, as {others[0]} does; the content is {reader.name}, and was read as that"
     return Finding("suffix_mismatch", message)
 
 
@@ -263,10 +247,7 @@ def _growth(before: Stamp, after: Stamp) -> Finding | None:
     if before == after:
         return None
     how = f"{before.size} bytes before, {after.size} after" if before.size != after.size else "its size stayed"
-    message = (
-        f"the file changed while it was read ({how}); what was read may end early or be of two files; read it again "
-        "when the recording is finished"
-    )
+    message = f"the file changed while it was read ({how}), and may be cut or mixed; read it again when it is finished"
     return Finding("file_grew", message, amount=float(after.size - before.size), damaged=True)
 
 
@@ -275,23 +256,19 @@ def _convert_torque(recording: Recording, options: ReadOptions, path: str) -> Re
     factors = {name: values for name in _FACTORS if (values := getattr(options, name))}
     if not factors and not options.flip:
         return recording
-    joints = len(recording.joint_names)
+    joints, parts = len(recording.joint_names), list[str]()
     require_joints(options.flip, joints, f"{path}: --flip")
-    for name, values in factors.items():
-        if len(values) not in (1, joints):
-            option = name.replace("_", "-")
-            raise UsageError(
-                f"{path}: --{option}: {len(values)} numbers; expected one, or one for each of {joints} joints"
-            )
     channel = next(c for c in ("tau_J", *TORQUE_CHANNELS) if c in recording.channels)
     name = recording.mapping.get(channel, channel)
-    unit = torque_unit(name)
-    is_current = bool(options.torque_constant)
+    unit, is_current = torque_unit(name), bool(options.torque_constant)
     total = np.where(np.isin(np.arange(1, joints + 1), options.flip), -1.0, 1.0)
-    for values in factors.values():
+    for one, values in factors.items():
+        if len(values) not in (1, joints):
+            option = one.replace("_", "-")
+            raise UsageError(f"{path}: --{option}: {len(values)} numbers; expected one, or one per joint ({joints})")
         total = total * np.asarray(values)
+        parts.append(_FACTORS[one].format(", ".join(f"{value:g}" for value in values)))
     recording = recording.scaled(channel, total * (1e-3 if is_current and unit == "mA" else 1.0))
-    parts = [_FACTORS[one].format(", ".join(f"{value:g}" for value in values)) for one, values in factors.items()]
     parts += [f"-1 in joint {write_joint_numbers(options.flip)}"] if options.flip else []
     message = f"{channel} is {name} times {' times '.join(parts)}"
     if is_current:
@@ -309,11 +286,8 @@ def _doubt_current(recording: Recording) -> Finding | None:
         return None
     arm = PRESETS[names[0]].label if len(names) == 1 else "these arms"
     if kinds == {CURRENT} and "effort" in name.lower() and not recording.torque_unit:
-        message = (
-            f"{name}: the ROS driver of {arm} gives the motor current [A] as effort, unless it is set to torques; if "
-            "these are amperes, put :A after the names in --map tau_J"
-        )
-        return Finding("effort_is_current", message)
+        message = f"{name}: the ROS driver of {arm} gives the motor current [A] as effort, unless it is set to torques"
+        return Finding("effort_is_current", f"{message}; if it is in A, put :A after the names in --map tau_J")
     if kinds == {ESTIMATE}:
         message = f"{arm}: {name} is estimated from the motor current: its friction is that of motor, gear and joint"
         return Finding("torque_from_current", message)

@@ -21,6 +21,7 @@ _MAPPABLE = ("t", *JOINT_CHANNELS)
 _BOMB_BYTES, _BOMB_RATIO = 1 << 30, 100  # noise does not shrink to a hundredth when it is compressed
 _GIGABYTE = 1e9
 _GIT_LFS = b"version https://git-lfs.github.com/spec/"
+BY_NUMBER = "expected names; give numbers, e.g. --map t=#1 --map q=#2-#8 --map dq=#9-#15 --map tau_J=#16-#22"
 TAKE_A_PART = "read a part of it with --t-start and --t-end, for example --t-start 0 --t-end 600"
 
 
@@ -32,27 +33,21 @@ def refuse_too_large(path: Path, needed: int, packed: int) -> None:
     except (AttributeError, ValueError, OSError):  # Windows does not hand out more memory than it has
         return
     if needed > memory:
-        raise InputError(
-            f"{path}: its numbers take {needed / _GIGABYTE:.3g} GB, more than the {memory / _GIGABYTE:.3g} GB of "
-            f"memory here; {TAKE_A_PART}"
-        )
+        size = f"{needed / _GIGABYTE:.3g} GB, more than the {memory / _GIGABYTE:.3g} GB of memory here"
+        raise InputError(f"{path}: its numbers take {size}; {TAKE_A_PART}")
 
 
 def refuse_bomb(path: Path, unpacked: int, packed: int) -> None:
     """Refuse more content than a recording can be packed to, both in bytes."""
     if unpacked > max(_BOMB_BYTES, _BOMB_RATIO * packed):
-        raise InputError(
-            f"{path}: {unpacked / _GIGABYTE:.3g} GB packed into {packed / _GIGABYTE:.3g} GB; measured numbers do not "
-            "shrink to less than a hundredth; the file is damaged or no recording"
-        )
+        size = f"{unpacked / _GIGABYTE:.3g} GB packed into {packed / _GIGABYTE:.3g} GB"
+        raise InputError(f"{path}: {size}; expected at most {_BOMB_RATIO} times; the file is damaged or no recording")
 
 
 def refuse_lfs_pointer(path: Path) -> None:
     """Refuse a file that stands for one that Git has not fetched."""
     if starts_with(path, _GIT_LFS):
-        raise InputError(
-            f"{path}: a Git LFS pointer; expected the log that it stands for; fetch it with `git lfs pull`"
-        )
+        raise InputError(f"{path}: a Git LFS pointer; expected the log itself; fetch it with `git lfs pull`")
 
 
 def address_limit() -> float:

@@ -98,16 +98,19 @@ class Rosbag1Stream(MessageStream):
         """Walk over the file's records without reading the chunks' content; index records hold the counts."""
         while (offset := file.tell()) < self._bytes:
             try:
-                header, size = _read_header(file)
+                kind, header, size = _read_header(file)
                 start = file.tell()
-                self._survey_record(file, header, (offset, start), size)
+                self._survey_record(file, kind, header, (offset, start, size))
             except BrokenError as error:
                 self._note(offset, str(error))
                 return
             file.seek(start + size)
 
-    def _survey_record(self, file: BinaryIO, header: Mapping[str, bytes], place: tuple[int, int], size: int) -> None:
-        kind, left = _kind(header), self._bytes - place[1]
+    def _survey_record(
+        self, file: BinaryIO, kind: int, header: Mapping[str, bytes], place: tuple[int, int, int]
+    ) -> None:
+        record, start, size = place
+        left = self._bytes - start
         if kind == _BAG_HEADER and header.get("encryptor"):
             raise InputError(f"{self._path}: the bag is encrypted ({header['encryptor'].decode()}); decrypt it first")
         if kind == _CHUNK:  # the last one of a bag that was never closed has length 0, and may go on to the file's end
@@ -115,14 +118,14 @@ class Rosbag1Stream(MessageStream):
             packed = left if unfinished else size
             compression = header.get("compression", b"none").decode(errors="replace")
             claimed = bound_of(packed) if unfinished else _number(header, "size")
-            self._chunks.append(Chunk(*place, packed, compression, claimed, unfinished))
+            self._chunks.append(Chunk(record, start, packed, compression, claimed, unfinished))
             self._uncounted += 1
             if unfinished:
                 raise BrokenError("the last chunk has no end")
         elif size > left:
             raise BrokenError("a record is cut off")
         elif kind == _CONNECTION:
-            self._learn(header, file.read(size))
+            self._learn(kind, header, file.read(size))
         elif kind == _INDEX:
             self._counts[_number(header, "conn")] += _number(header, "count")
             self._uncounted = 0
@@ -141,14 +144,14 @@ class Rosbag1Stream(MessageStream):
                 if heads is None or match is None:  # no message, or a message whose head looks different
                     stream = BytesIO(data)
                     stream.seek(position)
-                    header, size = _read_header(stream)
+                    kind, header, size = _read_header(stream)
                     start = stream.tell()
                     if start + size > len(data):
                         raise BrokenError("a record in a chunk is cut off or broken")  # noqa: TRY301
-                    if _kind(header) == _MESSAGE:
+                    if kind == _MESSAGE:
                         heads = _heads_like(data[position:start])
                     else:
-                        self._learn(header, data[start : start + size])
+                        self._learn(kind, header, data[start : start + size])
                         position = start + size
                     continue
                 key, sec, nsec, size = struct.unpack("<4I", match["conn"] + match["time"] + match["length"])
@@ -160,15 +163,15 @@ class Rosbag1Stream(MessageStream):
                 self._note(chunk.offset, str(error))
         return collector.finish()
 
-    def _learn(self, header: Mapping[str, bytes], data: bytes) -> None:
+    def _learn(self, kind: int, header: Mapping[str, bytes], data: bytes) -> None:
         """Note a connection; the definition of one that is in several places is that of the file's own record."""
-        if _kind(header) == _CONNECTION and "topic" in header:
-            described, _ = _read_header(BytesIO(_LENGTH.pack(len(data)) + data + bytes(_LENGTH.size)))
+        if kind == _CONNECTION and "topic" in header:
+            _, described, _ = _read_header(BytesIO(_LENGTH.pack(len(data)) + data + bytes(_LENGTH.size)))
             self._connections.setdefault(_number(header, "conn"), described | {"topic": header["topic"]})
 
 
-def _read_header(file: BinaryIO) -> tuple[dict[str, bytes], int]:
-    """Read a record up to its data; returns the header's fields and the length of the data."""
+def _read_header(file: BinaryIO) -> tuple[int, dict[str, bytes], int]:
+    """Read a record up to its data; returns its kind, the header's fields and the length of the data."""
     from rosbags.rosbag1.reader import Header, ReaderError
 
     try:
@@ -177,13 +180,10 @@ def _read_header(file: BinaryIO) -> tuple[dict[str, bytes], int]:
         if claimed > _LARGEST_HEADER:
             raise BrokenError(f"a record's header claims {claimed} bytes")
         file.seek(start)
-        return Header.read(file), int(_LENGTH.unpack(file.read(_LENGTH.size))[0])
+        header = Header.read(file)
+        return (header.get("op") or b"\x00")[0], header, int(_LENGTH.unpack(file.read(_LENGTH.size))[0])
     except (ReaderError, UnicodeDecodeError, struct.error, OSError) as error:
         raise BrokenError("a record is cut off, or its header is broken") from error
-
-
-def _kind(header: Mapping[str, bytes]) -> int:
-    return (header.get("op") or b"\x00")[0]
 
 
 def _field(header: Mapping[str, bytes], name: str, size: int = _LENGTH.size) -> bytes:

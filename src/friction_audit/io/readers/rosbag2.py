@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from friction_audit.errors import InputError
+from friction_audit.errors import InputError, few
 from friction_audit.io.files import METADATA, STORAGES, starts_with
 from friction_audit.io.readers.mcap import MAGIC, McapStream
 from friction_audit.io.readers.message_stream import MOST_TIMES_PACKED, Block, Damage, MessageStream, Window, bound_of
@@ -19,7 +19,6 @@ _COMPRESSED_SUFFIXES = (".zstd", ".zst")
 _STORAGE_NAMES = tuple(suffix + packed for suffix in STORAGES for packed in ("", *_COMPRESSED_SUFFIXES))
 _NUMBER = re.compile(r"_\d+$")
 _ITEM = re.compile(r"^[ \t]*-[ \t]*['\"]?([^\s'\"]+)['\"]?[ \t]*$", re.MULTILINE)  # of a list, without blanks
-_MOST_SHOWN = 8
 _TOPICS = "topics_with_message_count:\n"
 _NAME = re.compile(r"^[- ]*name: *['\"]?([^'\"\s]+)", re.MULTILINE)
 _COUNT = re.compile(r"^[- ]*message_count: *(\d{1,18}) *$", re.MULTILINE)
@@ -33,7 +32,7 @@ class Rosbag2Stream(MessageStream):
     def __init__(self, path: Path, streams: Sequence[MessageStream], metadata: str) -> None:
         """Give each type the definition that any of the files has for it."""
         super().__init__(path)
-        self._streams, self.stated, self.notes = streams, _stated_counts(metadata), _custom_data(metadata)
+        self._streams, (self.stated, self.notes) = streams, _stated_in(metadata)
         own = [(stream, connection) for stream in streams for connection in stream.connections]
         self._places = [(stream, c.key) for stream, c in own]
         known = {c.type: c.definition for _, c in own if c.definition[1]}
@@ -83,18 +82,14 @@ def _storage_files(path: Path, metadata: str) -> list[Path]:
     if not names:
         raise InputError(f"{path}: no storage file; expected *.db3 or *.mcap in the directory of a ROS 2 bag")
     if missing := [name for name in listed if name not in names]:
-        raise InputError(
-            f"{path}: metadata.yaml lists {', '.join(missing)}, not to be found; "
-            f"copy the whole bag, or give one of its files alone ({', '.join(names)})"
-        )
+        there = f"copy the whole bag, or give one of its files alone ({', '.join(names)})"
+        raise InputError(f"{path}: metadata.yaml lists {', '.join(missing)}, not to be found; {there}")
     # Without metadata.yaml, files are one recording if their names differ in the number at the end alone.
     stems = [_NUMBER.sub("#", name.partition(".")[0]) for name in names]
     if not listed and len(names) > 1 and (len({*stems}) > 1 or not stems[0].endswith("#")):
-        more = f" and {len(names) - _MOST_SHOWN} more" if len(names) > _MOST_SHOWN else ""
         raise InputError(
-            f"{path}: {len(names)} storage files that are not parts of one recording "
-            f"({', '.join(names[:_MOST_SHOWN])}{more}); expected metadata.yaml or names such as run_0.db3, run_1.db3; "
-            "give one of the files"
+            f"{path}: {len(names)} storage files that are not parts of one recording ({', '.join(few(names))}); "
+            "expected metadata.yaml or names such as run_0.db3, run_1.db3; give one of the files"
         )
     return [path / name for name in names]
 
@@ -114,10 +109,8 @@ def _decompress_file(path: Path, folder: Path) -> Path:
             while block := stream.read(_COPIED_BYTES):
                 left -= file.write(block)
                 if left < 0:
-                    raise InputError(
-                        f"{path}: holds more than {file.tell()} bytes when decompressed; expected at most "
-                        f"{MOST_TIMES_PACKED} times its size, which no recording exceeds; record it again"
-                    )
+                    what = f"holds more than {file.tell()} bytes; expected at most {MOST_TIMES_PACKED} times its size"
+                    raise InputError(f"{path}: {what}; record it again")
     except (zstandard.ZstdError, OSError) as error:
         raise InputError(
             f"{path}: cannot be decompressed into {folder} ({error}); copy it again, or set TMPDIR to a larger place"
@@ -139,17 +132,13 @@ def recognises(path: Path) -> bool:
 read, topics = partial(read_messages, _opened), partial(topics_of, _opened)
 
 
-def _stated_counts(metadata: str) -> dict[str, int]:
-    """Return the number of messages of each topic that metadata.yaml states; recorders differ in the order of keys."""
+def _stated_in(metadata: str) -> tuple[dict[str, int], dict[str, str]]:
+    """Return the number of messages of each topic, and the notes of ``ros2 bag record --custom-data``."""
     topics = metadata.partition(_TOPICS)[2]
     indent = len(topics) - len(topics.lstrip(" "))
     items = re.split(rf"^ {{{indent}}}- ", topics, flags=re.MULTILINE)
-    found = ((_NAME.search(item), _COUNT.search(item)) for item in items)
-    return {name[1]: int(count[1]) for name, count in found if name and count}
-
-
-def _custom_data(metadata: str) -> dict[str, str]:
-    """Return the notes that metadata.yaml carries of its own (``ros2 bag record --custom-data``)."""
+    found = ((_NAME.search(item), _COUNT.search(item)) for item in items)  # recorders differ in the order of keys
     lines = metadata.partition("custom_data:")[2].splitlines()[1:]
-    notes = (line.partition(":") for line in lines if line[:1] in (" ", "\t"))
-    return {name.strip(" \t'\""): value.strip(" \t'\"") for name, _, value in notes}
+    pairs = (line.partition(":") for line in lines if line[:1] in (" ", "\t"))
+    notes = {name.strip(" \t'\""): value.strip(" \t'\"") for name, _, value in pairs}
+    return {name[1]: int(count[1]) for name, count in found if name and count}, notes

@@ -22,7 +22,7 @@ from friction_audit.io.readers.message_stream import (
     Connection,
     MessageStream,
     Window,
-    block_of_payloads,
+    one_block,
     open_log,
     unpack,
 )
@@ -40,8 +40,8 @@ _INTEGERS = {1: 1, 2: 2, 3: 3, 4: 4, 5: 6, 6: 8, 8: 0, 9: 0}  # type of an integ
 class _Leaves:
     """The messages on the leaf pages of a database."""
 
-    def __init__(self, path: Path, header: bytes) -> None:
-        self._path, self._size = path, _page_bytes(header)
+    def __init__(self, path: Path, header: bytes, page_bytes: int) -> None:
+        self._path, self._size = path, page_bytes
         self._usable, self._pages = self._size - header[20], path.stat().st_size // self._size
         with open_log(path) as file:
             self._leaves = list(self._find_leaves(file, int.from_bytes(header[32:36], "big")))
@@ -94,11 +94,6 @@ class _Leaves:
         return record[:size]
 
 
-def _page_bytes(header: bytes) -> int:
-    page = int.from_bytes(header[16:18], "big")
-    return _LARGEST_PAGE if page == 1 else page
-
-
 def _number(varint: bytes) -> int:
     number = 0
     for byte in varint:
@@ -131,7 +126,9 @@ class Sqlite3Stream(MessageStream):
         with open_log(path, SQLITE_MAGIC, "an SQLite file") as file:
             self._header = SQLITE_MAGIC + file.read(_HEADER_BYTES - len(SQLITE_MAGIC))
         is_stated = len(self._header) == _HEADER_BYTES and self._header[24:28] == self._header[92:96]
-        whole = _page_bytes(self._header) * int.from_bytes(self._header[28:32], "big") if is_stated else 0
+        page = int.from_bytes(self._header[16:18], "big")
+        self._page_bytes = _LARGEST_PAGE if page == 1 else page
+        whole = self._page_bytes * int.from_bytes(self._header[28:32], "big") if is_stated else 0
         self._is_cut = self._bytes < whole
         if self._is_cut:
             self._note(self._bytes, "the file is cut off there", whole)
@@ -143,7 +140,7 @@ class Sqlite3Stream(MessageStream):
 
     @cached_property
     def _leaves(self) -> _Leaves:
-        return _Leaves(self._path, self._header)
+        return _Leaves(self._path, self._header, self._page_bytes)
 
     def blocks(self, keys: Collection[int], window: Window | None = None) -> Iterator[Block]:
         """Yield the messages of some topics, one topic after the other."""
@@ -179,11 +176,11 @@ class Sqlite3Stream(MessageStream):
         """Join messages; what is no time stamp with bytes, or cannot be decompressed, is left out."""
         with suppress(TypeError, AttributeError, ValueError, OverflowError):  # the rows are then looked at one by one
             if not rows[0][2].startswith(_ZSTD_MAGIC):
-                return block_of_payloads(key, [time for _, time, _ in rows], [data for _, _, data in rows])
+                return one_block(key, [time for _, time, _ in rows], [data for _, _, data in rows])
         sound = [(time, own) for _, time, data in rows if isinstance(time, int) and (own := _message(data)) is not None]
         if len(sound) < len(rows):
             self._note(None, "messages without time stamp or bytes, or with broken compression, were left out")
-        return block_of_payloads(key, *zip(*sound, strict=True)) if sound else None
+        return one_block(key, *zip(*sound, strict=True)) if sound else None
 
     def _connect(self) -> sqlite3.Connection:
         """Open without writing any file next to it, unless a journal of its own must be taken into account."""

@@ -4,6 +4,7 @@ import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import reduce
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -220,9 +221,7 @@ def _pivot(columns: ColumnMap, joint: NDArray[Any], part: Part, arm: str, path: 
     coded = pa.array(joint, from_pandas=True).dictionary_encode()
     codes, labels = coded.indices.fill_null(-1).to_numpy(), coded.dictionary.to_pylist()
     if len(labels) > MOST_JOINTS:
-        raise InputError(
-            f"{path}: {len(labels)} names in the column of joints; expected at most {MOST_JOINTS}; name another column"
-        )
+        raise InputError(f"{path}: {len(labels)} names of joints; expected at most {MOST_JOINTS}; name another column")
     texts = [_WHOLE.sub(r"\1", str(label).strip()) for label in labels]
     kept = [texts.index(text) for text in choose_arm(texts, arm, path=path)]
     if not kept:
@@ -245,13 +244,9 @@ def _pivot(columns: ColumnMap, joint: NDArray[Any], part: Part, arm: str, path: 
 
 def _rows_of_joints(rows: list[NDArray[np.intp]], time: Float) -> tuple[list[NDArray[np.intp]], int]:
     """Return each joint's rows at the times that all joints have, and how many rows that leaves out."""
-    common = time[rows[0]]
-    if all(len(own) == len(common) and np.array_equal(time[own], common) for own in rows):
+    first = time[rows[0]]
+    if all(np.array_equal(time[own], first) for own in rows):
         return rows, 0
-    for own in rows:
-        common = np.intersect1d(common, time[own])
-    matched = []
-    for own in rows:
-        order = own[np.argsort(time[own], kind="stable")]
-        matched.append(order[np.searchsorted(time[order], common)])
+    common = reduce(np.intersect1d, (time[own] for own in rows))
+    matched = [own[np.intersect1d(time[own], common, return_indices=True)[1]] for own in rows]
     return matched, sum(map(len, rows)) - len(rows) * len(common)

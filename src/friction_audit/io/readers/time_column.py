@@ -76,9 +76,7 @@ def to_clock(
     if len(raw) == 0:
         raise InputError(f"{path}: 0 samples; the table has a header and no rows; record the arm while it moves")
     if not np.isfinite(raw).any():
-        raise InputError(
-            f"{path}: time holds no number in all {len(raw)} rows; name another clock with --map t=<column>"
-        )
+        raise InputError(f"{path}: time holds no number in {len(raw)} rows; name another clock with --map t=<column>")
     begin: Any = raw[np.isfinite(raw).argmax()] if origin is None else raw.dtype.type(origin)
     elapsed = np.subtract(raw, begin, out=raw) if raw.dtype == np.float64 else (raw - begin).astype(np.float64)
     found = unit or _unit_from_values(float(begin), elapsed)

@@ -2,10 +2,10 @@
 
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from functools import partial
+from itertools import count
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from friction_audit.io.readers.message_kinds import JOINT_STATE
 from friction_audit.io.writers import ros_messages as ros
@@ -13,8 +13,7 @@ from friction_audit.io.writers.tables import NANOSECONDS, Writer, logged_channel
 from friction_audit.joint_log import JointLog
 
 
-@dataclass(frozen=True, slots=True)
-class Channel:
+class Channel(NamedTuple):
     """A channel, its schema, and how its messages are written."""
 
     topic: str
@@ -23,34 +22,33 @@ class Channel:
     schema_data: bytes
     encoding: str
     profile: str = ""  # of the file
-    notes: Mapping[str, str] = field(default_factory=dict)
+    notes: Mapping[str, str] = {}
 
 
 def write_channels(path: Path, channels: Sequence[Channel], messages: Iterable[tuple[int, int, bytes]]) -> None:
     """Write messages in the order of time: time [ns], place of the channel, payload; channels may share a schema."""
     from mcap.writer import Writer as McapWriter
 
-    schemas: dict[str, int] = {}
-    sequence = [0] * len(channels)
+    sequences = [count() for _ in channels]
     with path.open("wb") as stream:
         writer = McapWriter(stream)
         writer.start(profile=channels[0].profile if channels else "", library="friction-audit")
-        numbers = []
-        for one in channels:
-            if one.schema not in schemas:
-                schemas[one.schema] = writer.register_schema(one.schema, one.schema_encoding, one.schema_data)
-            numbers.append(writer.register_channel(one.topic, one.encoding, schemas[one.schema], dict(one.notes)))
+        found = {one.schema: (one.schema_encoding, one.schema_data) for one in channels}
+        schemas = {name: writer.register_schema(name, *schema) for name, schema in found.items()}
+        keys = [
+            writer.register_channel(one.topic, one.encoding, schemas[one.schema], dict(one.notes)) for one in channels
+        ]
         for time, place, payload in messages:
-            writer.add_message(numbers[place], log_time=time, publish_time=time, data=payload, sequence=sequence[place])
-            sequence[place] += 1
+            number = next(sequences[place])
+            writer.add_message(keys[place], log_time=time, publish_time=time, data=payload, sequence=number)
         writer.finish()  # type: ignore[no-untyped-call]
 
 
 def ros_channel(message: ros.MessageType, types: ros.Typestore) -> Channel:
     """Return the channel of a topic of ROS 1 or ROS 2 messages, with their definition."""
-    definition, _ = types.generate_msgdef(message.name, ros_version=1 if message.ros == 1 else 2)
+    definition, _ = types.generate_msgdef(message.name, ros_version=message.ros)
     name, profile = message.name.replace("/msg/", "/") if message.ros == 1 else message.name, f"ros{message.ros}"
-    return Channel(message.topic, name, f"{profile}msg", definition.encode(), message.encoding, profile)
+    return Channel(message.topic, name, f"{profile}msg", definition.encode(), ros.ENCODINGS[message.ros], profile)
 
 
 def _write_ros(message: ros.MessageType, log: JointLog, path: Path) -> None:

@@ -19,6 +19,7 @@ from friction_audit.joint_log import JointLog
 
 _BLOCK = 4096  # messages made at once
 Typestore = Any  # of rosbags, which takes long to import
+ENCODINGS = {1: "ros1", 2: "cdr"}  # generation of ROS -> how its messages are serialised
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -33,11 +34,6 @@ class MessageType:
     robot_time: str | None = None  # path of the robot's own clock, or None
     joints: int | None = None  # number of joints that it holds, or None for any
     definitions: tuple[str, ...] = ()  # files in readers/franka_msgs/ of what ROS does not come with, its own at last
-
-    @property
-    def encoding(self) -> str:
-        """How messages are serialised."""
-        return "ros1" if self.ros == 1 else "cdr"
 
 
 JOINT_STATE_ROS2 = MessageType(
@@ -97,7 +93,7 @@ def encode(log: JointLog, message: MessageType, types: "Typestore") -> Iterator[
         _set(sample, path, np.ascontiguousarray(array[0]))
     serialise = types.serialize_ros1 if message.ros == 1 else types.serialize_cdr
     form = bytes(serialise(sample, message.name))
-    places = find_layout(form, message.name, types.fielddefs, encoding=message.encoding).numbers
+    places = find_layout(form, message.name, types.fielddefs, encoding=ENCODINGS[message.ros]).numbers
     if message.robot_time is not None:
         arrays[message.robot_time] = log.t[:, np.newaxis]
     stamps = stamps_ns(log)

@@ -29,10 +29,11 @@ class Writer:
     holds: tuple[str, ...] = JOINT_CHANNELS  # channels that it has a place for
     joints: int | None = None  # number of joints that it holds, or None for any
 
-    @property
-    def needs(self) -> tuple[str, ...]:
-        """Channels without which it makes no sense: a dialect that does not hold all has a place for the effort."""
-        return () if self.holds == JOINT_CHANNELS else ("tau_J",)
+    def lacks(self, log: JointLog) -> list[str]:
+        """Return what a log has not and this dialect needs: one that does not hold all channels is for the effort."""
+        joints, there = len(log.joint_names), log.channels()
+        found = [] if "tau_J" in there or self.holds == JOINT_CHANNELS else [f"tau_J (the log has {', '.join(there)})"]
+        return found + ([] if self.joints in (None, joints) else [f"{self.joints} joints (the log has {joints})"])
 
     def left_out(self, log: JointLog) -> tuple[str, ...]:
         """Return the channels of a log that this dialect has no place for."""
@@ -40,12 +41,8 @@ class Writer:
 
 
 NANOSECONDS = 1_000_000_000
-
-UNKNOWN_START_NS = NANOSECONDS
-"""First stamp of a log whose clock does not tell the time; a stamp of 0 would mean 'not set' in ROS."""
-
-ColumnOf = Float | NDArray[np.int64] | NDArray[np.object_]
-"""Numbers, stamps or words."""
+UNKNOWN_START_NS = NANOSECONDS  # first stamp of a log whose clock has no date; a stamp of 0 means 'not set' in ROS
+ColumnOf = Float | NDArray[np.int64] | NDArray[np.object_]  # numbers, stamps or words
 
 
 def stamps_ns(log: JointLog) -> NDArray[np.int64]:

@@ -8,14 +8,13 @@ import heapq
 import json
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from friction_audit.errors import encodable
-from friction_audit.io.tidy_table import Column, JointRows, TidyTable
+from friction_audit.io.tidy_table import JointRows, TidyTable
 from friction_audit.io.writers.mcap import Channel, ros_channel, write_channels
 from friction_audit.io.writers.ros_messages import MessageType, load_types
 from friction_audit.io.writers.tables import NANOSECONDS, UNKNOWN_START_NS
@@ -25,31 +24,10 @@ _BLOCK = 8192  # rows that are turned into messages at once
 _JSON_TYPES = {str: "string", int: "integer", float: "number", bool: "boolean"}
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Span:
-    """When a log was recorded, on its own clock."""
-
-    start_ns: int  # unix time of its first sample, or one second where its clock has no date [ns]
-    duration_s: float  # from the first sample to the last. [s]
-
-    def stamps(self, time_s: Float) -> list[int]:
-        """Return the Unix time of moments of the log, none outside it. [ns]"""
-        moments = np.clip(np.asarray(time_s, dtype=np.float64), 0.0, self.duration_s)
-        found: list[int] = (self.start_ns + np.rint(moments * NANOSECONDS).astype(np.int64)).tolist()
-        return found
-
-
-def span_of(log: JointLog) -> Span:
-    """Return when a log, or the part of it that was taken, was recorded."""
-    source = log.source
-    begun = UNKNOWN_START_NS / NANOSECONDS + source.skipped_s if source.start_s is None else source.start_s
-    return Span(start_ns=round(begun * NANOSECONDS), duration_s=log.duration_s)
-
-
-def write_topics(tables: Sequence[TidyTable], span: Span, path: Path) -> None:
-    """Write every table, a topic per joint, in the order of time."""
+def write_topics(tables: Sequence[TidyTable], log: JointLog, path: Path) -> None:
+    """Write every table, a topic per joint, in the order of time; a part of a log has the stamps that it has there."""
     own = [(table, rows) for table in tables for rows in table.rows if len(rows)]
-    streams = [_messages(table, rows, span, place) for place, (table, rows) in enumerate(own)]
+    streams = [_messages(table, rows, log, place) for place, (table, rows) in enumerate(own)]
     write_channels(path, [_channel(*one) for one in own], heapq.merge(*streams))
 
 
@@ -62,23 +40,23 @@ def _channel(table: TidyTable, rows: JointRows) -> Channel:
     return Channel(topic, title, "jsonschema", json.dumps(schema).encode(), "json", notes=notes)
 
 
-def _messages(table: TidyTable, rows: JointRows, span: Span, place: int) -> Iterator[tuple[int, int, bytes]]:
-    """Yield time [ns], place of the channel and message of every row."""
+def _messages(table: TidyTable, rows: JointRows, log: JointLog, place: int) -> Iterator[tuple[int, int, bytes]]:
+    """Yield time [ns], place of the channel and message of every row; no stamp lies outside the log."""
+    begun, skipped_s = log.source.start_s, log.source.skipped_s
+    start_ns = round((UNKNOWN_START_NS / NANOSECONDS + skipped_s if begun is None else begun) * NANOSECONDS)
     for first in range(0, len(rows), _BLOCK):
         part = slice(first, first + _BLOCK)
-        cells = [_plain(rows.columns[name][part], kind) for name, kind in table.types.items()]
-        last = np.full(len(cells[0]), span.duration_s)
-        stamps = span.stamps(last if table.time is None else np.asarray(rows.columns[table.time][part]))
-        for stamp, row in zip(stamps, zip(*cells, strict=True), strict=True):
-            named = {name: value for name, value in zip(table.types, row, strict=True) if value is not None}
+        cells = [rows.columns[name][part] for name in table.types]
+        last = np.full(len(cells[0]), log.duration_s)
+        moments = last if table.time is None else np.asarray(rows.columns[table.time][part], dtype=np.float64)
+        stamps = start_ns + np.rint(np.clip(moments, 0.0, log.duration_s) * NANOSECONDS).astype(np.int64)
+        for stamp, row in zip(stamps.tolist(), zip(*cells, strict=True), strict=True):
+            named = {
+                name: kind(value)
+                for (name, kind), value in zip(table.types.items(), row, strict=True)
+                if value is not None and (kind is not float or math.isfinite(value))
+            }
             yield stamp, place, json.dumps(named, separators=(",", ":")).encode()
-
-
-def _plain(column: Column, kind: type) -> list[Any]:
-    """Return cells as JSON knows them, None where there is nothing."""
-    if kind is float:
-        return [one if math.isfinite(one) else None for one in np.asarray(column, dtype=np.float64).tolist()]
-    return [None if value is None else kind(value) for value in column]
 
 
 MESSAGE = MessageType(

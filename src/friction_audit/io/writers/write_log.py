@@ -83,13 +83,7 @@ def choose_writer(path: Path, dialect: str | None = None) -> Writer:
 
 def check_fit(log: JointLog, writer: Writer) -> None:
     """Refuse what the dialect cannot hold and say which dialects can."""
-    channels, joints = log.channels(), len(log.joint_names)
-    missing = [name for name in writer.needs if name not in channels]
-    lacks = [f"{', '.join(missing)} (the log has {', '.join(channels)})"] if missing else []
-    if writer.joints not in (None, joints):
-        lacks.append(f"{writer.joints} joints (the log has {joints})")
-    if not lacks:
-        return
-    able = [other.name for other in WRITERS if set(other.needs) <= set(channels) and other.joints in (None, joints)]
-    needs = f"{log.source.path}: the dialect {writer.name} needs {' and '.join(lacks)}"
-    raise UsageError(f"{needs}; choose one that can hold the log: {', '.join(able)}")
+    if lacks := writer.lacks(log):
+        able = ", ".join(other.name for other in WRITERS if not other.lacks(log))
+        needs = f"{log.source.path}: the dialect {writer.name} needs {' and '.join(lacks)}"
+        raise UsageError(f"{needs}; choose one that can hold the log: {able}")
