@@ -263,6 +263,18 @@ def test_a_rig_that_may_be_in_degrees_is_refused_with_the_way_to_say_it(tmp_path
         assert log.q[:, 0].max() == pytest.approx(largest, rel=1e-3)
 
 
+@pytest.mark.parametrize(("name", "factor"), [("motor_position", 100.0), ("position", 2000.0)])
+def test_a_motor_or_an_encoder_of_an_arm_is_not_taken_for_degrees(tmp_path: Path, name: str, factor: float) -> None:
+    frame = tidy_frame(3000).rename(
+        columns=lambda column: column.replace("q_", f"{name}_") if column[0] == "q" else column
+    )
+    turned = [column for column in frame if column.startswith((name, "dq"))]
+    frame[turned] *= factor
+    frame.to_csv(tmp_path / "arm.csv", index=False)
+    with pytest.raises(InputError, match=r"a motor of many turns; .* divide the columns of a motor by the gear ratio"):
+        read_log(tmp_path / "arm.csv")
+
+
 def test_two_recordings_in_one_file_are_named_with_the_row(tmp_path: Path) -> None:
     pd.concat([tidy_frame(3000)] * 2).to_csv(tmp_path / "two.csv", index=False)
     with pytest.raises(InputError, match=r"2 recordings in one file: cut it before row 3001"):

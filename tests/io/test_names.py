@@ -66,6 +66,7 @@ TWO_ARMS = ["time", *(f"{a}_joint{i}/{c}" for a in ("left", "right") for c in ("
         ("q_dot_1|qDot1|position_dot_1|iiwa.joint_velocity_estimated[1]", "dq", 1, None),
         ("data.qpos.3|obs/joint_pos[3]|Axis3_FeedbackPosition|/friction_test/joint_states/position[3]", "q", 3, None),
         ("Feedback trq 3|lowstate.motor_state[3].tauEst|/panda/tau_measured.3", "tau_J", 3, None),
+        ("link_position_1|q1 [rad]", "q", 1, None),
     ],
 )
 def test_names_of_columns_in_use(names: str, channel: str, index: int | None, joint: str | None) -> None:
@@ -88,6 +89,7 @@ def test_names_of_columns_in_use(names: str, channel: str, index: int | None, jo
      "planned.positions[0]", "trajectory.points[0].positions[1]", "actions.joint_position_0", "setpoints/velocity[0]",
      "command.effort[0]", "lowcmd.motor_cmd[0].tau", "iiwa_position_commanded_1", "robot0_joint_acc_0",
      "qfrc_bias_0", "target_qdd_0", "joint_position_ipo[0]",
+     "q_1 [mrad]", "dq_1 [rev/s]", "tau_1 [mNm]", "torque_1 (kgf.cm)", "tau_1 [N]",
      "tau_measured_compensate1", "cartesian_position_0", "gravity_compensation_torque_1", "d_tau_1"],
 )  # fmt: skip
 def test_names_of_something_else(name: str) -> None:
@@ -143,6 +145,25 @@ def test_robot_by_the_prefix_of_its_joints(robot: str, prefixes: Sequence[str]) 
 
 def mapped(names: str | Sequence[str], **mapping: str) -> ColumnMap:
     return map_columns(names.split() if isinstance(names, str) else names, path="log", mapping=mapping)
+
+
+def test_the_joint_comes_before_its_motor_and_the_degree_sign_is_read() -> None:
+    both = [f"{side}_{c}_1" for side in ("motor", "link") for c in ("position", "velocity", "torque")]
+    assert {name.split("_")[0] for name in mapped(["t", *both]).mapping.values()} == {"link"}
+    assert mapped(["t", "q1 [°]", "dq1 [°/s]", "tau1 [Nm]"]).degrees == {"q", "dq"}
+
+
+@pytest.mark.parametrize(
+    ("names", "words"),
+    [
+        ("msg_id q1 dq1 tau1", "no column for t; .*--map t=msg_id:ms"),
+        ("t mp1 mp2 mt1 mt2", r"mp1...mp2 \(#2-#3\).*--map q=.*--map dq=.*--map tau_J=.*#2-#8"),
+        ("t q1 dq1 tau1[mNm]", r"tau1\[mNm\]: expected rad or deg.*--torque-scale"),
+    ],
+)
+def test_a_refusal_leads_to_the_right_map(names: str, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        mapped(names)
 
 
 @given(st.integers(1, 12), st.sampled_from([0, 1]), st.randoms())

@@ -15,7 +15,7 @@ HEAD, *LINES = PLAIN.splitlines()
 SAME: dict[str, str | bytes] = {
     **{f"{sign!r} between": FRAME.to_csv(index=False, sep=sign) for sign in ",;\t "},
     "decimal commas": FRAME.to_csv(index=False, sep=";", decimal=","),
-    "header in a comment, as of savetxt": "# " + FRAME.to_csv(index=False, sep=" "),
+    **{f"header in a comment, {mark!r}": f"{mark} " + FRAME.to_csv(index=False, sep=" ") for mark in ("#", "%", "//")},
     "lines of Windows, byte order mark": b"\xef\xbb\xbf" + PLAIN.replace("\n", "\r\n").encode() + b"\r\n\r\n",
     "a separator at the end of every line": "\n".join([HEAD, *(line + "," for line in LINES)]) + "\n",
     "compressed, under any name": gzip.compress(PLAIN.encode()),

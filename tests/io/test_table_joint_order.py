@@ -182,6 +182,32 @@ def test_numbers_of_joints_are_sorted_as_numbers(tmp_path: Path, label: str) -> 
     assert log.joint_names[10:] == (("J11", "J12") if label == "J{}" else ("joint11", "joint12"))
 
 
+@pytest.mark.parametrize("name", ["Joint Name", "joint id", "motor_id", "Axis"])
+def test_the_column_of_joints_by_other_names(tmp_path: Path, name: str) -> None:
+    log = read_text(tmp_path, long_frame().rename(columns={"joint": name}))
+    np.testing.assert_array_equal(log.q, motion(SAMPLES)["q"])
+
+
+@pytest.mark.parametrize(
+    ("late_s", "words"), [(0.0, "q jumps by .* rows of several joints"), (2e-4, "joint of each row")]
+)
+def test_rows_of_several_joints_are_never_read_as_one(tmp_path: Path, late_s: float, words: str) -> None:
+    frame = long_frame()
+    frame["time"] += late_s * (frame["joint"] - 1)
+    with pytest.raises(InputError, match=words):
+        read_text(tmp_path, frame.rename(columns={"joint": "id"}))
+
+
+def test_joints_with_stamps_of_their_own_are_interpolated(tmp_path: Path) -> None:
+    frame = long_frame()
+    frame["time"] += 2e-4 * (frame["joint"] - 1)
+    log = read_text(tmp_path, frame)
+    assert [finding.code for finding in log.source.findings] == ["joined"]
+    whole = motion(SAMPLES)["q"]
+    expected = whole[1:] - 0.2 * np.diff(whole, axis=0) * np.arange(3)
+    np.testing.assert_allclose(log.q, expected, atol=1e-12)
+
+
 def test_shuffled_rows_are_told_in_the_right_unit(tmp_path: Path) -> None:
     frame = long_frame(1).drop(columns="joint").sample(frac=1.0, random_state=1)
     with pytest.raises(InputError, match=r"time \(time \[s\]\) goes back at"):

@@ -73,6 +73,8 @@ def joint_message(joint: JointDiagnosis) -> str:
     gap, unknown, parts = joint.gap, joint.verdict == "unexplained", []
     if unknown:
         size = "" if gap is None else f" ({gap.after:.2g} N m RMS, noise floor {gap.floor:.2g} N m)"
+        if gap is not None and joint.checks and f"{gap.after:.2g}" == f"{gap.floor:.2g}":  # noise that has structure
+            size = f" ({gap.after:.2g} N m RMS), with {remainder_words(joint, 1)},"
         parts.append(f"{'most of ' if joint.added else ''}the residual{size} is unexplained")
     if any(effect.name == CONTACT_EVENT for effect in joint.effects):
         contacts = 0 if joint.contacts is None else len(joint.contacts.spans_s)
@@ -99,6 +101,8 @@ def _todo(joint: JointDiagnosis) -> str:
         which = "" if joint.added[:1] == (unsure,) else f" {unsure.name}"
         return f"to separate{which}: {motion.partition(':')[0].partition(';')[0]}"
     it = "it" if len(joint.added) == 1 else "them"
+    if any(one.name == "gravity_error" for one in joint.added):
+        return f"give payload or model of the arm, or add {it} to the model (model.toml)"
     return f"add {it} to the model (model.toml)" if joint.added else "record again without contact"
 
 

@@ -186,12 +186,13 @@ def lead_sentence(report: LogReport) -> str:
     if alone:
         estimated = f"Friction is estimated: {friction_words(known[0].friction)}."
     groups: dict[str, list[JointReport]] = {}
-    for one in known:
+    judged = [one for one in joints if verdict_word(one) != NO_ESTIMATE]  # the diagnosis needs no estimate
+    for one in judged:
         if one.discrepancy is not None:
             groups.setdefault(_missing(one.discrepancy), []).append(one)
     parts = "; ".join(words if alone else f"{words} on {_joints(own, len(joints))}" for words, own in groups.items())
     if len(groups) > MOST_GROUPS or len(parts) > LONGEST:
-        words = [verdict_word(one) for one in known]
+        words = [verdict_word(one) for one in judged]
         counts = "; ".join(f"{word}: {count_of(words.count(word), 'joint')}" for word in dict.fromkeys(words))
         return f"{estimated} {counts[:1].upper()}{counts[1:]}."
     return plain_names(f"{estimated} {parts[:1].upper()}{parts[1:]}.") if parts else estimated

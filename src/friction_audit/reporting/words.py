@@ -33,7 +33,7 @@ def in_unit(text: str, torque_unit: str) -> str:
         return f"{torque_unit} rad"
     for metric, other in FROM_TORQUE.items():
         text = text.replace(metric, other.format(torque_unit))
-    return text
+    return re.sub(r"(?<=\d) J\b", f" {torque_unit} rad", text)
 
 
 def joint_label(joint: int, name: str) -> str:

@@ -148,7 +148,7 @@ def examine(
     look = look.after(leave_out_columns(look.recording, look.survey.missing, path))
     look = look.after(leave_out_rows(look.recording, look.survey.missing))
     look = look.after(sort_rows(look.recording, look.clock, path))
-    look = look.after(drop_repeats(look.recording, look.clock))
+    look = look.after(drop_repeats(look.recording, look.clock, path))
     look = look.after(spread_batches(look.recording, look.survey.steps))
     read_s = None if recording.first_s is None else recording.first_s * time_scale  # of the whole log's first sample
     first_s = look.clock.first_s if read_s is None else read_s

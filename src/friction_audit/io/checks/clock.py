@@ -16,6 +16,7 @@ Window = tuple[float | None, float | None]  # start and end of the part asked fo
 _LONGEST_BACKWARDS_S = 1.0
 _MOST_BACKWARDS = 0.01
 _SHOWN = 5
+_JUMP_RAD = 0.02  # usual change of q from row to row that is none of one joint
 
 
 class Clock:
@@ -91,11 +92,24 @@ def _sorted(blocks: Iterator[Block], late_s: float) -> Iterator[Block]:
         t, channels = t[ready:], {name: array[ready:] for name, array in channels.items()}
 
 
-def drop_repeats(recording: Recording, clock: Clock) -> Recording:
-    """Return the recording, whose rows are in order of time, without those that carry the stamp of the one before."""
+def drop_repeats(recording: Recording, clock: Clock, path: str) -> Recording:
+    """Return the recording, whose rows are in order of time, without those that carry the stamp of the one before.
+
+    InputError where these are of other joints: a table with one row per joint and time that was read as one joint.
+    """
     repeats = clock.repeated.count
     if not repeats:
         return recording
+    if len(recording.joint_names) == 1 and 2 * repeats >= clock.rows - 1:
+        _, t, channels = next(iter(recording.read(("q",))))
+        jumps, same = np.abs(np.diff(channels["q"][:, 0])), np.diff(t) == 0.0
+        within, over = (float(np.nanmedian(jumps[rows])) for rows in (same, ~same))
+        if min(within, over) > _JUMP_RAD:
+            raise InputError(
+                f"{path}: {repeats} of {clock.rows} rows carry the stamp of the row before them, and q jumps by "
+                f"{within:.3g} between these: they look like rows of several joints; expected one column per joint, or "
+                "the joint of each row in a column called 'joint'; rename it"
+            )
     text = (
         f"{repeats} of {clock.rows} rows ({repeats / clock.rows:.1%}) carry the stamp of the row before them; "
         "the first of each stamp is kept"

@@ -27,7 +27,7 @@ _MOST_SAMPLES = 1 << 18  # of longer logs, windows are spread evenly over the wh
 _MOVED = 0.003  # change of q over a window from which on the joint counts as moving there [rad]
 _SURELY_MOVED = 0.05  # integral of dq over a short window that no noise or offset of a joint at rest makes [rad]
 _FEWEST_WINDOWS = 5
-_TRUSTED_R2 = 0.8
+_TRUSTED_R2, _UNRELATED_R2 = 0.8, 0.5
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -199,6 +199,11 @@ def check_motion(recording: Recording, ratios: MotionRatio, path: str, *, scaled
     else:
         wrong &= ~ratios.trusted
     found = [_mismatch(recording, ratios, joint) for joint in np.flatnonzero(wrong).tolist()]
+    if found and wrong.sum() == np.isfinite(ratios.ratio).sum() and ratios.determination[wrong].max() < _UNRELATED_R2:
+        raise InputError(
+            f"{path}: {found[0].message}{'; so it is on all joints that move' if len(found) > 1 else ''}; or the rows "
+            "are of several joints: name the joint of each row in a column called 'joint'"
+        )
     return recording.with_findings(*found, _stretch(ratios.common, path, scaled=scaled))
 
 
@@ -223,7 +228,8 @@ def turn_degrees(recording: Recording, columns: Mapping[str, Column], ratio: flo
     elif _near(ratio, 1.0, 0.3) and largest_q > _LARGEST_Q_RAD and largest_dq > _LARGEST_DQ_RAD_S:
         if re.search("rad|deg", recording.mapping.get("q", "")):
             return recording
-        if len(recording.joint_names) == 1 or largest_q > _LARGEST_Q_DEG:
+        of_motor = "motor" in recording.mapping.get("q", "").lower()
+        if len(recording.joint_names) == 1 or largest_q > _LARGEST_Q_DEG or of_motor:
             forwards = float(np.mean(columns["dq"].sample > 0.0))
             _refuse_degrees(recording, forwards, largest_q, largest_dq, path)
             message = (
@@ -244,13 +250,15 @@ def turn_degrees(recording: Recording, columns: Mapping[str, Column], ratio: flo
 
 
 def _refuse_degrees(recording: Recording, forwards: float, largest_q: float, largest_dq: float, path: str) -> None:
-    """Refuse a table whose joint goes to and fro by many radians, if it is radians; a bag has no names to say it."""
-    if recording.topic is None and largest_q <= _LARGEST_Q_DEG and _RETURNS < forwards < 1.0 - _RETURNS:
+    """Refuse a table whose joints go to and fro by many radians, if it is radians; a bag has no names to say it."""
+    is_arm = len(recording.joint_names) > 1
+    if recording.topic is None and (is_arm or largest_q <= _LARGEST_Q_DEG) and _RETURNS < forwards < 1.0 - _RETURNS:
         named = [(c, n) for c in ("q", "dq") if (n := recording.mapping.get(c, c)) != DERIVATIVE]
         degrees, radians = (" ".join(f"--map {c}={n}:{unit}" for c, n in named) for unit in ("deg", "rad"))
         raise InputError(
             f"{path}: q ({named[0][1]}) oscillates up to {largest_q:.4g} and dq up to {largest_dq:.4g}: degrees, or a "
-            f"motor of many turns; expected rad and rad/s; use {degrees}, or {radians}"
+            f"motor of many turns; expected rad and rad/s of the joint; use {degrees}, or {radians}; divide the "
+            "columns of a motor by the gear ratio, and those of an encoder by its counts per radian"
         )
 
 

@@ -26,7 +26,7 @@ _TORQUES = {"ext": "tau_ext_hat_filtered", "external": "tau_ext_hat_filtered", "
             "passivity": "tau_passivity", "pc": "tau_passivity",
             "gravity": "gravity", "grav": "gravity", "g": "gravity"}  # fmt: skip
 _WHOLE_NAMES = {"f_m": "tau_interaction", "friction_compensation": "tau_compensation"}
-_MEASURED = {"measured", "meas", "msr", "actual", "act", "j", "real", "feedback", "fb"}
+_MEASURED = {"measured", "meas", "msr", "actual", "act", "j", "link", "real", "feedback", "fb"}
 _SAYS_NOTHING = {"joint", "joints", "jnt", "axis", "axes", "a", "m", "motor", "motors", "actuator", "state", "sensor",
                  "as", "hat", "est", "estimated", "filtered", "filt", "raw", "angular", "field"}  # fmt: skip
 _COMMANDED = {"desired", "des", "cmd", "cmds", "command", "commands", "commanded", "target", "targets", "goal", "goals",
@@ -59,7 +59,12 @@ _PATTERNS = tuple(
         rf"{_HEAD}(?P<joint>\w*(?i:joint))_(?P<words>{_WORDS})",
     )
 )
-_BRACKETED_UNIT = re.compile(r"\[\s*[a-zA-Z][^\]]*\]|\(\s*[^\d:)][^)]*\)")
+_BRACKETED_UNIT = re.compile(r"\[\s*[a-zA-Z°µ][^\]]*\]|\(\s*[^\d:)][^)]*\)")
+_OTHER_UNIT = re.compile(
+    r"[\[(]\s*(?:[mµu]rad|revs?|turns?|counts?|cts|ticks?|inc|steps?|pulses?|raw|lsb|[mc]?m|k?n|"
+    r"[mk]n\W?m|n\W?[cm]m|kgf?\W?c?m|oz\W?in|lbf?\W?(?:in|ft)|ft\W?lbf?|w|v)(?:/s|/sec|s-1)?\s*[\])]",
+    re.IGNORECASE,
+)  # of an angle, a velocity or a torque in what nothing here converts
 _IN_PARENTHESES = re.compile(r"\((\d+)\)")  # an index, as MATLAB writes it
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+")
 _SAYS_AMPERE = re.compile(r"[\[(](?P<bracket>m?A|milliamps?)[\])]|[_:](?P<suffix>m?A)(?![a-zA-Z{\d])")
@@ -91,7 +96,7 @@ def parse_name(name: str) -> ForeignName | None:
     units = " ".join(_BRACKETED_UNIT.findall(text))
     bare = _BRACKETED_UNIT.sub(lambda unit: " " * len(unit[0]), _IN_PARENTHESES.sub(r"[\1]", text))
     match = None if _FINGER.search(text) else next((m for one in _PATTERNS if (m := one.fullmatch(bare))), None)
-    if match is None:
+    if match is None or _OTHER_UNIT.search(units):
         return None
     parts = match.groupdict()
     words = _words(f"{parts['words']} {parts.get('more') or ''}")
@@ -116,7 +121,7 @@ def parse_name(name: str) -> ForeignName | None:
         template=text[:start] + {None: "", "joint": "{joint}"}.get(place, "{i}") + text[stop:],
         index=None if place in (None, "joint") else int(parts[place or ""]),
         joint=parts.get("joint"),
-        degrees=channel in ("q", "dq") and bool(_DEGREES & {*words, *_words(units)}),
+        degrees=channel in ("q", "dq") and ("°" in units or bool(_DEGREES & {*words, *_words(units)})),
     )
 
 
@@ -152,6 +157,11 @@ def _channel(words: Sequence[str], context: Sequence[str], last: Sequence[str]) 
     if not is_desired and len(made) == 1 and (found == {"tau_J"} or (not found and made == {"gravity"})):
         return made.pop()
     return found.pop() or None if len(found) == 1 and not made and not is_desired else None
+
+
+def has_other_unit(name: str) -> bool:
+    """Return True if a name says a unit that is not converted: ``torque_1 [mNm]`` would be one without it."""
+    return bool(_OTHER_UNIT.search(name)) and parse_name(_OTHER_UNIT.sub("", name)) is not None
 
 
 def torque_unit(name: str) -> str:
@@ -197,12 +207,16 @@ class Group(NamedTuple):
     in_order: bool = False  # true if the user gave the columns one by one, in the order of the joints
 
 
-def shorten(names: Sequence[str]) -> str:
-    """Return a list of column names with numbered runs drawn together: ``time, q_1...q_7``."""
-    runs: dict[str, list[str]] = defaultdict(list)
-    for name in names:
-        runs[re.sub(r"\d+(?!.*\d)", "#", name)].append(name)
-    return ", ".join(few([run[0] if len(run) == 1 else f"{run[0]}...{run[-1]}" for run in runs.values()], 14))
+def shorten(names: Sequence[str], *, numbered: bool = False) -> str:
+    """Return a list of column names with numbered runs drawn together: ``time, q_1...q_7 (#2-#8)``."""
+    runs: dict[str, list[int]] = defaultdict(list)
+    for cell, name in enumerate(names):
+        runs[re.sub(r"\d+(?!.*\d)", "#", name)].append(cell)
+    shown = [names[run[0]] if len(run) == 1 else f"{names[run[0]]}...{names[run[-1]]}" for run in runs.values()]
+    if numbered:
+        places = (f" (#{run[0] + 1}-#{run[-1] + 1})" * (1 < len(run) == run[-1] - run[0] + 1) for run in runs.values())
+        shown = [text + place for text, place in zip(shown, places, strict=True)]
+    return ", ".join(few(shown, 14))
 
 
 def stated_group(

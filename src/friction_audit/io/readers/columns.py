@@ -14,6 +14,7 @@ from friction_audit.io.readers.channel_names import (
     JointKey,
     arms_in,
     choose_arm,
+    has_other_unit,
     parse_name,
     positions_of,
     ranks,
@@ -28,7 +29,10 @@ MOST_JOINTS = 1000  # no robot has as many; with more, a table is transposed or 
 REQUIRED = ("q",)  # a velocity is made from the position where there is none
 _SHOWN_JOINTS = 60
 _COMPARED = 1000  # columns among which near misses are looked for: each comparison takes a fraction of a millisecond
-_JOINT_COLUMNS = ("joint", "joint_name", "joint_id", "joint_index", "name")
+_JOINT_COLUMN = re.compile(r"name|(?:joint|axis|motor|actuator)[ _-]?(?:name|id|index|idx|number|no)?", re.IGNORECASE)
+_COUNTER = re.compile(
+    r".*(?:seq|index|counter|count|tick|frame|step|msg|sample)(?:[ _]?(?:id|no|number))?s?", re.IGNORECASE
+)
 _SEVERAL = re.compile(r"\{i\}|,|-")  # in a --map entry that names a column per joint
 _AMBIGUOUS = ("torque", "tau", "effort")
 
@@ -74,7 +78,7 @@ def map_columns(
     _refuse_absent(mapping, bare, path)
     labels, listed = labels or {}, [one for channel, one in mapping.items() if channel != "t" and one not in bare]
     per_joint = any(_SEVERAL.search(one) or f"{one}[0]" in bare for one in listed)  # is a column
-    is_joint = (cell for cell, name in enumerate(bare) if name.lower() in _JOINT_COLUMNS)
+    is_joint = (cell for cell, name in enumerate(bare) if _JOINT_COLUMN.fullmatch(name))
     joint = next(is_joint, None) if may_be_long and not per_joint else None
     outside = _outside_the_arm(bare, labels, mapping, arm, path) if joint is None else frozenset[int]()
     stated = {c: stated_group(mapping[c], bare, labels, outside) for c in JOINT_CHANNELS if c in mapping}
@@ -215,12 +219,23 @@ def _missing_message(names: Sequence[str], groups: Mapping[str, Group], *, found
     wanted = ([] if found_time else ["t"]) + [channel for channel in REQUIRED if channel not in groups]
     torques = [] if groups.keys() & {*TORQUE_CHANNELS} else list(TORQUE_CHANNELS)
     listed = wanted + ([f"a torque ({', '.join(TORQUE_CHANNELS)})"] if torques else [])
-    near = dict.fromkeys(hint for channel in (*wanted, *torques) for hint in _near_misses(channel, names))
-    close = f"; close to it: {', '.join(near)}" if near else ""
-    mapped = wanted + (["tau_J"] if torques else [])
+    parts = [f"{path}: no column for {' and '.join(listed)}; found {shorten(names, numbered=True) or 'none'}"]
+    if near := dict.fromkeys(hint for channel in (*wanted, *torques) for hint in _near_misses(channel, names)):
+        parts.append(f"close to it: {', '.join(near)}")
+    units = [name for name in names[:_COMPARED] if has_other_unit(name)]
+    if units and len(wanted) + len(torques) > (not found_time):
+        parts.append(
+            f"{shorten(units)}: expected rad or deg, rad/s or deg/s, N m or A; convert the column, or name a torque "
+            "with --map and give --torque-scale"
+        )
+    mapped = wanted + ["dq"] * ("q" in wanted and "dq" not in groups) + (["tau_J"] if torques else [])
     examples = [f"--map {c}=<column{'' if c == 't' else ' with {i} for the joint'}>" for c in mapped]
-    found = f"{path}: no column for {' and '.join(listed)}; found {shorten(names) or 'none'}{close}"
-    return f"{found}; name what is missing with {' '.join(examples)}"
+    numbers = "" if mapped == ["t"] else ", or by numbers, e.g. #2-#8"
+    parts.append(f"name what is missing with {' '.join(examples)}{numbers}")
+    counter = None if found_time else next((name for name in names if _COUNTER.fullmatch(name)), None)
+    if counter:
+        parts.append(f"a counter of milliseconds is a clock too: --map t={counter}:ms")
+    return "; ".join(parts)
 
 
 def _near_misses(channel: str, names: Sequence[str]) -> list[str]:

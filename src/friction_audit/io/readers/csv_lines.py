@@ -3,6 +3,7 @@
 import csv
 import io
 import math
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -54,6 +55,7 @@ class _Unpacked(io.RawIOBase):
         return size
 
 
+_COMMENT = re.compile(rb"#+|//+|%(?=[%\s])%*")  # %time begins the header of rostopic echo -p
 _FEWEST_LINES = 4
 _LOOK = 20
 _PEEK_BYTES = 4096
@@ -153,7 +155,7 @@ def sniff_csv(path: Path) -> Dialect:
     with open_table(path) as stream:
         _refuse_no_text(path, stream.peek(_HEAD_BYTES))
         # The last of the comments and blank lines at the start: numpy.savetxt writes its header as a comment.
-        while (line := stream.readline(_HEAD_BYTES)).startswith(b"#") or (line and not line.strip()):
+        while _COMMENT.match(line := stream.readline(_HEAD_BYTES)) or (line and not line.strip()):
             skipped, begin, last = skipped + bool(last), begin + len(last), line
         head = last + line + stream.read(_HEAD_BYTES)
         while head.count(b"\n") < _FEWEST_LINES and len(head) < _LONGEST_HEAD and (more := stream.read(_HEAD_BYTES)):
@@ -165,16 +167,17 @@ def sniff_csv(path: Path) -> Dialect:
     if begin + len(head) < size and len(lines) > 1:
         del lines[-1]  # which may end in the middle
     texts = [line.decode("utf-8-sig", errors="replace").strip("\r\n") for line in lines]
-    start = next((i for i, text in enumerate(texts) if text.strip() and not text.startswith("#")), None)
+    start = next((i for i, text in enumerate(texts) if text.strip() and not _COMMENT.match(text.encode())), None)
     if start is None:
         raise InputError(f"{path}: all lines are blank or comments; expected a table with a header")
     separator = separator_of(texts[start])
     fields = split_line(texts[start], separator)
     has_header = any(value_of(field, float, "," if separator == ";" else ".") is None for field in fields)
     first, header = start + has_header, texts[start - (not has_header)] if has_header or start else ""
-    names = split_line(header.lstrip("#"), separator)
+    mark = _COMMENT.match(header.encode())
+    names = split_line(header[mark.end() :] if mark else header, separator)
     if not has_header:
-        has_header = header.startswith("#") and len(names) == len(fields)
+        has_header = mark is not None and len(names) == len(fields)
         names = names if has_header else tuple(f"#{column}" for column in range(1, len(fields) + 1))
     rows = tuple(split_line(text, separator) for text in texts[first : first + _LOOK] if text.strip())
     if not rows:

@@ -94,7 +94,7 @@ def _with_channels(first_path: Path, first: Recording, path: Path, other: Record
     channels = dict(first.channels)
     for channel in new:
         values = other.channels[channel][rows]
-        columns = [_interpolated(first.t, stamps[rows], values[:, joint], longest) for joint in order]
+        columns = [interpolated(first.t, stamps[rows], values[:, joint], longest) for joint in order]
         channels[channel] = np.asfortranarray(np.column_stack(columns))
     findings = [replace(one, message=f"{path.name}: {one.message}") for one in other.findings]
     both = [channel for channel in other.channels if channel in first.channels]
@@ -124,7 +124,7 @@ def _joints_in_order(first_path: Path, first: Recording, path: Path, other: Reco
     return list(range(len(other.joint_names)))
 
 
-def _interpolated(t: Float, stamps: Float, values: Float, longest: float) -> Float:
+def interpolated(t: Float, stamps: Float, values: Float, longest: float) -> Float:
     """Return values at other stamps; missing in gaps and outside of the stamps."""
     there = np.isfinite(values)
     stamps, values = stamps[there], values[there]

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from friction_audit.errors import InputError
 from friction_audit.io.readers.channel_names import choose_arm, robot_of
 from friction_audit.io.readers.columns import MOST_JOINTS, REQUIRED, ColumnMap, absent, doubt_torque, map_columns
+from friction_audit.io.readers.join import LONGEST_GAP, interpolated
 from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, ReadOptions, refuse_bomb, refuse_too_large
 from friction_audit.io.readers.time_column import Clock, TimeColumn, stamps_of, to_clock
 from friction_audit.io.recording import Block, Blocks, Recording, WholeLogError
@@ -226,20 +227,40 @@ def _pivot(columns: ColumnMap, joint: NDArray[Any], part: Part, arm: str, path: 
     kept = [texts.index(text) for text in choose_arm(texts, arm, path=path)]
     if not kept:
         raise InputError(f"{path}: 0 samples; the table has a header and no rows; record the arm while it moves")
-    clock = part.clock
-    rows, lost = _rows_of_joints([np.flatnonzero(codes == code) for code in kept], clock.t)
+    clock, every = part.clock, [np.flatnonzero(codes == code) for code in kept]
+    rows, lost = _rows_of_joints(every, clock.t)
+    t = clock.t[rows[0]]
     channels = {channel: np.empty((len(rows[0]), len(kept)), order="F") for channel in part.channels}
     for channel, column in part.channels.items():
         for place, chosen in enumerate(rows):
             channels[channel][:, place] = column[chosen, 0]
     names = [texts[code] for code in kept]
+    message = f"{lost} rows belong to times at which other joints have no row; they are left out"
+    found = (Finding("incomplete_rows", message, amount=float(lost), damaged=True),) if lost else ()
+    if 2 * lost > sum(map(len, every)):
+        t, channels = _at_stamps_of_first(every, clock.t, part.channels)
+        message = f"every joint has its own stamps: all are interpolated linearly at those of joint {names[0]}"
+        found = (Finding("joined", message, amount=float(len(every[0]) - len(t))),)
     if all(map(str.isdigit, names)):
         base = 0 if any(int(name) == 0 for name in names) else 1
         names = [f"joint{int(name) - base + 1}" for name in names]
-    message = f"{lost} rows belong to times at which other joints have no row; they are left out"
-    found = (Finding("incomplete_rows", message, amount=float(lost), damaged=True),) if lost else ()
     columns = replace(columns, joint_names=tuple(names), robot=robot_of(names), findings=(*columns.findings, *found))
-    return columns, replace(part, clock=replace(clock, t=clock.t[rows[0]]), channels=channels)
+    return columns, replace(part, clock=replace(clock, t=t), channels=channels)
+
+
+def _at_stamps_of_first(
+    rows: list[NDArray[np.intp]], time: Float, channels: Mapping[str, Float]
+) -> tuple[Float, dict[str, Float]]:
+    """Return the stamps of the first joint, and all joints interpolated there, without gaps and ends of any joint."""
+    t = time[rows[0]]
+    found = {channel: np.empty((len(t), len(rows)), order="F") for channel in channels}
+    for place, own in enumerate(rows):
+        order = own[np.unique(time[own], return_index=True)[1]]
+        longest = LONGEST_GAP * float(np.median(np.diff(time[order]))) if len(order) > 1 else 0.0
+        for channel, column in channels.items():
+            found[channel][:, place] = interpolated(t, time[order], column[order, 0], longest)
+    kept = np.logical_and.reduce([np.isfinite(array).all(axis=1) for array in found.values()])
+    return t[kept], {channel: array[kept] for channel, array in found.items()}
 
 
 def _rows_of_joints(rows: list[NDArray[np.intp]], time: Float) -> tuple[list[NDArray[np.intp]], int]:

@@ -20,6 +20,7 @@ _NAMES: tuple[tuple[str, str | None, str], ...] = (
     (r"%time", "ns", "log_time"),
     (r"log_?time|publish_?time|receive_?time", None, "log_time"),
     (r"duration|time|t|timestamps?|times|__time|elapsed|elapsed_time|seconds|clock", None, "column"),
+    (r"date_?time|(?:joint|robot|ros|unix|epoch|host|system|experiment)_?(?:time|stamp|timestamp)", None, "column"),
 )
 _UNITS_SPELLED = "milliseconds|msec|ms|nanoseconds|nsec|ns|microseconds|usec|us|µs|seconds|sec|s"
 _UNIT = rf"(?:(?:[ _]+|[ _]*[\[(])(?P<unit>{_UNITS_SPELLED})[\])]?)?"

@@ -40,8 +40,8 @@ FIGURES = (
     ),
     Figure(
         "velocity-torque", "estimate", "estimate", "Velocity-torque curves",
-        "Interaction torque against velocity. Loops are inertia, which cancels between two moments of rest; the "
-        "fitted line is friction.", panel=True,
+        "Interaction torque against velocity. Loops are inertia, which cancels between two moments of rest, and "
+        "gravity where it is in the torque; the fitted line is friction.", panel=True,
     ),
     Figure(
         "energy", "estimate", "estimate", "Net energy and cycles",

@@ -127,6 +127,9 @@ def _answer(report: made.LogReport, answered: list[made.JointReport], drawn: Dra
     joints = [one.friction for one in report.joints]
     _, physics = physics_of(estimate_notices(report.estimate), joints)
     yield from html.noted([line.removeprefix(f"{MARK} ") for line in physics])
+    if regressed := [one.joint for one in joints if one.method != "energy" and not one.reason]:
+        text = f"From torque regression, as too few energy cycles count: {joints_label(regressed)}."
+        yield html.Text(lines=(text,), tone="unsure")
     without = [in_unit(line, report.unit) for line in reason_lines(joints)]
     if without:
         yield html.Text(lines=[f"No estimate on {line}." for line in without], tone="off" if answered else "unsure")
