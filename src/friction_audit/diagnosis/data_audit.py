@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from friction_audit.effects.joint_data import SIGMA_PER_MEDIAN, JointData
-from friction_audit.joint_log import Float, JointLog, median_step
+from friction_audit.joint_log import Float, JointLog, median_step, step_places
 from friction_audit.preprocessing.even_grid import fresh_samples, gaps
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.sign import SIGNIFICANT
@@ -179,9 +179,10 @@ def _velocity(interaction: Interaction, data: JointData) -> tuple[DataFinding, .
     )
 
 
-def _resolution(signal: Float) -> float:
-    """Smallest step that most changes are multiples of; 0 where changes are all different."""
-    steps = np.abs(np.diff(signal))
+def resolution(signal: Float) -> float:
+    """Return the smallest step that most changes are multiples of; 0 where changes are all different."""
+    first = step_places(len(signal))
+    steps = np.abs(signal[first + 1] - signal[first])
     steps = steps[steps > 0]
     if len(steps) <= 1:
         return 0.0
@@ -196,7 +197,7 @@ def _sensors_and_motion(interaction: Interaction, data: JointData) -> tuple[Data
     steps, speed = np.diff(data.torque)[still[1:] & still[:-1]], np.abs(data.dq[data.used])
     return (
         _stated("standstill_noise", float(np.std(steps) / np.sqrt(2)) if len(steps) else NAN, "N m"),
-        _stated("torque_step", _resolution(interaction.torque[:, data.joint]), "N m"),
+        _stated("torque_step", resolution(interaction.torque[:, data.joint]), "N m"),
         _judged("standstill", float(still.sum()) * data.step_s),
         _judged("cycles", float(len(np.unique(data.cycle[data.used])))),
         _judged("speed_spread", float(speed.std() / speed.mean()) if len(speed) else 0.0),

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.data_audit import DataFinding, audit_clock, audit_data
+from friction_audit.diagnosis.data_audit import DataFinding, audit_clock, audit_data, resolution
 from friction_audit.diagnosis.known_load import know_load, known_inertias
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.breakaway import find_breakaways, signed_rest
@@ -72,8 +72,10 @@ def prepare(
     fresh = slice(None) if new.all() else new  # views, no copies
     t = moments_of_samples(log.t[fresh], log.q[fresh], log.dq[fresh])
     low_pass = LowPass.for_stamps(t)
-    valid = low_pass.away_from_gaps(t)
-    (all_q, all_dq, all_ddq, logged_dq), derived_from, crossovers_hz = _filtered_motion(log, low_pass, t, fresh, valid)
+    valid, slope_gain = low_pass.away_from_gaps(t), _slope_gain(low_pass, t)
+    (all_q, all_dq, all_ddq, logged_dq), derived_from, crossovers_hz, rounding = _filtered_motion(
+        log, low_pass, t, fresh, valid
+    )
     read: Float = getattr(log, CHANNELS[choice.source])
     sensed = choice.sign * low_pass.all_of(t, read, fresh)
     logged = None if log.gravity is None else low_pass.all_of(t, log.gravity, fresh)
@@ -92,7 +94,8 @@ def prepare(
         # Copies: columns of a matrix of all joints are read at an eighth of the speed.
         q, own_dq = (np.ascontiguousarray(every[:, column]) for every in (all_q, all_dq))
         usual = float(np.quantile(np.abs(own_dq[valid]), 0.95)) if valid.any() else 0.0
-        dead = max(DEAD_SIGMAS * grid_noise(own_dq[valid]), DEAD_SHARE * usual, TINY_SPEED)
+        noise = max(grid_noise(own_dq[valid]), rounding[column] * (slope_gain if derived_from[column] == "q" else 1.0))
+        dead = max(DEAD_SIGMAS * noise, DEAD_SHARE * usual, TINY_SPEED)
         breakaways = find_breakaways(q, own_dq, dead, low_pass.step_s)
         dq, ddq = signed_rest(own_dq, all_ddq[:, column], breakaways, dead)
         return JointData(
@@ -116,6 +119,7 @@ def prepare(
             rigid=None if rigid is None else rigid[column],
             others_joint=column,
             sample_s=median_step(log.t),
+            rounding=rounding[column],
             crossover_hz=crossovers_hz[column],
         )
 
@@ -188,8 +192,12 @@ def _cubics(data: JointData, end: Index, begin: Index, samples: int) -> tuple[Fl
 
 def _filtered_motion(
     log: JointLog, low_pass: LowPass, t: Float, fresh: NDArray[np.bool_] | slice, valid: NDArray[np.bool_]
-) -> tuple[list[Float], list[str], list[float]]:
-    """Position, velocity, acceleration and logged velocity, (n, j) each; what they are derived from, and crossovers."""
+) -> tuple[list[Float], list[str], list[float], list[float]]:
+    """Position, velocity, acceleration and logged velocity, (n, j) each; what they are derived from, and crossovers.
+
+    Last, the noise of its rounding: step / sqrt(12), and white (W. R. Bennett, Bell Syst. Tech. J. 27 (1948) 446). Most
+    samples of a slow joint read the same, and a median shows none of it.
+    """
     coarse = coarse_log(log)
     lag = find_lag(coarse, median_step(log.t))
     acceleration = np.sqrt(np.mean(np.gradient(coarse.dq, coarse.t, axis=0) ** 2, axis=0))
@@ -197,14 +205,20 @@ def _filtered_motion(
     # One array each, not a list of columns that is stacked: half of the memory.
     many = log.q.shape[1]
     moved = [np.empty((len(low_pass.t), many)) for _ in range(4)]
-    derived_from, crossovers_hz = ["dq"] * many, [0.0] * many
+    derived_from, crossovers_hz, rounding = ["dq"] * many, [0.0] * many, [0.0] * many
+    slope_gain = _slope_gain(low_pass, t)
 
     def one(column: int) -> None:
         q, slope = low_pass.with_slope(t, log.q[fresh, column])
         logged = low_pass.of(t, log.dq[fresh, column])
         derived = log.source.channels.get("dq") == DERIVATIVE
-        if derived or grid_noise(slope) < np.hypot(grid_noise(logged), lag[column] * acceleration[column]):
+        of_q, of_dq = (resolution(read[:, column]) / 12.0**0.5 for read in (log.q, log.dq))
+        late = lag[column] * acceleration[column]
+        noises = max(grid_noise(slope), slope_gain * of_q), np.hypot(max(grid_noise(logged), of_dq), late)
+        rounding[column] = of_dq
+        if derived or noises[0] < noises[1]:
             derived_from[column], dq, ddq = "q", slope, np.gradient(slope, low_pass.t)
+            rounding[column] = of_q
         else:
             dq, ddq = low_pass.with_slope(t - lag[column], log.dq[fresh, column])
             # With the logged velocity alone the inertial_coupling of a real Panda's joints 5 and 6 is ambiguous.
@@ -216,7 +230,13 @@ def _filtered_motion(
             every[:, column] = own
 
     per_joint(one, many)
-    return moved, derived_from, crossovers_hz
+    return moved, derived_from, crossovers_hz, rounding
+
+
+def _slope_gain(low_pass: LowPass, t: Float) -> float:
+    """Standard deviation of the slope of a low-passed signal over that of its white noise. [1/s]"""
+    fine_s = float(low_pass.fine[1] - low_pass.fine[0])
+    return float(np.linalg.norm(low_pass.slope)) * (median_step(t) / fine_s) ** 0.5
 
 
 def _cycle_of(t: Float, cycles: EnergyCycles, joint: int) -> Index:

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.breakaway import Breakaways, breakaways_of, torque_known
-from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal
+from friction_audit.effects.joint_data import CORNER_HZ, SIGMA_PER_MEDIAN, JointData, Nominal
 from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.effects.transmission import MOTION_BELOW_HZ, motion_below
 from friction_audit.errors import AnalysisError
@@ -133,7 +133,9 @@ def corner_for(data: JointData, inertia_kg_m2: float) -> float:
     order = 2 if data.derived_from == "q" else 1
     load = np.zeros(len(data.t)) if data.load is None else data.load
     torque = noise_density(data.torque + load, data.step_s, 0)
-    own = inertia_kg_m2 * noise_density(data.ddq, data.step_s, order)
+    # White noise of a median size per sample of the log, at least that of the rounding.
+    rounded = (2.0 * np.pi) ** order * data.rounding / SIGMA_PER_MEDIAN * np.sqrt(data.sample_s / (np.pi * data.step_s))
+    own = inertia_kg_m2 * max(noise_density(data.ddq, data.step_s, order), float(rounded))
     inertial = float(np.hypot(own, noise_density(load, data.step_s, order)))
     crossing = (QUIET_SHARE * torque / inertial) ** (1.0 / order) if inertial > 0 else CORNER_HZ
     # f^2 / sqrt(f^2 + crossover^2) in the place of f, solved for f

@@ -68,6 +68,7 @@ class JointData:
     rigid: RigidBody | None = None  # what the rigid-body model of the arm says; None where no model is known
     others_joint: int | None = None  # column of this joint among the others; ``joint`` where None
     sample_s: float = 0.0  # usual step of the log itself, 0 where a torque late by part of it is of no interest [s]
+    rounding: float = 0.0  # standard deviation of the rounding of that [rad or rad/s]
     crossover_hz: float = 0.0  # below it a velocity from "dq" is mainly the derivative of the position [Hz]
 
     @property
