@@ -179,14 +179,14 @@ def _follow(  # noqa: PLR0913
     steps, many = len(between), len(lanes)
     h = step / steps
     # Rows of one array of a known size: the compiler then need not ask at every step whether they overlap.
-    table = np.zeros((15, len(lanes)))
+    table, bent = np.zeros((15, len(lanes))), links[3].any()
     stiffness, damping, half, bend, curve = table[0], table[1], table[2], table[3], table[4]
-    keep, gain, held, keep_apart, gain_apart, held_apart = table[5], table[6], table[7], table[8], table[9], table[10]
-    theta, omega = table[11], table[12]
+    keep_apart, gain_apart, held_apart, keep, gain, held = table[5], table[6], table[7], table[8], table[9], table[10]
+    middle, omega = table[11], table[12]  # place amid the next step, last velocity
     torque = np.empty((many, len(q)))
     # About the last sample and about the next one, from half a sample before to half a sample after.
     last, next_one = 13, 14
-    _start(table, far, links, h, q[0], dq[0], load[0], lanes)
+    _start(table, far, links, h, q[0], dq[0], load[0], gap, lanes)
     for k in range(len(q) - 1):
         rise, more = q[k + 1] - q[k], load[k + 1] - load[k]
         for i in range(steps):
@@ -196,30 +196,28 @@ def _follow(  # noqa: PLR0913
             # Damping at the mean of both velocities, then what Coulomb friction takes of the new one.
             if gap:
                 for j in range(many):
-                    before, middle = omega[j], theta[j] + 0.5 * h * omega[j]
-                    twist = place - middle
+                    twist = place - middle[j]
                     engaged = twist - min(max(twist, -half[j]), half[j])
-                    push, drag = pushed(stiffness[j] * engaged, bend[j], curve[j]), damping[j]
-                    # Neither spring nor damping within the gap and where flanks would pull.
-                    apart = engaged * (push + drag * (speed - before)) <= 0.0
-                    push, drag = 0.0 if apart else push, 0.0 if apart else drag
-                    # All are read before one is taken: what is read on a condition, is read one by one.
-                    kept, kept_apart, given, given_apart = keep[j], keep_apart[j], gain[j], gain_apart[j]
-                    slip, slip_apart = held[j], held_apart[j]
-                    slip = slip_apart if apart else slip
-                    free = (kept_apart if apart else kept) * before
-                    free += (given_apart if apart else given) * (push + drag * speed - borne)
-                    omega[j] = free - min(max(free, -slip), slip)
-                    theta[j] = middle + 0.5 * h * omega[j]
-                    table[felt, j] += push + drag * (speed - 0.5 * (before + omega[j])) - borne
+                    push = pushed(stiffness[j] * engaged, bend[j], curve[j]) + damping[j] * speed
+                    # Neither spring nor damping within the gap and where flanks would pull. As a factor, for what is
+                    # read on a condition is read one by one.
+                    touches = 1.0 if engaged * (push - damping[j] * omega[j]) > 0.0 else 0.0
+                    push, drag, slip = touches * push - borne, touches * damping[j], held_apart[j] + touches * held[j]
+                    free = (keep_apart[j] + touches * keep[j]) * omega[j] + (gain_apart[j] + touches * gain[j]) * push
+                    after = free - min(max(free, -slip), slip)
+                    table[felt, j] += push - 0.5 * drag * (omega[j] + after)
+                    middle[j] += h * after
+                    omega[j] = after
             else:
                 for j in range(many):
-                    before, middle = omega[j], theta[j] + 0.5 * h * omega[j]
-                    push = pushed(stiffness[j] * (place - middle), bend[j], curve[j])
-                    free = keep[j] * before + gain[j] * (push + damping[j] * speed - borne)
-                    omega[j] = free - min(max(free, -held[j]), held[j])
-                    theta[j] = middle + 0.5 * h * omega[j]
-                    table[felt, j] += push + damping[j] * (speed - 0.5 * (before + omega[j])) - borne
+                    straight = stiffness[j] * (place - middle[j])
+                    push = pushed(straight, bend[j], curve[j]) if bent else straight
+                    push += damping[j] * speed - borne
+                    free = keep[j] * omega[j] + gain[j] * push
+                    after = free - min(max(free, -held[j]), held[j])
+                    table[felt, j] += push - 0.5 * damping[j] * (omega[j] + after)
+                    middle[j] += h * after
+                    omega[j] = after
         share = 2.0 / steps if k == 0 else 1.0 / steps  # both ends have half a sample each
         for j in range(many):
             rigid = far[0, j] * ddq[k] + (far[1, j] * way[k] + far[2, j] * dq[k])
@@ -232,14 +230,20 @@ def _follow(  # noqa: PLR0913
 
 
 @compiled(inline=True)
-def _start(table: Float, far: Float, links: Float, h: float, q: float, dq: float, load: float, lanes: Lanes) -> None:
-    """Numbers of the transmissions and the state at the first sample."""
+def _start(  # noqa: PLR0913
+    table: Float, far: Float, links: Float, h: float, q: float, dq: float, load: float, gap: bool, lanes: Lanes
+) -> None:
+    """Numbers of the transmissions, those of a flank that touches less those apart, and the state at the start."""
     for j in range(len(lanes)):
         for i in range(5):
             table[i, j] = links[i, j]
-        table[5, j], table[6, j], table[7, j] = _pace(far[:, j], links[1, j], h)
-        table[8, j], table[9, j], table[10, j] = _pace(far[:, j], 0.0, h)
-        table[11, j], table[12, j] = q - twisted(load, links[0, j], links[2, j], links[3, j]), dq
+        table[8, j], table[9, j], table[10, j] = _pace(far[:, j], links[1, j], h)
+        if gap:
+            table[5, j], table[6, j], table[7, j] = _pace(far[:, j], 0.0, h)
+            for i in range(8, 11):
+                table[i, j] -= table[i - 3, j]
+        theta = q - twisted(load, links[0, j], links[2, j], links[3, j])
+        table[11, j], table[12, j] = theta + 0.5 * h * dq, dq
 
 
 @compiled(inline=True)
