@@ -12,15 +12,9 @@ import pytest
 from friction_audit.cli.compare import FIGURES
 from friction_audit.compensation.comparison import METHODS, SCENES, Comparison, compare
 from friction_audit.compensation.comparison.experiment import choose_best, find_margin
-from friction_audit.compensation.comparison.methods import BEST, Method, Scene, Tuning
+from friction_audit.compensation.comparison.methods import BEST, IDLE, Method, Scene, Tuning
 from friction_audit.compensation.comparison.result import Point, mean_interval, median_interval
-from friction_audit.compensation.comparison.trial import (
-    Reference,
-    energy_slope_w,
-    find_reference,
-    make_course,
-    measure,
-)
+from friction_audit.compensation.comparison.trial import find_reference, make_course, measure
 from friction_audit.compensation.compensators import (
     Compensator,
     DisturbanceObserver,
@@ -34,7 +28,7 @@ from friction_audit.reporting.compare import compare_lines
 from friction_audit.reporting.figures.comparison import draw_comparison as draw
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.scenarios import simulate
-from friction_audit.simulation.settings import IDEAL_SENSORS, Simulation
+from friction_audit.simulation.settings import IDEAL_SENSORS
 
 # A short comparison, made once.
 
@@ -55,39 +49,27 @@ def compared() -> Comparison:
     return compare(short_joint(), SEEDS, [method for method in METHODS if method.name in CHOSEN])
 
 
-# Means, medians and their intervals.
+# Means, medians and their intervals. Student's t with 3 degrees of freedom: 3.182; standard deviation 1.291, over the
+# root of 4. Tables of the binomial distribution: of 20 values the 6th and the 15th, of 6 the first and the last.
 
-
-# Student's t with 3 degrees of freedom: 3.182; standard deviation 1.291, over the root of 4.
 HALF = 3.182446 * np.std([1, 2, 3, 4], ddof=1) / 2
 
 
 @pytest.mark.parametrize(
-    ("values", "expected"),
+    ("interval", "values", "expected"),
     [
-        ([1.0, 2.0, 3.0, 4.0], (2.5, 2.5 - HALF, 2.5 + HALF)),
-        ([1.0, nan, 1.0], (1.0, 1.0, 1.0)),
-        ([], (nan, nan, nan)),
-        ([nan], (nan, nan, nan)),
-        ([2.0], (2.0, nan, nan)),
+        (mean_interval, [1.0, 2.0, 3.0, 4.0], (2.5, 2.5 - HALF, 2.5 + HALF)),
+        (mean_interval, [1.0, nan, 1.0], (1.0, 1.0, 1.0)),
+        (mean_interval, [nan], (nan, nan, nan)),
+        (mean_interval, [2.0], (2.0, nan, nan)),
+        (median_interval, list(range(1, 21)), (10, 6, 15)),
+        (median_interval, [6, 5, 4, 3, 2, 1], (3, 1, 6)),
+        (median_interval, [2.0, 1.0, inf, inf, inf, inf, inf], (inf, 1.0, inf)),
+        (median_interval, [], (nan, nan, nan)),
     ],
 )
-def test_means_by_hand(values: list[float], expected: tuple[float, float, float]) -> None:
-    assert mean_interval(values) == pytest.approx(expected, rel=1e-6, nan_ok=True)
-
-
-@pytest.mark.parametrize(
-    ("values", "expected"),
-    [
-        # Tables of the binomial distribution: of 20 values the 6th and the 15th, of 6 the first and the last.
-        (list(range(1, 21)), (10, 6, 15)),
-        ([6, 5, 4, 3, 2, 1], (3, 1, 6)),
-        ([2.0, 1.0, inf, inf, inf, inf, inf], (inf, 1.0, inf)),
-        ([0.0, 0.0, 0.0, 1.0, inf, inf], (0.0, 0.0, inf)),
-    ],
-)
-def test_medians_by_hand(values: list[float], expected: tuple[float, float, float]) -> None:
-    assert median_interval(values) == expected
+def test_means_and_medians_by_hand(interval: Any, values: list[float], expected: tuple[float, float, float]) -> None:
+    assert interval(values) == pytest.approx(expected, rel=1e-6, nan_ok=True)
 
 
 # Stability margin: bisection, and what a gain is.
@@ -139,16 +121,10 @@ def test_every_tuning_makes_a_compensator_for_every_joint(method: Method) -> Non
 
 # Measures of a trial, by hand where a hand can.
 
-IDLE = FixedCompensation(coulomb_nm=0.0, viscous_nms_per_rad=0.0)
-
-
-def rigid(compensator: FixedCompensation | TorqueRegulation) -> Simulation:
-    settings = short_joint().settings
-    return simulate(replace(settings, hidden=(Hidden(),), sensors=(IDEAL_SENSORS,), compensator=compensator), 0)
-
 
 def test_without_compensation_a_person_feels_the_joint() -> None:
-    alone = rigid(IDLE)
+    rigid: Any = replace(short_joint().settings, hidden=(Hidden(),), sensors=(IDEAL_SENSORS,), compensator=IDLE)
+    alone = simulate(rigid, 0)
     outcome = measure(alone, find_reference(alone))
     assert outcome.stable
     assert outcome.lost_s == np.inf
@@ -172,14 +148,6 @@ def test_a_competitor_that_is_unstable_is_caught_and_drawn_up_to_there() -> None
     assert 0.0 < outcome.lost_s < scene.settings.duration_s
     assert course.lost_s == outcome.lost_s == course.t[-1]
     assert len(course.t) == len(course.dq) == len(course.interaction_nm) == len(course.energy_j)
-
-
-def test_slope_is_read_at_the_ends_of_cycles() -> None:
-    t = np.linspace(0.0, 4.0, 401)
-    ends = np.array([100, 200, 300, 400])
-    reference = Reference(ends=ends, resting=np.zeros((401, 1), bool), rms_torque_nm=np.ones(1))
-    rising = np.where(t < 2.0, 5.0 * t, 10.0 + 0.5 * (t - 2.0)) + np.sin(np.pi * t) ** 2
-    assert energy_slope_w(rising, t, reference) == pytest.approx(0.5)
 
 
 # The whole comparison, short.

@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.compensation.compensators import EnergyCompensator, FixedCompensation
 from friction_audit.errors import UsageError
+from friction_audit.joint_log import Float
 from friction_audit.pipeline import AuditSettings, Estimate, estimate_log
 from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.presets import PRESETS
@@ -29,7 +30,7 @@ from friction_audit.simulation.effects.load_and_place import GravityError
 from friction_audit.simulation.effects.structure import Backlash, JointElasticity
 from friction_audit.simulation.periodic import intend_joints
 from friction_audit.simulation.settings import JointByJoint, make_streams
-from tests.simulation.hand_at_flange import flange_poses, intended, pull
+from tests.simulation.hand_at_flange import flange_poses, intended
 
 # A hand that guides the arm: where it goes, which joints follow, where it rests, what it carries.
 
@@ -48,13 +49,6 @@ def guided() -> Simulation:
 @pytest.fixture(scope="module")
 def plain() -> Simulation:
     return simulate(SHORT, SEED)
-
-
-def test_hand_follows_its_path(guided: Simulation) -> None:
-    hand = pull(GUIDED, SEED, guided.truth.motion)
-    assert hand.off_m.max() < 0.03
-    assert np.sqrt((hand.off_m**2).mean()) < 0.01
-    assert hand.turned_rad.max() < 0.2
 
 
 @pytest.mark.parametrize(
@@ -114,11 +108,6 @@ def alone() -> Simulation:
     return simulate(ALONE, HELPED_SEED)
 
 
-@pytest.fixture(scope="module")
-def told_by_the_hand() -> Simulation:
-    return simulate(replace(ALONE, compensator=EnergyCompensator()), HELPED_SEED)
-
-
 def power(motion: TrueMotion, since_s: float = 0.0) -> float:
     """Return the mean power that the person spends on the motors and their friction. [W]"""
     late = motion.t >= since_s
@@ -148,21 +137,16 @@ def test_true_coefficients_take_friction_off_the_hand(alone: Simulation) -> None
     assert_array_equal(torque[~fast], 0.0)
 
 
-def test_hand_ends_the_cycles_of_all_joints_at_the_same_ticks(told_by_the_hand: Simulation) -> None:
-    ended = np.diff(told_by_the_hand.truth.compensators["cycle"], axis=0) != 0
+def test_learning_compensators_take_friction_off_the_hand_which_ends_their_cycles(alone: Simulation) -> None:
+    helped = simulate(replace(ALONE, compensator=EnergyCompensator()), HELPED_SEED)
+    before, after, known = alone.truth.motion, helped.truth.motion, helped.truth.compensators
+    ended = np.diff(known["cycle"], axis=0) != 0
     assert_array_equal(ended.any(axis=1), ended.all(axis=1))
     assert ended.any()
-
-
-def test_learning_compensators_take_friction_off_the_hand(alone: Simulation, told_by_the_hand: Simulation) -> None:
-    before, after = alone.truth.motion, told_by_the_hand.truth.motion
     assert power(after, LATER_S) < 0.2 * power(before, LATER_S)
     assert effort(after, LATER_S) < effort(before, LATER_S)
-    known = told_by_the_hand.truth.compensators
-    energy = known["energy_j"].sum(axis=1)
-    late = after.t >= LATER_S
-    assert np.ptp(energy[late]) < 0.2 * alone.truth.motion.dissipated_j[-1].sum()
-    assert_array_equal(told_by_the_hand.log.channels()["tau_passivity"].shape, after.q.shape)
+    assert np.ptp(known["energy_j"].sum(axis=1)[after.t >= LATER_S]) < 0.2 * alone.truth.motion.dissipated_j[-1].sum()
+    assert_array_equal(helped.log.channels()["tau_passivity"].shape, after.q.shape)
 
 
 # One compensator for each joint of an arm.
@@ -188,27 +172,18 @@ DRIVEN = ArmSettings(driven=True, duration_s=15.0)
 AUDITED_SEED = 3
 
 
-@pytest.fixture(scope="module")
-def driven() -> Simulation:
-    return simulate(DRIVEN, AUDITED_SEED)
-
-
-def coulomb(estimate: Estimate) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+def coulomb(estimate: Estimate) -> Float:
     return np.array([joint.coulomb.value for joint in estimate.friction.joints])
 
 
-def test_driven_arm_follows_its_command(driven: Simulation) -> None:
+def test_a_driven_arm_follows_its_command_and_its_friction_is_found() -> None:
+    driven = simulate(DRIVEN, AUDITED_SEED)
     motion = driven.truth.motion
     command = intend_joints(DRIVEN.servo.motion, 7, len(motion.t) - 1, 1e-3, make_streams(AUDITED_SEED, 7).person)
-    error = motion.q - command.position - np.array(DRIVEN.pose_rad)
-    assert np.abs(error).max() < 0.03
+    assert np.abs(motion.q - command.position - np.array(DRIVEN.pose_rad)).max() < 0.03
     assert (np.ptp(motion.q, axis=0) > 0.3).all()
-
-
-def test_friction_of_a_driven_arm_is_found(driven: Simulation) -> None:
     settings = AuditSettings(torque=TorqueSettings(drive="robot", robot="panda"))
-    estimate = estimate_log(driven.log, settings)
-    assert np.abs(coulomb(estimate) - COULOMB).max() < 0.03
+    assert np.abs(coulomb(estimate_log(driven.log, settings)) - COULOMB).max() < 0.03
 
 
 def test_friction_of_a_guided_arm_is_found_with_default_settings() -> None:

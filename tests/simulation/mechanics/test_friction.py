@@ -189,12 +189,6 @@ def test_stick_slip_of_lugre_follows_the_published_equations() -> None:
     assert_allclose(motion.q[:, 0], q, atol=1e-3)
 
 
-def test_stick_slip_of_lugre_is_of_order_two() -> None:
-    coarse, middle, fine = (creep_bristle(step).q[:, 0] for step in (5e-4, 2.5e-4, 1.25e-4))
-    order = np.log2(np.abs(coarse - middle).max() / np.abs(middle - fine).max())
-    assert 1.5 < order < 2.7
-
-
 def guided(form: int, course: Float, speed: Float) -> TrueMotion:
     """Guide the joint by a stiff hand."""
     stiff = {"stiffness_nm_per_rad": 600.0, "damping_nms_per_rad": 60.0}

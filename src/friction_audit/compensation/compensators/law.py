@@ -4,6 +4,7 @@ import math
 import re
 from dataclasses import dataclass, field, fields, replace
 from math import inf, ulp
+from types import NoneType
 from typing import Any, ClassVar, Self, dataclass_transform
 
 from friction_audit.compiled import compiled
@@ -20,8 +21,8 @@ ABOVE_ZERO = ulp(0.0)  # the least number that is
 
 
 def kind_name(kind: type) -> str:
-    """Return the name of a class as the command line has it, e.g. ``slow_sweep``."""
-    return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", kind.__name__).lower()
+    """Return the name of a class as the command line has it, e.g. ``slow_sweep``; of None, ``none``."""
+    return "none" if kind is NoneType else re.sub(r"(?<=[a-z])(?=[A-Z])", "_", kind.__name__).lower()
 
 
 def within(usual: Any = 0.0, low: float = 0.0, high: float = inf) -> Any:  # noqa: ANN401 - the field of a dataclass
