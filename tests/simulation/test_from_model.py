@@ -67,9 +67,8 @@ def test_the_model_says_of_the_motion_the_torque_that_was_simulated(name: str, v
 
 
 def test_inertia_and_friction_are_taken_over_and_joints_without_a_model_stay_as_they_are() -> None:
-    settings = with_model(IDEAL, arm_of(model_of({})))
     taken = JointParameters(inertia_kg_m2=0.25, coulomb_nm=0.4, viscous_nms_per_rad=0.1)
-    assert settings == replace(IDEAL, joints=(taken,))
+    assert with_model(IDEAL, arm_of(model_of({}))) == replace(IDEAL, joints=(taken,))
     arm = ArmSettings()
     settings = with_model(arm, arm_of(None, model_of({"stribeck": STRIBECK}), *(None,) * 5))
     assert settings.joints == (arm.joints[0], taken, *arm.joints[2:])

@@ -73,9 +73,10 @@ def test_range_and_speed_limits_hold(motion: StopAndGo | SlowSweep | Commanded, 
     intention, (low, high) = motion.intend(ticks, 4e-3, _rng(seed)), motion.range_rad
     if isinstance(motion, Commanded):
         fastest = motion.peak_speed_rad_s
+    elif isinstance(motion, SlowSweep):
+        fastest = max(motion.speeds_rad_s[1], 3e-2 / 0.5)
     else:
-        slow = isinstance(motion, SlowSweep)
-        fastest = max(motion.speeds_rad_s[1], 3e-2 / 0.5) if slow else motion.speed_limits_rad_s[1]
+        fastest = motion.speed_limits_rad_s[1]
     position, speed = intention.position, np.abs(intention.velocity).max()
     shares = (position.min() / low, position.max() / high, speed / fastest)
     assert max(shares) <= 1.0 + 1e-9

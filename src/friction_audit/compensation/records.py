@@ -14,7 +14,6 @@ from friction_audit.compensation.compensators import (
     Compensator,
     EnergyCompensator,
     FixedCompensation,
-    kind_of,
 )
 from friction_audit.compensation.compensators.law import LONGEST_WINDOW, MODELS, Law
 from friction_audit.errors import UsageError
@@ -40,7 +39,7 @@ SETTINGS = np.dtype(
         *((name, "f8") for name in ("period_s", "coulomb_nm", "viscous_nms_per_rad", "rest_rad_s", "corner_rad_s")),
         *((name, "f8") for name in ("forced_coulomb_nm", "forced_viscous_nms_per_rad")),
         *_numbers_of(EnergyCompensator),
-        *((kind.name, _numbers_of(kind.settings)) for kind in COMPENSATORS if issubclass(kind.settings, Law)),
+        *((kind.name, _numbers_of(kind)) for kind in COMPENSATORS if issubclass(kind, Law)),
     ]
 )
 
@@ -92,10 +91,10 @@ def pack(compensators: Sequence[Compensator | None], rate: float) -> NDArray[np.
     for record, compensator in zip(records, compensators, strict=True):
         # Estimation and ledger run with a compensator of any kind.
         energy = compensator if isinstance(compensator, EnergyCompensator) else EnergyCompensator(passivity=False)
-        kind, crossing, forced = kind_of(compensator), energy.zero_crossings, energy.forced or NOT_FORCED
+        crossing, forced = energy.zero_crossings, energy.forced or NOT_FORCED
         values = {name: getattr(energy, name) for name in SETTINGS.names or () if hasattr(energy, name)}
         values |= {
-            "kind": COMPENSATORS.index(kind),
+            "kind": 0 if compensator is None else COMPENSATORS.index(type(compensator)) + 1,
             "period_s": 1.0 / rate,
             "model": [*MODELS].index(energy.model),
             "window": energy.cycles_per_estimate,
@@ -109,7 +108,7 @@ def pack(compensators: Sequence[Compensator | None], rate: float) -> NDArray[np.
         if isinstance(compensator, FixedCompensation):
             values |= asdict(compensator)
         if isinstance(compensator, Law):
-            group = record[kind.name]
+            group = record[compensator.name]
             for name in group.dtype.names:
                 group[name] = getattr(compensator, name)
             values |= asdict(compensator.guard)

@@ -55,7 +55,6 @@ def compare(
     ]
     return Comparison(
         scene=scene.name,
-        title=scene.title,
         duration_s=scene.settings.duration_s,
         seeds=reported,
         tuning_seeds=tuning_seeds,

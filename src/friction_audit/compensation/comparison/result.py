@@ -135,7 +135,6 @@ class Comparison:
     """All methods side by side."""
 
     scene: str  # name of what they were tried on
-    title: str  # the same in words
     duration_s: float  # length of a trial [s]
     seeds: tuple[int, ...]  # seeds that are reported
     tuning_seeds: tuple[int, ...]  # seeds of the sweeps

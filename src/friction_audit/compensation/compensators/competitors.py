@@ -30,7 +30,8 @@ from friction_audit.errors import UsageError
 class FixedCompensation(Gained):
     """A compensator that never learns: u = coulomb sgn(dq) + viscous dq outside the dead-band, else 0."""
 
-    gains = ("coulomb_nm", "viscous_nms_per_rad")
+    name, gains = "fixed", ("coulomb_nm", "viscous_nms_per_rad")
+    summary = "given Coulomb and viscous friction; the true ones make it an oracle"
 
     coulomb_nm: float = within(MISSING, -math.inf)  # Coulomb friction compensated [N m]
     viscous_nms_per_rad: float = within(MISSING, -math.inf)  # viscous friction compensated [N m s/rad]
@@ -44,7 +45,8 @@ class SigmoidCompensation(Law):
     that slope, and is not amplified to the whole plateau as by a sign function.
     """
 
-    gains = ("height_nm",)
+    name, gains = "sigmoid", ("height_nm",)
+    summary = "model-based, Gaz sigmoidal (static): a sigmoid of the velocity"
 
     height_nm: float = positive(MISSING)  # phi1, from plateau to plateau [N m]
     steepness_s_per_rad: float = positive(MISSING)  # phi2 [s/rad]
@@ -102,6 +104,7 @@ class LugreCompensation(Law):
     more than sigma0 times the displacement, so that noise of the velocity does not make it chatter.
     """
 
+    name, summary = "lugre", "model-based, LuGre: bristles that bend and slip"
     gains = ("coulomb_nm", "breakaway_nm", "viscous_nms_per_rad", "stiffness_nm_per_rad", "damping_nms_per_rad")
 
     coulomb_nm: float = positive(MISSING)  # Fc [N m]
@@ -154,6 +157,8 @@ class JointModelCompensation(Law):
     are applied at any speed.
     """
 
+    name, summary = "joint_model", "model-based: the terms of friction of a joint's model"
+
     terms: tuple[FittedTerm, ...]
     dead_band_rad_s: float = within(0.01)  # speed up to which dry friction is silent [rad/s]
     ramp_rad_s: float = within(0.03)  # range of speed over which it then rises to all of it [rad/s]
@@ -171,7 +176,8 @@ class DisturbanceObserver(Law):
     it then hunts. In the dead-band it is therefore silent, and observes on.
     """
 
-    gains = ("observer_gain_per_s",)
+    name, gains = "disturbance_observer", ("observer_gain_per_s",)
+    summary = "friction observed as what the motor's dynamics do not explain"
 
     inertia_kg_m2: float = within(MISSING)  # motor inertia B as assumed [kg m^2]
     observer_gain_per_s: float = positive(MISSING)  # L, bandwidth of the observer [1/s]
@@ -206,6 +212,9 @@ class TorqueRegulation(Law):
 
     It does not depend on the velocity: nothing chatters at standstill; a joint breaks away at B_theta / B of friction.
     """
+
+    name = "torque_regulation"
+    summary = "torque feedback that makes motor inertia and friction smaller"
 
     inertia_kg_m2: float = positive(MISSING)  # motor inertia B as assumed [kg m^2]
     desired_inertia_kg_m2: float = positive(MISSING)  # B_theta; above B the joint gets heavier [kg m^2]

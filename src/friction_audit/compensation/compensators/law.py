@@ -66,6 +66,8 @@ class Checked:
 class Gained(Checked):
     """A law whose torque is proportional to some of its numbers."""
 
+    name: ClassVar[str]  # as in options, tables and documentation; also the field of the records that holds its numbers
+    summary: ClassVar[str]  # one line
     gains: ClassVar[tuple[str, ...]] = ()
 
     def scaled(self, factor: float) -> Self:
@@ -107,7 +109,8 @@ class EnergyCompensator(Guard):
     left is still friction, and its slope, a negative damping, stays small against inertia over tick.
     """
 
-    gains = ("factor",)
+    name, gains = "energy", ("factor",)
+    summary = "the paper's: Coulomb and viscous friction from the energy of past cycles"
 
     model: str = "combined"  # ``"viscous"`` (8), ``"coulomb"`` (14) or ``"combined"`` (20)
     window: int | None = None  # number k of cycles an estimate is made from; None for the fewest, 1 or, combined, 2
