@@ -77,10 +77,7 @@ def feed_friction(memory: Record, feed: Feed, q: float, v: float, i: int) -> Non
 
 
 def refuse(terms: Iterable[FittedTerm], past: Iterable[Term] = ()) -> None:
-    """Raise AnalysisError that says which of the terms cannot run in a compensator's loop, and why.
-
-    ``past``: those whose torque does not follow from tables along the recording.
-    """
+    """Raise AnalysisError that says which terms, or terms of the past, cannot run in a compensator's loop, and why."""
     reasons = []
     for term in terms:
         values = dict(zip((parameter.name for parameter in term.effect.parameters), term.values, strict=True))

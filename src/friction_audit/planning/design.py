@@ -44,10 +44,7 @@ class Information(NamedTuple):
     seconds: Float  # length of each candidate [s]
 
     def separation(self, counts: Float) -> tuple[tuple[str, ...], Float]:
-        """Return the competing names, and the expected 2 ln of the likelihood ratio against each by designs (..., c).
-
-        Shape (..., h, names).
-        """
+        """Return the competing names, and of designs (..., c) the 2 ln of each ratio, shape (..., h, names)."""
         rows = np.tensordot(counts, self.rows, 1) + self.prior
         cross, own = np.tensordot(counts, self.cross, 1), counts @ self.own
         scale = np.sqrt(np.einsum("...rr->...r", rows)) + 1e-300
@@ -66,10 +63,7 @@ def information_of(
     certain: Sequence[FittedTerm],
     competing: Sequence[Effect],
 ) -> Information:
-    """Simulate the joint along all candidates once, and take apart what the columns of the effects say of each.
-
-    One of the ``truths`` is there, by name, and the ``certain`` effects in any case.
-    """
+    """Simulate the joint along all candidates; one of the ``truths`` is there, and the ``certain`` in any case."""
 
     def torque_of(terms: Iterable[FittedTerm]) -> Float:
         torques = [term.torque(data.motion(nominal.torque)) for term in terms]

@@ -142,10 +142,7 @@ def plan_task(task: Task, limits: Limits, duration_s: float = DURATION_S, *, che
 
 
 def _designed(about: design.Information, duration_s: float) -> tuple[Index, bool]:
-    """Return how often each candidate is run, and whether all of it at both ends of the time.
-
-    That is where all that is to be decided is whether an offset drifts: constants, and what changes with time.
-    """
+    """Return how often each candidate is run, and whether at both ends of the time, where an offset may drift."""
     share, fewest = AT_AN_END
     known = [effect_of(name) for name in about.truths]
     constant = [Trait.EXACT in one.traits for one in known]

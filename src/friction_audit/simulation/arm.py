@@ -96,10 +96,7 @@ class ArmSettings(Checked):
         return tuple(joint for joint in range(1, len(self.joints) + 1) if joint not in self.braked)
 
     def move(self, streams: Streams, path: str, progress: Progress | None) -> Moved:
-        """Move the arm from rest.
-
-        Masses, gravity and the hand's pull are those of the pose at each tick, for half a tick before it and after it.
-        """
+        """Move the arm from rest; masses, gravity and the pull of the hand are those of the pose at each tick."""
         ticks, pose = count_ticks(self.duration_s, self.rate_hz), np.array(self.pose_rad)
         joints, hidden = list(self.joints), list(self.hidden)
         for number in self.braked:  # a brake holds its joint, in which nothing hidden can then be felt

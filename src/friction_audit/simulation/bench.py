@@ -44,11 +44,7 @@ CHUNK_TICKS = 20_000  # between two reports of the progress
 
 
 class Operator(Checked):
-    """A mass that holds the outer side of the joint rigidly, drawn by a spring and a damper along an intended motion.
-
-    Where a hand moves the joint, the mass is that of hand and link; where the robot moves by itself, it is the motor's
-    and the spring and the damper are its position controller.
-    """
+    """A mass that holds the outer side of a joint, drawn along an intended motion: hand and link, or a servo motor."""
 
     inertia_kg_m2: float = positive(0.3)  # inertia on the outer side of the torque sensor [kg m^2]
     stiffness_nm_per_rad: float = positive(60.0)  # spring between intended and actual motion [N m/rad]

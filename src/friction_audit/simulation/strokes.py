@@ -129,11 +129,7 @@ MOST = 1000  # speeds or small reversals of a pass: more would outlast every rec
 
 
 class SlowSweep(Checked):
-    """Strokes of constant speed from the start to one side and back, at the next speed to the other side and back.
-
-    The speeds come in an order drawn anew for every pass, so that speed and time are not mistaken for each other. A
-    pass with the usual settings takes less than a minute.
-    """
+    """Strokes of constant speed to one side and back, at the next speed of a random order to the other and back."""
 
     speeds_rad_s: tuple[float, float] = positive((0.01, 1.0))  # slowest and fastest speed [rad/s]
     steps: int = within(7, 1, MOST)  # number of speeds in a pass, evenly spaced on a logarithmic scale

@@ -208,10 +208,7 @@ def observed_nm(group: Record, memory: Record, dq: float) -> float:
 
 
 class TorqueRegulation(Law):
-    """u = (B / B_theta - 1) F_m, so that B_theta ddq = F_m - (B_theta / B) tau_f.
-
-    It does not depend on the velocity: nothing chatters at standstill; a joint breaks away at B_theta / B of friction.
-    """
+    """u = (B / B_theta - 1) F_m, so that B_theta ddq = F_m - (B_theta / B) tau_f; nothing chatters at standstill."""
 
     name = "torque_regulation"
     summary = "torque feedback that makes motor inertia and friction smaller"

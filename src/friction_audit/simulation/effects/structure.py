@@ -18,11 +18,7 @@ SMALL_NM = 0.02  # a spring that stiffens at a smaller torque is a linear one
 
 
 class JointElasticity(HiddenEffect):
-    """A spring and a damper between motor and link.
-
-    With the usual 1e-3 rad/(N m), a motor of 0.3 kg m^2 rings at 9.2 Hz against a link held fast and at 13.0 Hz
-    against 0.3 kg m^2 on the hand's side.
-    """
+    """A spring and a damper between motor and link; 1e-3 rad/(N m) and 0.3 kg m^2 ring at 9.2 Hz, the link held."""
 
     summary = "the gear twists between motor and link"
     forms = ("linear", "hardening")
