@@ -15,15 +15,7 @@ from friction_audit.compensation.comparison.experiment import choose_best, find_
 from friction_audit.compensation.comparison.methods import BEST, IDLE, Method, Scene, Tuning
 from friction_audit.compensation.comparison.result import Point, mean_interval, median_interval
 from friction_audit.compensation.comparison.trial import find_reference, make_course, measure
-from friction_audit.compensation.compensators import (
-    Compensator,
-    DisturbanceObserver,
-    EnergyCompensator,
-    FixedCompensation,
-    LugreCompensation,
-    SigmoidCompensation,
-    TorqueRegulation,
-)
+from friction_audit.compensation.compensators import Compensator
 from friction_audit.reporting.compare import compare_lines
 from friction_audit.reporting.figures.comparison import draw_comparison as draw
 from friction_audit.simulation.effects import Hidden
@@ -72,7 +64,7 @@ def test_means_and_medians_by_hand(interval: Any, values: list[float], expected:
     assert interval(values) == pytest.approx(expected, rel=1e-6, nan_ok=True)
 
 
-# Stability margin: bisection, and what a gain is.
+# Stability margin: bisection.
 
 
 @pytest.mark.parametrize(("limit", "margin"), [(0.5, 0.0), (1.3, 1.3), (7.0, 7.0), (1000.0, inf)])
@@ -80,23 +72,6 @@ def test_limits_are_found(limit: float, margin: float) -> None:
     found = find_margin(lambda factor: factor <= limit)
     assert found == pytest.approx(margin, rel=0.05)
     assert found <= limit or found == inf
-
-
-@pytest.mark.parametrize(
-    ("compensator", "name", "twice"),
-    [
-        (FixedCompensation(coulomb_nm=0.3, viscous_nms_per_rad=0.1), "coulomb_nm", 0.6),
-        (SigmoidCompensation(height_nm=0.6, steepness_s_per_rad=9.0), "height_nm", 1.2),
-        (LugreCompensation(coulomb_nm=0.3, breakaway_nm=0.3, viscous_nms_per_rad=0.1), "viscous_nms_per_rad", 0.2),
-        (EnergyCompensator(), "factor", 2.0),
-        (DisturbanceObserver(inertia_kg_m2=0.3, observer_gain_per_s=20.0), "observer_gain_per_s", 40.0),
-        (TorqueRegulation(inertia_kg_m2=0.3, desired_inertia_kg_m2=0.15), "desired_inertia_kg_m2", 0.1),
-    ],
-    ids=lambda value: type(value).__name__,
-)
-def test_twice_the_gain(compensator: Any, name: str, twice: float) -> None:
-    assert getattr(compensator.scaled(2.0), name) == pytest.approx(twice)
-    assert compensator.scaled(1.0) == compensator
 
 
 # What holds for every method.

@@ -58,6 +58,17 @@ def test_standstill_is_still_under_noise(name: str) -> None:
     assert np.abs(motion.compensation_nm[last]).max() < COULOMB + 0.2
 
 
+@pytest.mark.parametrize("name", [*EXAMPLES][1:])
+def test_twice_the_gain_is_twice_the_gains_or_the_torque_gain(name: str) -> None:
+    example: Any = EXAMPLES[name]
+    twice = example.scaled(2.0)
+    assert example.scaled(1.0) == example
+    assert [getattr(twice, gain) for gain in example.gains] == [2.0 * getattr(example, gain) for gain in example.gains]
+    assert name != "torque_regulation" or twice.desired_inertia_kg_m2 == pytest.approx(
+        0.1
+    )  # B / (1 + 2 (B / 0.15 - 1))
+
+
 @pytest.mark.parametrize("name", COMPETITORS)
 def test_competitors_refuse_what_is_no_number_keep_their_limits_and_are_guarded(name: str) -> None:
     example: Any = EXAMPLES[name]

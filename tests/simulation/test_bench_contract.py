@@ -11,7 +11,6 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.simulation.bench import BenchSettings
 from friction_audit.simulation.effects import EFFECTS, Hidden, HiddenEffect
-from friction_audit.simulation.hide import BY_NAME
 from friction_audit.simulation.scenarios import simulate
 from friction_audit.simulation.settings import IDEAL_SENSORS, Simulation, TrueMotion
 
@@ -40,14 +39,11 @@ def hide(effect: type[HiddenEffect], form: str, **numbers: float) -> Hidden:
     return Hidden().holding(replace(group, **numbers))
 
 
-@cache
-def usual(name: str, form: str) -> Simulation:
-    return simulate(replace(FINE, hidden=(hide(BY_NAME[name], form),)), SEED)
+once = cache(simulate)
 
 
-@cache
-def nothing(settings: BenchSettings) -> Simulation:
-    return simulate(settings, SEED)
+def usual(effect: type[HiddenEffect], form: str) -> Simulation:
+    return once(replace(FINE, hidden=(hide(effect, form),)), SEED)
 
 
 def columns(simulation: Simulation) -> Iterator[tuple[str, Any]]:
@@ -62,7 +58,7 @@ def test_at_zero_strength_nothing_changes_to_the_bit(effect: type[HiddenEffect],
     """Whatever its other numbers; a joint gets warm without an effect on its friction too: warm-up may say how fast."""
     others = {item.name: np.clip(1.3 * item.default + 0.01, item.lower, item.upper) for item in effect.parameters()}
     hidden = hide(effect, form, **others | {effect.strength_name(): 0.0})
-    simulation, plain = simulate(replace(PLAIN, hidden=(hidden,)), SEED), nothing(PLAIN)
+    simulation, plain = simulate(replace(PLAIN, hidden=(hidden,)), SEED), once(PLAIN, SEED)
     for (name, column), (_, own) in zip(columns(simulation), columns(plain), strict=True):
         if (effect.name, name) != ("warm_up", "warmth"):
             assert_array_equal(column, own, err_msg=name)
@@ -72,7 +68,7 @@ def test_at_zero_strength_nothing_changes_to_the_bit(effect: type[HiddenEffect],
 @pytest.mark.parametrize(("effect", "form"), CASES, ids=NAMES)
 def test_as_usual_it_shows_stays_finite_and_obeys_the_equation_of_motion(effect: type[HiddenEffect], form: str) -> None:
     """B ddq = F_m + u - tau_f at every tick, what else pulls behind the sensor being left over."""
-    simulation, without = usual(effect.name, form), nothing(FINE)
+    simulation, without = usual(effect, form), once(FINE, SEED)
     for name, column in columns(simulation):
         assert np.isfinite(column).all(), name
     assert simulation.log.source.sha256 != without.log.source.sha256
@@ -93,7 +89,7 @@ def test_as_usual_it_shows_stays_finite_and_obeys_the_equation_of_motion(effect:
 
 @pytest.mark.parametrize(("effect", "form"), [(e, f) for e, f in CASES if e.name in FRICTION])
 def test_what_goes_in_is_taken_by_friction_or_still_moves(effect: type[HiddenEffect], form: str) -> None:
-    motion = usual(effect.name, form).truth.motion
+    motion = usual(effect, form).truth.motion
     taken = motion.dissipated_j[:, 0]
     assert (np.diff(taken) >= 0.0).all()
     kinetic = 0.5 * FINE.joints[0].inertia_kg_m2 * motion.inner_dq[:, 0] ** 2

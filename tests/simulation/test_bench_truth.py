@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from scipy.integrate import cumulative_trapezoid
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
@@ -116,11 +117,6 @@ HIDDEN = {
 }
 
 
-def impulse(t: Float, torque: Float) -> Float:
-    """Return the integral of a torque over time, shape (n + 1,). [N m s]"""
-    return np.concatenate([[0.0], np.cumsum(0.5 * (torque[1:] + torque[:-1]) * np.diff(t))])
-
-
 @pytest.mark.parametrize("name", HIDDEN)
 def test_interaction_torque_is_what_the_hand_exerts_less_its_own_inertia(name: str) -> None:
     """In impulses: integral F_m dt = integral of the hand's spring and damper - m_hand dq, at every tick."""
@@ -130,8 +126,8 @@ def test_interaction_torque_is_what_the_hand_exerts_less_its_own_inertia(name: s
     q, dq, hand = log.q[:, 0], log.dq[:, 0], settings.operator
     wanted = hand.motion.intend(len(q) - 1, 1e-3, make_streams(PORT_SEED, 1).person)
     drive = hand.stiffness_nm_per_rad * (wanted.position - q) + hand.damping_nms_per_rad * (wanted.velocity - dq)
-    expected = impulse(log.t, drive) - hand.inertia_kg_m2 * dq
-    sensor = impulse(log.t, log.channels()["tau_interaction"][:, 0])
+    expected = cumulative_trapezoid(drive, log.t, initial=0.0) - hand.inertia_kg_m2 * dq
+    sensor = cumulative_trapezoid(log.channels()["tau_interaction"][:, 0], log.t, initial=0.0)
     assert np.ptp(sensor) > 0.5
     ringing = name in ("elastic", "backlash")
     assert_allclose(sensor, expected, atol=5e-3 if ringing else 5e-4)
