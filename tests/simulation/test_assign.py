@@ -147,9 +147,7 @@ EACH_EFFECT = pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effe
 
 
 @EACH_EFFECT
-def test_an_effect_alone_means_its_usual_values_in_every_joint(
-    effect: type[HiddenEffect],
-) -> None:
+def test_an_effect_alone_means_its_usual_values_in_every_joint(effect: type[HiddenEffect]) -> None:
     found = hidden_effects(hide(SEVEN, [effect.name]))
     assert [(one.joint, one.name) for one in found] == [(joint, effect.name) for joint in range(1, 8)]
     assert found[0].parameters == {parameter.name: parameter.default for parameter in effect.parameters()}

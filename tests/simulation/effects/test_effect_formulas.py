@@ -14,11 +14,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.simulation.effects import EFFECTS, HiddenEffect
-from friction_audit.simulation.effects.sensors import (
-    TorqueDrift,
-    delayed,
-    torque_drift_nm,
-)
+from friction_audit.simulation.effects.sensors import TorqueDrift, delayed, torque_drift_nm
 from friction_audit.simulation.effects.slow_and_events import WarmUp, temperature_c
 from friction_audit.simulation.effects.structure import JointElasticity, coupled_mass
 from friction_audit.simulation.mechanics.records import pack
