@@ -101,7 +101,6 @@ def test_the_ridge_follows_the_level_of_cycles_of_one_speed() -> None:
         coulomb, viscous = at_end_of(cycle, signals)
         mean_speed = 0.5 * np.pi / 4.0
         assert coulomb + viscous * mean_speed == pytest.approx(level * (0.3 + 0.07 * mean_speed), rel=0.03)
-    assert signals["refused"][-1] == 0
 
 
 def test_a_cycle_with_a_hole_gives_no_equation() -> None:

@@ -49,7 +49,7 @@ def inverse_dynamics(settings: ArmSettings, motion: TrueMotion) -> Float:
     return model_of(settings).inverse_dynamics(motion.q, motion.dq, motion.inner_ddq)
 
 
-work = partial(cumulative_trapezoid, dx=1e-3, axis=0, initial=0.0)  # of a power, from the start [J]
+work = partial(cumulative_trapezoid, dx=1e-3, axis=0, initial=0)  # of a power, from the start [J]
 
 
 def at_rate(settings: ArmSettings, rate_hz: float, monkeypatch: pytest.MonkeyPatch) -> TrueMotion:

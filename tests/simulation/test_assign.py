@@ -14,7 +14,6 @@ from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.assign import Kind, PerJoint, as_nested, assign_text, assign_texts, paths, write_value
 from friction_audit.simulation.bench import BenchSettings
 from friction_audit.simulation.effects import EFFECTS, HiddenEffect
-from friction_audit.simulation.effects.velocity import Stribeck
 from friction_audit.simulation.hide import HiddenInJoint, hidden_effects, hide
 from friction_audit.simulation.periodic import Sinusoid
 from friction_audit.simulation.scenarios import SCENARIOS, Scenario
@@ -163,14 +162,6 @@ def test_parameters_form_and_joints() -> None:
     assert told == [
         HiddenInJoint(joint=joint, name="stribeck", form="lorentzian", parameters=parameters) for joint in (2, 5, 6)
     ]
-
-
-def test_nothing_else_changes() -> None:
-    assert hide(ONE, []) == ONE
-    hidden = hide(ONE, ["stribeck"])
-    assert as_nested(hidden) == as_nested(ONE)
-    assert "hidden" not in as_nested(hidden)
-    assert hidden.hidden[0].stribeck == Stribeck(excess_nm=0.15)
 
 
 @pytest.mark.parametrize(

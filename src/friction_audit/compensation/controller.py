@@ -62,9 +62,8 @@ def step(settings: Record, memory: Record, dq: float, interaction_nm: float, dt:
 
 @compiled()
 def give_up(memory: Record) -> float:
-    """Remember at which tick the loop diverged; from then on, no torque."""
-    if memory.unstable == 0:
-        memory.unstable, memory.unstable_tick = 1, memory.ticks
+    """Give no torque from now on: the loop has diverged."""
+    memory.unstable = 1
     memory.ticks += 1
     memory.u_nm = memory.compensation_nm = memory.passivity_nm = memory.limited_nm = memory.damping_nms_per_rad = 0.0
     return 0.0
@@ -132,8 +131,6 @@ def close_cycle(settings: Record, memory: Record) -> None:
         row[records.NET], row[records.PATH], row[records.SQUARE] = memory.net_j, memory.path_rad, memory.square_rad2_s
         memory.count += 1
         memory.status = estimate(settings, memory)
-    if memory.status >= records.NOT_MOVED:
-        memory.refused += 1
     if memory.acted == 1:
         memory.released = 1
     memory.acted = 0

@@ -59,7 +59,6 @@ TRACE = np.dtype(
         ("cycle", "i8"),  # cycles completed
         ("acted", "i8"),  # 1 if the passivity controller has acted in the present cycle
         ("status", "i8"),
-        ("refused", "i8"),  # cycles that gave no estimate for another reason than their number
         ("unstable", "i8"),  # 1 once the loop has diverged: the torque is then 0 for good, and nothing is added up
         ("observed_friction_nm", "f8"),
     ]
@@ -69,7 +68,6 @@ MEMORY = np.dtype(
     [
         *TRACE.descr,
         *((name, "i8") for name in ("ticks", "released", "count", "active", "reversals")),
-        ("unstable_tick", "i8"),  # -1 before
         *((name, "f8") for name in ("dq", "interaction_nm", "filtered_rad_s", "direction", "net_j", "path_rad")),
         *((name, "f8") for name in ("square_rad2_s", "longest_gap_s", "last_change_nm", "bristle_rad")),
         ("filtered_interaction_nm", "f8"),
@@ -122,5 +120,4 @@ def fresh_memory(joints: int) -> NDArray[np.void]:
     memory = np.zeros(joints, MEMORY)
     memory["estimated_coulomb_nm"] = nan
     memory["estimated_viscous_nms_per_rad"] = nan
-    memory["unstable_tick"] = -1
     return memory

@@ -21,7 +21,7 @@ from typing import Self
 
 import numpy as np
 
-from friction_audit.compensation.compensators.law import Gained, Law, positive, soft_sign, within
+from friction_audit.compensation.compensators.law import FINITE, Gained, Law, positive, soft_sign, within
 from friction_audit.compiled import Record, compiled
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.errors import UsageError
@@ -33,8 +33,8 @@ class FixedCompensation(Gained):
     name, gains = "fixed", ("coulomb_nm", "viscous_nms_per_rad")
     summary = "given Coulomb and viscous friction; the true ones make it an oracle"
 
-    coulomb_nm: float = within(MISSING, -math.inf)  # Coulomb friction compensated [N m]
-    viscous_nms_per_rad: float = within(MISSING, -math.inf)  # viscous friction compensated [N m s/rad]
+    coulomb_nm: float = within(MISSING, -FINITE)  # Coulomb friction compensated [N m]
+    viscous_nms_per_rad: float = within(MISSING, -FINITE)  # viscous friction compensated [N m s/rad]
     dead_band_rad_s: float = within(0.02)  # speed up to which it stays silent [rad/s]
 
 
@@ -50,7 +50,7 @@ class SigmoidCompensation(Law):
 
     height_nm: float = positive(MISSING)  # phi1, from plateau to plateau [N m]
     steepness_s_per_rad: float = positive(MISSING)  # phi2 [s/rad]
-    shift_rad_s: float = within(0.0, -math.inf)  # phi3, which makes the plateaus unequal [rad/s]
+    shift_rad_s: float = within(0.0, -FINITE)  # phi3, which makes the plateaus unequal [rad/s]
 
     @property
     def plateaus_nm(self) -> tuple[float, float]:
@@ -181,7 +181,7 @@ class DisturbanceObserver(Law):
 
     inertia_kg_m2: float = within(MISSING)  # motor inertia B as assumed [kg m^2]
     observer_gain_per_s: float = positive(MISSING)  # L, bandwidth of the observer [1/s]
-    compensation_gain: float = positive(1.0, 1.0)  # share of the observed friction that is compensated
+    compensation_gain: float = positive(1.0, high=1.0)  # share of the observed friction that is compensated
     dead_band_rad_s: float = within(0.01)  # speed up to which it is silent [rad/s]
     # range of speed over which it then rises to all of it; dead-band and ramp 0: always all of it, as published [rad/s]
     ramp_rad_s: float = within(0.03)
@@ -215,7 +215,7 @@ class TorqueRegulation(Law):
 
     inertia_kg_m2: float = positive(MISSING)  # motor inertia B as assumed [kg m^2]
     desired_inertia_kg_m2: float = positive(MISSING)  # B_theta; above B the joint gets heavier [kg m^2]
-    cutoff_hz: float = positive(math.inf)  # corner of the first-order low-pass on F_m; infinite for none [Hz]
+    cutoff_hz: float = positive(math.inf, high=math.inf)  # corner of the low-pass on F_m of order 1; or infinite [Hz]
 
     def scaled(self, factor: float) -> Self:
         """Return it with its torque gain B / B_theta - 1 times a factor."""
