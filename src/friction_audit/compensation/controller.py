@@ -98,10 +98,9 @@ def add_up(settings: Record, memory: Record, dq: float, interaction_nm: float, d
 
 @compiled(inline=True)
 def find_end(settings: Record, memory: Record, dq: float, dt: float) -> bool:
-    """Return True if an energy cycle ends at this tick.
+    """Return True if an energy cycle ends at this tick, which began where the filtered speed exceeded its threshold.
 
-    A cycle is under way once the filtered speed has exceeded the initiation threshold. It ends when the filtered speed
-    has fallen below the termination threshold and the joint, by its velocity as measured, rests or turns.
+    It ends when the filtered speed has fallen below another one and the joint, by its velocity as measured, rests.
     """
     gain = 1.0 if memory.ticks == 1 else 1.0 - math.exp(-settings.corner_rad_s * dt)
     memory.filtered_rad_s += gain * (dq - memory.filtered_rad_s)

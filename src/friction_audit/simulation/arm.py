@@ -35,8 +35,7 @@ BRAKE_NM = 1e6  # what a brake holds
 class Hand(Checked):
     """A mass that holds the flange, drawn by springs and dampers along an intended path; the person bears its weight.
 
-    The defaults are those of a person who guides with braced arms: stiff, and damped well enough that the hand comes to
-    rest in its pauses instead of swinging back (a Panda in its ready pose weighs 4 to 8 kg at its flange).
+    The defaults are those of braced arms: stiff, and damped so that the hand rests in its pauses.
     """
 
     mass_kg: float = within(1.0)  # mass of the hand [kg]

@@ -255,11 +255,7 @@ class HandGuidedPanda(Checked):
         return (self.joint,)
 
     def move(self, streams: Streams, path: str, progress: Progress | None) -> Moved:
-        """Move one joint of a Panda by hand while gravity is compensated.
-
-        The sensor reads tau_J = gravity(q) - F_m; beyond gravity, only a compensator's torque is desired (tau_J_d). The
-        other joints stand still; their sensors bear gravity alone. Motion and noise are those of a bench with the seed.
-        """
+        """Move one joint by hand, as that of a bench with the seed; the sensors of the others bear gravity alone."""
         arm, moved = load_arm(), self.joint - 1
         # All that the joint carries turns as one rigid body: its gravity torque is a sine of its angle.
         poses = np.tile(self.pose_rad, (2, 1))

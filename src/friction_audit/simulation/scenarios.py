@@ -151,10 +151,7 @@ PAPER_SCENARIOS: tuple[Scenario, ...] = (
 
 
 def with_torque_control(joint: JointParameters) -> JointParameters:
-    """Return a joint with torque control and so much more friction in its motor that the link feels the same.
-
-    The published friction of a robot with torque control is what its control leaves at the link.
-    """
+    """Return a joint with torque control and so much friction in its motor that the link feels what it did without."""
     felt = 1.0 + TORQUE_LOOP.gain
     friction = {"coulomb_nm": felt * joint.coulomb_nm, "viscous_nms_per_rad": felt * joint.viscous_nms_per_rad}
     return replace(joint, **friction, torque_loop=TORQUE_LOOP)
@@ -204,10 +201,7 @@ SCENARIOS: tuple[Scenario, ...] = (*_ONE_JOINT, *_PANDA, *PAPER_SCENARIOS)
 def simulate(
     settings: AnySettings, seed: int, *, path: str = "simulation", progress: Progress | None = None
 ) -> Simulation:
-    """Simulate a recording, with a path for its source. The same settings and seed give the same log to the bit.
-
-    Without a compensator in the loop, the motion does not depend on the sensors. Progress: the share that is done.
-    """
+    """Simulate a recording, with a path for its source; the same settings and seed give the same log to the bit."""
     streams = make_streams(seed, len(settings.joints))
     moved = settings.move(streams, path, progress)
     truth = Truth(settings=settings, seed=seed, motion=moved.motion, compensators=moved.compensators)

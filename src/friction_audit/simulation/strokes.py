@@ -242,8 +242,7 @@ SMALL_RAD = 1e-3  # below this angle, the series of the Jacobian are exact to ro
 class HandPath(Checked):
     """Minimum-jerk strokes between via points drawn in a ball around the start, the orientation turning along.
 
-    A person before the arm swings it to the sides further than up and down or to and fro. The defaults move all joints
-    of a Panda that starts in its ready pose, the first one the least, and keep its limits.
+    The defaults move all joints of a Panda that starts in its ready pose, the first one the least, within their limits.
     """
 
     reach_m: float = within(0.12, SHORTEST_M)  # radius of the ball of positions around the start [m]

@@ -42,8 +42,7 @@ class Joint(NamedTuple):
 def panda_joint(column: int, motor: JointParameters, gear: JointElasticity) -> Joint:
     """Return a joint with the limits of that joint of a Panda, as it is seen from the link.
 
-    Its mode is that of the link held fast, the lowest; torque control of the motor is in mode and damping, its dead
-    time to first order.
+    Its mode is the lowest, of the link held fast; torque control is in it, its dead time to first order.
     """
     known, loop, limits = Guard().payback_s, motor.torque_loop, limits_of("panda", column + 1)
     if gear.compliance_rad_per_nm > 0.0:

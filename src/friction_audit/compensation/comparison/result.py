@@ -36,10 +36,7 @@ def mean_interval(values: Sequence[float]) -> Interval:
 
 
 def median_interval(values: Sequence[float]) -> Interval:
-    """Return the median of independent values, the lower of the middle two, and its 95 % interval.
-
-    The bounds are order statistics, so that values may be infinite; six values are the fewest that have them.
-    """
+    """Return the lower median of values, infinite ones too, and its 95 % interval by order statistics, from six on."""
     from scipy.stats import quantile_test
 
     if not values:

@@ -135,11 +135,10 @@ def feel(motion: TrueMotion, joint: int, after: int) -> Float:
 
 
 def find_loss(simulation: Simulation, reference: Reference) -> float:
-    """Return when a loop was lost, or infinity. [s]
+    """Return when a loop was lost, or infinity: when its compensator gives up, or when it rings. [s]
 
-    It is lost when its compensator gives up, or when it rings: when for half of a second the interaction torque of a
-    joint vibrates by more than the rms effort that the joint takes without any compensation. For a sinusoid that is an
-    rms of just that; a single knock, however hard, is no ringing.
+    It rings when for half of a second a torque vibrates by more than the rms effort that the joint takes without any
+    compensation, a sinusoid by an rms of just that.
     """
     motion, second = simulation.truth.motion, int(CONTROL_RATE_HZ)
     unstable = simulation.truth.compensators["unstable"].any(axis=1)

@@ -102,8 +102,7 @@ class InertialCoupling(HiddenEffect):
 def coupled_mass(inertias: Float, ratios: Float) -> Float:
     """Return the mass matrix of the rotors behind the sensors, symmetric and positive semidefinite, shape (n, n).
 
-    The kinetic energy is the sum of B_i / 2 (dq_i + ratio_i dq_{i-1})^2 (De Luca and Book, Robots with flexible
-    elements, 2016). Diagonal to the bit where all ratios are 0; the first joint has no neighbour.
+    The kinetic energy is the sum of B_i / 2 (dq_i + ratio_i dq_{i-1})^2 (De Luca and Book, 2016).
     """
     mass = np.diag(np.asarray(inertias, dtype=np.float64))
     for joint in range(1, len(inertias)):
