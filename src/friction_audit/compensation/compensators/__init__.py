@@ -27,7 +27,6 @@ __all__ = [
     "guard_of",
 ]
 
-
 # What runs on one joint; None where nothing does.
 Compensator = (
     FixedCompensation
@@ -38,7 +37,6 @@ Compensator = (
     | TorqueRegulation
     | JointModelCompensation
 )
-
 
 # In the order of the documentation, which is that of the codes in ``law``, from 1 on.
 COMPENSATORS: tuple[type[Any], ...] = get_args(Compensator)

@@ -17,8 +17,6 @@ LONGEST_WINDOW = 64  # cycles that the memory of a compensator holds
 # Values of ``ridge``. With less than 0.001 two cycles of one speed still separate what is noise; with more than 0.003 a
 # step of friction takes more than the two cycles that it spans (benchmarks/bench_compensation.py).
 RIDGE, PUBLISHED = 0.003, 0.0
-
-
 ABOVE_ZERO, FINITE = ulp(0.0), sys.float_info.max  # the least number that is, and the largest
 
 
