@@ -88,13 +88,8 @@ def test_a_guard_takes_back_what_over_compensation_put_in(right: Any) -> None:
 # LuGre as a compensator, against its solution by hand.
 
 DAMPED_LUGRE = LugreCompensation(
-    coulomb_nm=0.3,
-    breakaway_nm=0.5,
-    viscous_nms_per_rad=0.07,
-    stribeck_rad_s=0.05,
-    stiffness_nm_per_rad=300.0,
-    damping_nms_per_rad=0.2,
-)
+    coulomb_nm=0.3, breakaway_nm=0.5, viscous_nms_per_rad=0.07, damping_nms_per_rad=0.2
+)  # the bristles of 300 N m/rad and the Stribeck velocity of 0.05 rad/s are usual
 
 
 def level(dq: float) -> float:
@@ -136,17 +131,12 @@ def test_the_torque_is_the_formula_and_its_plateaus_are_the_published_ones(joint
 HALVED = TorqueRegulation(inertia_kg_m2=INERTIA, desired_inertia_kg_m2=INERTIA / 2)
 
 
-def test_the_torque_is_proportional_to_what_is_measured() -> None:
-    torque = np.array([0.0, 1.0, -0.4, 3.0])
-    assert_allclose(feed(HALVED, 0.3, torque)[0], torque)
-    assert_allclose(feed(replace(HALVED, desired_inertia_kg_m2=0.1), 0.3, torque)[0], 2 * torque)
-    assert_allclose(feed(replace(HALVED, desired_inertia_kg_m2=0.6), 0.3, torque)[0], -torque / 2)
-
-
-def test_the_filter_is_a_first_order_low_pass() -> None:
-    filtered = replace(HALVED, cutoff_hz=20.0)
-    torque, _ = feed(filtered, 0.0, np.concatenate([[0.0], np.ones(50)]))
-    assert_allclose(torque, -np.expm1(-2 * np.pi * 20.0 * np.arange(51) * TICK_S), atol=1e-12)
+@pytest.mark.parametrize(("desired", "gain"), [(0.15, 1.0), (0.1, 2.0), (0.6, -0.5)])
+def test_the_torque_is_in_proportion_to_what_is_measured_and_low_passed(desired: float, gain: float) -> None:
+    torque, shaped = np.array([0.0, 1.0, -0.4, 3.0]), replace(HALVED, desired_inertia_kg_m2=desired)
+    assert_allclose(feed(shaped, 0.3, torque)[0], gain * torque)
+    filtered, _ = feed(replace(shaped, cutoff_hz=20.0), 0.0, np.concatenate([[0.0], np.ones(50)]))
+    assert_allclose(filtered, gain * -np.expm1(-2 * np.pi * 20.0 * np.arange(51) * TICK_S), atol=1e-12)
 
 
 @pytest.mark.parametrize("desired", [0.24, 0.12, 0.6])
@@ -259,12 +249,9 @@ def test_the_loop_rings_just_below_the_limit(compliance: float, cutoff_hz: float
 
 MOTOR, OUTER, DAMPING_RATIO = 0.3, 1.0, 0.1
 OVER = EnergyCompensator(
-    forced=Coefficients(viscous_nms_per_rad=2.5),
-    forced_from_cycle=1,
-    forced_until_acted=False,
-    max_torque_nm=87.0,
-    max_torque_rate_nm_s=1000.0,
-)
+    forced=Coefficients(viscous_nms_per_rad=2.5), forced_from_cycle=1, forced_until_acted=False,
+    max_torque_nm=87.0, max_torque_rate_nm_s=1000.0,
+)  # fmt: skip
 
 
 def vibration(hz: float, compensator: EnergyCompensator) -> float:
@@ -283,9 +270,6 @@ def vibration(hz: float, compensator: EnergyCompensator) -> float:
 
 
 @pytest.mark.parametrize("hz", [10.0, 33.0, 71.0])
-def test_over_compensation_does_not_make_the_joint_ring(hz: float) -> None:
+def test_over_compensation_does_not_make_the_joint_ring_unless_paid_within_a_tick(hz: float) -> None:
     assert vibration(hz, replace(OVER, payback_s=payback_s(2.0 * pi * hz, DAMPING_RATIO))) < 0.2
-
-
-def test_within_a_tick_it_does() -> None:
-    assert vibration(33.0, replace(OVER, payback_s=0.0)) > 0.5
+    assert hz != 33.0 or vibration(hz, replace(OVER, payback_s=0.0)) > 0.5

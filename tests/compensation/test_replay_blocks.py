@@ -1,6 +1,7 @@
 """A replay along the recorded motion does not depend on the blocks in which the log is read."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from hypothesis import given, settings
@@ -14,7 +15,8 @@ from friction_audit.pipeline import AuditSettings, LogReplay, replay_log
 from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.reporting.replay import replay_document
 from tests.friction.test_blocks import in_blocks, recorded
-from tests.pinned.test_pinned import same
+from tests.pinned.commands import pinned
+from tests.pinned.test_pinned import differences
 
 BY_HAND = AuditSettings(torque=TorqueSettings(torque="interaction", drive="hand"))
 SETTINGS = {
@@ -34,16 +36,10 @@ def replayed(log: JointLog, name: str) -> LogReplay:
     return replay_log(log, BY_HAND, SETTINGS[name])
 
 
-def numbers(found: LogReplay) -> list[object]:
-    """Return all that the document says of the joints and warns of, as a flat list."""
-
-    def flat(value: object) -> list[object]:
-        if isinstance(value, dict):
-            return [one for key, inner in value.items() for one in (key, *flat(inner))]
-        return [one for inner in value for one in flat(inner)] if isinstance(value, list) else [value]
-
+def numbers(found: LogReplay) -> dict[str, Any]:
+    """Return all that the document says of the joints and warns of, path by path."""
     document = replay_document(found)
-    return flat([document["joints"], document["warnings"]])
+    return pinned([document["joints"], document["warnings"]], "")
 
 
 @settings(max_examples=settings().max_examples // 2)  # one takes a quarter of a second
@@ -59,7 +55,7 @@ def test_block_borders_change_nothing(name: str, seed: int, sizes: list[int], co
         log = replace(log, tau_compensation=np.asfortranarray(0.1 * np.tanh(log.dq / 0.05)))
     borders = [border for border in np.cumsum(sizes).tolist() if border < len(log.t)]
     part, whole = replayed(in_blocks(log, borders), name), replayed(log, name)
-    assert same(numbers(part), numbers(whole), 1e-9)
+    assert not differences({name: numbers(part)}, {name: numbers(whole)}, relative=1e-9)
     assert all(joint.replayed is None or len(joint.replayed.t) == 0 for joint in part.replay.joints)
 
 

@@ -53,6 +53,10 @@ def with_term(name: str) -> JointModel:
     return replace(SIMPLE, terms=(*kept, FittedTerm(name, VALUES[name])))
 
 
+def and_term(name: str, *values: float) -> JointModel:
+    return replace(SIMPLE, terms=(*SIMPLE.terms, FittedTerm(name, values)))
+
+
 def file_of(*joints: JointModel | None) -> ModelFile:
     names = tuple(f"joint{number}" for number in range(1, len(joints) + 1))
     return ModelFile(path="model.toml", model=ArmModel(names=names, joints=joints))
@@ -139,8 +143,7 @@ def test_every_term_runs_or_is_refused_by_name() -> None:
 @pytest.mark.parametrize("name", sorted(UNABLE))
 def test_a_term_that_cannot_run_is_refused_by_name(name: str) -> None:
     term = next(term for term in terms() if term.name == name)
-    values = tuple(min(max(0.01, parameter.lower), parameter.upper) for parameter in term.parameters)
-    model = replace(SIMPLE, terms=(*SIMPLE.terms, FittedTerm(name, values)))
+    model = and_term(name, *(min(max(0.01, parameter.lower), parameter.upper) for parameter in term.parameters))
     joint = run(log_of(SIMPLE), "same-torque", model)
     assert joint.numbers is None
     assert f"{name}: {UNABLE[name]}" in joint.reason
@@ -150,36 +153,26 @@ def test_a_term_that_cannot_run_is_refused_by_name(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("model", "message"),
+    ("applied", "model", "message"),
     [
-        (None, "no model of it"),
-        (replace(SIMPLE, inertia_kg_m2=-0.001), "an inertia of -0.001"),
-        (replace(with_term("torque_ripple"), inertia_kg_m2=0.0), "an inertia of 0 "),
-        (replace(SIMPLE, terms=(*SIMPLE.terms, FittedTerm("asymmetric_coulomb", (0.5,)))), "friction pushes"),
-        (
-            replace(SIMPLE, terms=(FittedTerm("gravity_error", (0.0,) * 5 + (1.0,) + (0.0,) * 10 + (2.0,)),)),
-            "gravity_error: it needs the model of the arm",
-        ),
-        (replace(SIMPLE, terms=(FittedTerm("warm_up", (0.1, 0.0, 30.0, 0.01)),)), "warm_up: it needs the temperature"),
+        (False, None, "no model of it"),
+        (False, replace(SIMPLE, inertia_kg_m2=-0.001), "an inertia of -0.001"),
+        (False, replace(with_term("torque_ripple"), inertia_kg_m2=0.0), "an inertia of 0 "),
+        (False, and_term("asymmetric_coulomb", 0.5), "friction pushes"),
+        (False, and_term("gravity_error", *(0.0,) * 5, 1.0, *(0.0,) * 10, 2.0), "gravity_error: it needs the model of"),
+        (False, and_term("warm_up", 0.1, 0.0, 30.0, 0.01), "warm_up: it needs the temperature"),
+        (True, None, "no model of it"),
+        (True, JointModel(inertia_kg_m2=0.3), "no term of friction"),
+        # Longer than the strokes of the recording: it had ended the replay of all joints.
+        (True, and_term("presliding", 0.3, 0.5, 1.0, 0.0), "presliding: along this recording"),
     ],
 )
-def test_a_joint_that_cannot_be_simulated_says_why(model: JointModel | None, message: str) -> None:
-    joint = run(log_of(SIMPLE), "same-torque", model)
+def test_a_joint_that_cannot_be_simulated_or_has_no_friction_to_apply_says_why(
+    applied: bool, model: JointModel | None, message: str
+) -> None:
+    joint = run(log_of(SIMPLE), "same-motion" if applied else "same-torque", model, applied=applied)
     assert joint.numbers is None
     assert message in joint.reason
-
-
-@pytest.mark.parametrize(
-    ("model", "message"),
-    [
-        (None, "no model of it"),
-        (JointModel(inertia_kg_m2=0.3), "no term of friction"),
-        # Longer than the strokes of the recording: it had ended the replay of all joints.
-        (replace(SIMPLE, terms=(FittedTerm("presliding", (0.3, 0.5, 1.0, 0.0)),)), "presliding: along this recording"),
-    ],
-)
-def test_a_joint_without_friction_to_apply_says_why(model: JointModel | None, message: str) -> None:
-    assert message in run(log_of(SIMPLE), "same-motion", model, applied=True).reason
 
 
 def test_models_that_do_not_fit_are_refused() -> None:

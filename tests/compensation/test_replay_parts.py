@@ -1,20 +1,11 @@
 """Parts of a replay by hand: steps of friction, convergence, cycles of the hand, sums, limits."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
-from friction_audit.compensation.closed_loop import CYCLE, SUMS, add_torque
+from friction_audit.compensation.closed_loop import CYCLE
 from friction_audit.compensation.controller import hand_cuts
-from friction_audit.compensation.result import (
-    ReplayHistory,
-    Signals,
-    dissipation_removed,
-    find_step,
-    first_right,
-    rms_nm,
-)
+from friction_audit.compensation.result import ReplayHistory, dissipation_removed, find_step, first_right
 from friction_audit.joint_log import Float
 
 
@@ -47,16 +38,6 @@ def cycles(after: float, at: int, count: int = 24) -> tuple[Float, Float, Float]
     return path, path * speed, factor * path * (0.3 + 0.1 * speed)
 
 
-@pytest.mark.parametrize("after", [0.5, 1.5, 2.0])
-def test_a_step_is_found_where_it_is(after: float) -> None:
-    rng = np.random.default_rng(1)
-    path, square, friction = cycles(after, 10)
-    found: Any = find_step(path, square, friction * (1.0 + 0.02 * rng.standard_normal(len(path))))
-    row, change = found
-    assert row == 10
-    assert change == pytest.approx(after, rel=0.05)
-
-
 def test_neither_speed_nor_noise_nor_warming_up_is_a_step() -> None:
     rng = np.random.default_rng(2)
     path, square, friction = cycles(1.0, 10)
@@ -81,15 +62,3 @@ def test_the_hand_ends_cycles_when_all_joints_have_moved() -> None:
     np.testing.assert_allclose(cuts(0.1), [2.0, 3.0, 4.0], atol=0.02)
     np.testing.assert_allclose(cuts(0.0), [1.0, 2.0, 3.0, 4.0], atol=0.02)
     assert cuts(10.0) == []
-
-
-def test_sums_by_hand() -> None:
-    t, dq, torque = np.array([0.0, 1.0, 3.0]), np.array([1.0, 1.0, 1.0]), np.array([0.0, 2.0, -4.0])
-    sums = np.zeros(1, SUMS)[0]
-    for piece in (slice(0, 0), slice(0, 1), slice(1, 3)):
-        add_torque(sums, t[piece], dq[piece], torque[piece])
-    assert (sums["work_j"], sums["largest_nm"]) == (-1.0, 4.0)
-    assert rms_nm(sums) == pytest.approx(np.sqrt((2.0 + 20.0) / 3.0))
-    idle = dict.fromkeys(("compensation_nm", "passivity_nm", "limited_nm"), 0.0 * t)
-    signals = Signals(t=t, dq=dq, interaction_nm=torque, **idle)
-    np.testing.assert_array_equal(signals.net_energy_j, [0.0, 1.0, -1.0])

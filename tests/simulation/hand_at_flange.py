@@ -18,8 +18,6 @@ class Pull(NamedTuple):
 
     torque_nm: Float  # torque at the joints, shape (n, 7) [N m]
     power_w: Float  # power into the arm and the hand's own mass, shape (n,) [W]
-    off_m: Float  # distance of the flange from the intended place, shape (n,) [m]
-    turned_rad: Float  # angle between intended and actual orientation, shape (n,) [rad]
 
 
 def intended(settings: ArmSettings, seed: int, ticks: int) -> HandMotion:
@@ -57,4 +55,4 @@ def pull(settings: ArmSettings, seed: int, motion: TrueMotion) -> Pull:
     moment += hand.turning_damping_nms_per_rad * (path.angular[:n] - twist[:, 3:])
     wrench = np.hstack((force, moment))
     torque, power = np.einsum("kij,ki->kj", jacobian, wrench), np.sum(wrench * twist, axis=1)
-    return Pull(torque, power, np.linalg.norm(off, axis=1), np.asarray(turn.magnitude()))
+    return Pull(torque, power)

@@ -10,26 +10,18 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.compensation.compensators import EnergyCompensator, FixedCompensation
 from friction_audit.errors import UsageError
+from friction_audit.joint_log import Float, JointLog
 from friction_audit.pipeline import AuditSettings, Estimate, estimate_log
 from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.presets import PRESETS
 from friction_audit.robot import load_arm
-from friction_audit.simulation import (
-    EFFECTS,
-    IDEAL_SENSORS,
-    ArmSettings,
-    Hidden,
-    JointParameters,
-    Simulation,
-    TrueMotion,
-    simulate,
-)
+from friction_audit.simulation import EFFECTS, IDEAL_SENSORS, ArmSettings, Hidden, JointParameters, TrueMotion, simulate
 from friction_audit.simulation.bench import PANDA_JOINTS
 from friction_audit.simulation.effects.load_and_place import GravityError
 from friction_audit.simulation.effects.structure import Backlash, JointElasticity
 from friction_audit.simulation.periodic import intend_joints
 from friction_audit.simulation.settings import JointByJoint, make_streams
-from tests.simulation.hand_at_flange import flange_poses, intended, pull
+from tests.simulation.hand_at_flange import flange_poses, intended
 
 # A hand that guides the arm: where it goes, which joints follow, where it rests, what it carries.
 
@@ -40,35 +32,21 @@ PANDA = PRESETS["panda"]
 SEED = 2
 
 
-@pytest.fixture(scope="module")
-def guided() -> Simulation:
-    return simulate(GUIDED, SEED)
-
-
-@pytest.fixture(scope="module")
-def plain() -> Simulation:
-    return simulate(SHORT, SEED)
-
-
-def test_hand_follows_its_path(guided: Simulation) -> None:
-    hand = pull(GUIDED, SEED, guided.truth.motion)
-    assert hand.off_m.max() < 0.03
-    assert np.sqrt((hand.off_m**2).mean()) < 0.01
-    assert hand.turned_rad.max() < 0.2
+once = cache(simulate)
 
 
 @pytest.mark.parametrize(
     "seed", [*range(4), *(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(4, 20))]
 )
 def test_motion_keeps_the_limits_of_a_panda(seed: int) -> None:
-    motion = simulate(replace(GUIDED, duration_s=3.0), seed).truth.motion
+    motion = once(SHORT, seed).truth.motion
     assert (motion.q > np.array(PANDA.low_rad) + 0.1).all()
     assert (motion.q < np.array(PANDA.high_rad) - 0.1).all()
     assert (np.abs(motion.dq) < 0.95 * np.array(PANDA.speed_rad_s)).all()
 
 
-def test_hand_comes_to_rest_in_every_pause(guided: Simulation) -> None:
-    motion = guided.truth.motion
+def test_hand_comes_to_rest_in_every_pause() -> None:
+    motion = simulate(GUIDED, SEED).truth.motion
     path = intended(GUIDED, SEED, len(motion.t) - 1)
     speed = load_arm().hand_speed(motion.q, motion.dq)
     paused = ~(path.velocity.any(axis=1) | path.angular.any(axis=1))
@@ -89,15 +67,13 @@ def test_brakes_hold_their_joints_and_the_others_move() -> None:
     assert np.ptp(simulation.log.channels()["tau_J"][:, 2]) > 0.5
 
 
-def test_load_that_nobody_told_sags_and_gravity_compensation_stays_the_controllers(plain: Simulation) -> None:
-    carrying = simulate(replace(SHORT, carried_kg=2.0), SEED)
-    log, motion = carrying.log, carrying.truth.motion
-    arm = load_arm()
-    assert_allclose(log.channels()["gravity"], arm.gravity(motion.q), atol=1e-4)
-    now, before = (flange_poses(arm, one.q[499:500])[0][0] for one in (motion, plain.truth.motion))
-    sag = now - before
+def test_load_that_nobody_told_sags_and_gravity_compensation_stays_the_controllers() -> None:
+    carrying, arm = simulate(replace(SHORT, carried_kg=2.0), SEED), load_arm()
+    motion, plain = carrying.truth.motion, once(SHORT, SEED).truth.motion
+    assert_allclose(carrying.log.channels()["gravity"], arm.gravity(motion.q), atol=1e-4)
+    now, before = (flange_poses(arm, one.q[499:500])[0][0, 2] for one in (motion, plain))
     weight_on_the_spring = 2.0 * 9.81 / GUIDED.hand.stiffness_n_per_m
-    assert -weight_on_the_spring * 1.02 < sag[2] < -0.7 * weight_on_the_spring
+    assert -weight_on_the_spring * 1.02 < now - before < -0.7 * weight_on_the_spring
 
 
 # Friction compensators in every joint of a guided arm.
@@ -107,16 +83,6 @@ ALONE = ArmSettings(joints=(JOINT,) * 7, sensors=(IDEAL_SENSORS,) * 7, duration_
 TRUE_VALUES = FixedCompensation(coulomb_nm=0.3, viscous_nms_per_rad=0.06)
 HELPED_SEED = 1
 LATER_S = 9.0
-
-
-@pytest.fixture(scope="module")
-def alone() -> Simulation:
-    return simulate(ALONE, HELPED_SEED)
-
-
-@pytest.fixture(scope="module")
-def told_by_the_hand() -> Simulation:
-    return simulate(replace(ALONE, compensator=EnergyCompensator()), HELPED_SEED)
 
 
 def power(motion: TrueMotion, since_s: float = 0.0) -> float:
@@ -130,16 +96,13 @@ def effort(motion: TrueMotion, since_s: float = 0.0) -> float:
     return float(np.sqrt((motion.interaction_nm[motion.t >= since_s] ** 2).mean()))
 
 
-def test_true_coefficients_take_friction_off_the_hand(alone: Simulation) -> None:
+def test_true_coefficients_take_friction_off_the_hand() -> None:
     helped = simulate(replace(ALONE, compensator=TRUE_VALUES, duration_s=6.0), HELPED_SEED)
-    motion = helped.truth.motion
-    assert power(motion) < 0.1 * power(alone.truth.motion)
-    assert effort(motion) < 0.9 * effort(alone.truth.motion)
-    assert_allclose(
-        np.array(0.2) * motion.inner_ddq,
-        motion.interaction_nm + motion.compensation_nm - motion.friction_nm,
-        atol=1e-12,
-    )
+    motion, alone = helped.truth.motion, once(ALONE, HELPED_SEED).truth.motion
+    assert power(motion) < 0.1 * power(alone)
+    assert effort(motion) < 0.9 * effort(alone)
+    driving = motion.interaction_nm + motion.compensation_nm - motion.friction_nm
+    assert_allclose(0.2 * motion.inner_ddq, driving, atol=1e-12)
     log = helped.log.channels()
     assert_array_equal(log["tau_J_d"], log["tau_compensation"])
     dq, torque = log["dq"][:-1], log["tau_compensation"][1:]
@@ -148,21 +111,17 @@ def test_true_coefficients_take_friction_off_the_hand(alone: Simulation) -> None
     assert_array_equal(torque[~fast], 0.0)
 
 
-def test_hand_ends_the_cycles_of_all_joints_at_the_same_ticks(told_by_the_hand: Simulation) -> None:
-    ended = np.diff(told_by_the_hand.truth.compensators["cycle"], axis=0) != 0
+def test_learning_compensators_take_friction_off_the_hand_which_ends_their_cycles() -> None:
+    helped = simulate(replace(ALONE, compensator=EnergyCompensator()), HELPED_SEED)
+    before, after = once(ALONE, HELPED_SEED).truth.motion, helped.truth.motion
+    known = helped.truth.compensators
+    ended = np.diff(known["cycle"], axis=0) != 0
     assert_array_equal(ended.any(axis=1), ended.all(axis=1))
     assert ended.any()
-
-
-def test_learning_compensators_take_friction_off_the_hand(alone: Simulation, told_by_the_hand: Simulation) -> None:
-    before, after = alone.truth.motion, told_by_the_hand.truth.motion
     assert power(after, LATER_S) < 0.2 * power(before, LATER_S)
     assert effort(after, LATER_S) < effort(before, LATER_S)
-    known = told_by_the_hand.truth.compensators
-    energy = known["energy_j"].sum(axis=1)
-    late = after.t >= LATER_S
-    assert np.ptp(energy[late]) < 0.2 * alone.truth.motion.dissipated_j[-1].sum()
-    assert_array_equal(told_by_the_hand.log.channels()["tau_passivity"].shape, after.q.shape)
+    assert np.ptp(known["energy_j"].sum(axis=1)[after.t >= LATER_S]) < 0.2 * before.dissipated_j[-1].sum()
+    assert_array_equal(helped.log.channels()["tau_passivity"].shape, after.q.shape)
 
 
 # One compensator for each joint of an arm.
@@ -188,27 +147,18 @@ DRIVEN = ArmSettings(driven=True, duration_s=15.0)
 AUDITED_SEED = 3
 
 
-@pytest.fixture(scope="module")
-def driven() -> Simulation:
-    return simulate(DRIVEN, AUDITED_SEED)
-
-
-def coulomb(estimate: Estimate) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+def coulomb(estimate: Estimate) -> Float:
     return np.array([joint.coulomb.value for joint in estimate.friction.joints])
 
 
-def test_driven_arm_follows_its_command(driven: Simulation) -> None:
+def test_a_driven_arm_follows_its_command_and_its_friction_is_found() -> None:
+    driven = simulate(DRIVEN, AUDITED_SEED)
     motion = driven.truth.motion
     command = intend_joints(DRIVEN.servo.motion, 7, len(motion.t) - 1, 1e-3, make_streams(AUDITED_SEED, 7).person)
-    error = motion.q - command.position - np.array(DRIVEN.pose_rad)
-    assert np.abs(error).max() < 0.03
+    assert np.abs(motion.q - command.position - np.array(DRIVEN.pose_rad)).max() < 0.03
     assert (np.ptp(motion.q, axis=0) > 0.3).all()
-
-
-def test_friction_of_a_driven_arm_is_found(driven: Simulation) -> None:
     settings = AuditSettings(torque=TorqueSettings(drive="robot", robot="panda"))
-    estimate = estimate_log(driven.log, settings)
-    assert np.abs(coulomb(estimate) - COULOMB).max() < 0.03
+    assert np.abs(coulomb(estimate_log(driven.log, settings)) - COULOMB).max() < 0.03
 
 
 def test_friction_of_a_guided_arm_is_found_with_default_settings() -> None:
@@ -224,20 +174,18 @@ def test_friction_of_a_guided_arm_is_found_with_default_settings() -> None:
 # Every hidden effect in joints 2 and 5 of an arm.
 
 EFFECTS_SHORT = ArmSettings(duration_s=2.0)
-EFFECTS_IDEAL = replace(EFFECTS_SHORT, sensors=(IDEAL_SENSORS,) * 7)
 NOTHING_YET = Hidden().holding(*(replace(effect.make({}), **{effect.strength_name(): 0.0}) for effect in EFFECTS))
 EFFECTS_SEED = 1
 
 
-@cache
-def log_of(hidden: Hidden, driven: bool) -> Simulation:
+def log_of(hidden: Hidden, driven: bool) -> JointLog:
     among_others = tuple(hidden if joint in (2, 5) else Hidden() for joint in range(1, 8))
-    return simulate(replace(EFFECTS_SHORT, hidden=among_others, driven=driven), EFFECTS_SEED)
+    return once(replace(EFFECTS_SHORT, hidden=among_others, driven=driven), EFFECTS_SEED).log
 
 
 @pytest.mark.parametrize("driven", [False, True], ids=["guided", "driven"])
 def test_all_effects_at_zero_strength_change_nothing_to_the_bit(driven: bool) -> None:
-    plain, hidden = (log_of(inside, driven).log for inside in (Hidden(), NOTHING_YET))
+    plain, hidden = (log_of(inside, driven) for inside in (Hidden(), NOTHING_YET))
     for name, channel in plain.channels().items():
         assert_array_equal(hidden.channels()[name], channel)
 
@@ -246,18 +194,11 @@ def test_all_effects_at_zero_strength_change_nothing_to_the_bit(driven: bool) ->
 @pytest.mark.parametrize("effect", [effect for effect in EFFECTS if effect.needs_neighbours], ids=str)
 def test_effect_between_joints_changes_the_log_and_keeps_it_finite(effect: Any) -> None:
     hidden = Hidden().holding(effect.make({}))
-    plain, changed = (log_of(inside, False).log.channels() for inside in (Hidden(), hidden))
+    plain, changed = (log_of(inside, False).channels() for inside in (Hidden(), hidden))
     for channel in changed.values():
         assert np.isfinite(channel).all()
         assert np.abs(channel).max() < 100.0
-    joints = [1, 4]
-    assert any(not np.array_equal(changed[name][:, joint], plain[name][:, joint]) for name in plain for joint in joints)
-
-
-@cache
-def moved(inside: Hidden, driven: bool) -> TrueMotion:
-    """Return how an arm moves that hides the same in all joints."""
-    return simulate(replace(EFFECTS_IDEAL, hidden=(inside,) * 7, driven=driven), EFFECTS_SEED).truth.motion
+    assert any(not np.array_equal(changed[name][:, [1, 4]], plain[name][:, [1, 4]]) for name in plain)
 
 
 SOFT, STIFF = JointElasticity(compliance_rad_per_nm=1e-3), JointElasticity(compliance_rad_per_nm=1e-4)
@@ -277,7 +218,8 @@ SOFT, STIFF = JointElasticity(compliance_rad_per_nm=1e-3), JointElasticity(compl
     ],
 )
 def test_transmissions_of_all_joints_stay_calm(inside: Hidden, driven: bool) -> None:
-    rigid, soft = (moved(hidden, driven) for hidden in (Hidden(), inside))
+    ideal = replace(EFFECTS_SHORT, sensors=IDEAL, driven=driven)
+    rigid, soft = (once(replace(ideal, hidden=(one,) * 7), EFFECTS_SEED).truth.motion for one in (Hidden(), inside))
     assert np.abs(soft.q - rigid.q).max() < 0.1
     assert np.abs(soft.inner_dq).max() < 1.5 * np.abs(rigid.inner_dq).max()
     assert np.abs(soft.interaction_nm).max() < 4.0 * np.abs(rigid.interaction_nm).max()

@@ -1,13 +1,14 @@
 """The arm against MuJoCo's own energies and inverse dynamics, and against the hand's springs written once more."""
 
 from dataclasses import fields, replace
-from functools import cache
-from typing import Any, NamedTuple
+from functools import cache, partial
+from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy.integrate import cumulative_trapezoid
 
 from friction_audit.joint_log import Float
 from friction_audit.robot import Arm, load_arm
@@ -48,10 +49,7 @@ def inverse_dynamics(settings: ArmSettings, motion: TrueMotion) -> Float:
     return model_of(settings).inverse_dynamics(motion.q, motion.dq, motion.inner_ddq)
 
 
-def work(power: Float) -> Float:
-    """Return the integral of a power from the start, by the trapezoidal rule. [J]"""
-    steps = 0.5e-3 * (power[1:] + power[:-1])
-    return np.concatenate((np.zeros_like(power[:1]), np.cumsum(steps, axis=0)))
+work = partial(cumulative_trapezoid, dx=1e-3, axis=0, initial=0)  # of a power, from the start [J]
 
 
 def at_rate(settings: ArmSettings, rate_hz: float, monkeypatch: pytest.MonkeyPatch) -> TrueMotion:
@@ -79,20 +77,12 @@ def test_free_swing_loses_what_friction_takes_and_errs_with_the_square_of_the_ti
     assert errors[0][as_fast_as_by_hand].max() < 1e-5
 
 
-class Guided(NamedTuple):
-    """A guided arm and what its hand did."""
-
-    settings: ArmSettings
-    simulation: Simulation
-    motion: TrueMotion
-    hand: Pull
-
-
 @cache
-def guided(carried_kg: float) -> Guided:
+def guided(carried_kg: float) -> tuple[ArmSettings, Simulation, TrueMotion, Pull]:
+    """Return a guided arm and what its hand did."""
     settings = ArmSettings(sensors=IDEAL, duration_s=4.0, carried_kg=carried_kg)
     simulation = simulate(settings, SEED)
-    return Guided(settings, simulation, simulation.truth.motion, pull(settings, SEED, simulation.truth.motion))
+    return settings, simulation, simulation.truth.motion, pull(settings, SEED, simulation.truth.motion)
 
 
 LOADS = pytest.mark.parametrize("carried_kg", [2.0, pytest.param(0.0, marks=pytest.mark.thorough)])
@@ -100,9 +90,8 @@ LOADS = pytest.mark.parametrize("carried_kg", [2.0, pytest.param(0.0, marks=pyte
 
 @LOADS
 def test_sensors_read_the_inverse_dynamics_of_the_links_less_the_hand(carried_kg: float) -> None:
-    arm = guided(carried_kg)
-    expected = inverse_dynamics(arm.settings, arm.motion) - arm.hand.torque_nm
-    error = arm.simulation.log.channels()["tau_J"] - expected
+    settings, simulation, motion, hand = guided(carried_kg)
+    error = simulation.log.channels()["tau_J"] - inverse_dynamics(settings, motion) + hand.torque_nm
     # Where a joint breaks away or stops within half a tick, the prediction that the masses are taken at is off.
     assert np.abs(error).max() < 5e-4
     assert error.std(axis=0).max() < 1e-5
@@ -110,14 +99,12 @@ def test_sensors_read_the_inverse_dynamics_of_the_links_less_the_hand(carried_kg
 
 @LOADS
 def test_energy_balances_in_every_joint_and_over_the_arm(carried_kg: float) -> None:
-    arm = guided(carried_kg)
-    motion = arm.motion
+    settings, _, motion, hand = guided(carried_kg)
     taken, kinetic = motion.dissipated_j, 0.5 * ROTORS * motion.inner_dq**2
     assert_allclose(work(motion.interaction_nm * motion.inner_dq), taken + kinetic, atol=5e-5)
-    gained = energies(arm.settings, motion)
+    gained = energies(settings, motion)
     motors = work(motion.support_nm * motion.inner_dq).sum(axis=1)
-    hand = work(arm.hand.power_w)
-    assert_allclose(gained - gained[0], hand + motors - taken.sum(axis=1), atol=2e-4)
+    assert_allclose(gained - gained[0], work(hand.power_w) + motors - taken.sum(axis=1), atol=2e-4)
     assert taken[-1].sum() > 0.5
 
 

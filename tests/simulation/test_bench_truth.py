@@ -1,12 +1,13 @@
 """What truly happens on the bench is what a textbook says: friction, the torque at the sensor, slow effects."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from scipy.signal import lfilter
+from scipy.integrate import cumulative_trapezoid
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
@@ -30,6 +31,11 @@ def truth(hidden: Hidden) -> TrueMotion:
     return simulate(replace(IDEAL, hidden=(hidden,)), SEED).truth.motion
 
 
+def dry(motion: TrueMotion, coulomb: Any = 1.0, viscous: Any = 1.0) -> Float:
+    """Return Coulomb and viscous friction of the joint, each times a factor."""
+    return np.asarray(coulomb * 0.30 * np.sign(motion.dq) + viscous * 0.07 * motion.dq)
+
+
 ALL = Hidden(
     stribeck=velocity.Stribeck(excess_nm=0.15, form=velocity.LORENTZIAN),
     position_dependent_friction=load_and_place.PositionDependentFriction(share=0.4),
@@ -40,31 +46,38 @@ ALL = Hidden(
 )
 
 
-@pytest.mark.parametrize("hidden", [Hidden(), ALL], ids=["none", "all"])
-def test_sliding_friction_is_the_law_at_the_present_motion(hidden: Hidden) -> None:
+def all_at_once(motion: TrueMotion) -> Float:
+    speed, sign, before = np.abs(motion.dq), np.sign(motion.dq), np.vstack([motion.port_nm[:1], motion.port_nm[:-1]])
+    level = (0.30 + 0.15 / (1.0 + (speed / 0.1) ** 2)) * (1.0 + 0.4 * np.sin(3.0 * motion.q + 0.5))
+    level = level + 0.06 * np.abs(before) + 0.15 * speed**3 + sign * (0.05 + 0.02 * speed)
+    return np.asarray(sign * (level + 0.07 * speed))
+
+
+def late(motion: TrueMotion) -> Float:
+    speed = np.abs(motion.dq)
+    return np.asarray(np.sign(motion.dq) * (0.30 + 0.07 * np.vstack([np.zeros((30, 1)), speed[:-30]])))
+
+
+def warming(motion: TrueMotion) -> Float:
+    """Warmth 1 - exp(-t/T); viscous friction (1 - r)^warmth, Coulomb 1 / (1 + warmth l / (1 - l)) of the cold one."""
+    assert_allclose(motion.warmth[1:, 0], -np.expm1(-motion.t[:-1] / 4.0), atol=3e-4)
+    return dry(motion, 1.0 / (1.0 + motion.warmth * 0.25 / 0.75), 0.5**motion.warmth)
+
+
+LAWS: dict[str, tuple[Hidden, Callable[[TrueMotion], Float], float]] = {
+    "none": (Hidden(), dry, 1e-9),
+    "all": (ALL, all_at_once, 1e-9),
+    "late": (Hidden(frictional_lag=velocity.FrictionalLag(lag_s=0.03, form=velocity.DELAYED)), late, 1e-4),
+    "warm": (Hidden(warm_up=slow.WarmUp(reduction=0.5, coulomb_ratio=0.5, time_s=4.0)), warming, 3e-5),
+}
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_friction_of_what_slides_is_the_law_at_the_present_motion(name: str) -> None:
+    hidden, law, error = LAWS[name]
     motion = truth(hidden)
-    speed, sign, level = np.abs(motion.dq), np.sign(motion.dq), np.full_like(motion.dq, 0.30)
-    if hidden is ALL:
-        before = np.concatenate([motion.port_nm[:1], motion.port_nm[:-1]])
-        level = (level + 0.15 / (1.0 + (speed / 0.1) ** 2)) * (1.0 + 0.4 * np.sin(3.0 * motion.q + 0.5))
-        level = level + 0.06 * np.abs(before) + 0.15 * speed**3 + sign * (0.05 + 0.02 * speed)
     sliding = motion.dq != 0.0
-    assert_allclose(motion.friction_nm[sliding], (sign * (level + 0.07 * speed))[sliding], atol=1e-9)
-
-
-@pytest.mark.parametrize("form", [velocity.RELAXING, velocity.DELAYED])
-def test_lagging_friction_follows_the_speed_late(form: int) -> None:
-    """A first-order low-pass of the speed, or the speed of 30 ms ago."""
-    motion = truth(Hidden(frictional_lag=velocity.FrictionalLag(lag_s=0.03, form=form)))
-    speed = np.abs(motion.dq[:, 0])
-    if form == velocity.DELAYED:
-        seen = np.concatenate([np.zeros(30), speed[:-30]])
-    else:
-        keep = np.exp(-1e-3 / 0.03)
-        seen = lfilter([0.5 * (1.0 - keep), 0.5 * (1.0 - keep)], [1.0, -keep], speed)
-    sliding = speed > 0.0
-    assert_allclose(np.abs(motion.friction_nm[sliding, 0]), (0.30 + 0.07 * seen)[sliding], atol=1e-4)
-    assert np.abs(seen - speed).max() > 0.05
+    assert_allclose(motion.friction_nm[sliding], law(motion)[sliding], atol=error)
 
 
 def test_words_about_the_progress_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -104,11 +117,6 @@ HIDDEN = {
 }
 
 
-def impulse(t: Float, torque: Float) -> Float:
-    """Return the integral of a torque over time, shape (n + 1,). [N m s]"""
-    return np.concatenate([[0.0], np.cumsum(0.5 * (torque[1:] + torque[:-1]) * np.diff(t))])
-
-
 @pytest.mark.parametrize("name", HIDDEN)
 def test_interaction_torque_is_what_the_hand_exerts_less_its_own_inertia(name: str) -> None:
     """In impulses: integral F_m dt = integral of the hand's spring and damper - m_hand dq, at every tick."""
@@ -118,8 +126,8 @@ def test_interaction_torque_is_what_the_hand_exerts_less_its_own_inertia(name: s
     q, dq, hand = log.q[:, 0], log.dq[:, 0], settings.operator
     wanted = hand.motion.intend(len(q) - 1, 1e-3, make_streams(PORT_SEED, 1).person)
     drive = hand.stiffness_nm_per_rad * (wanted.position - q) + hand.damping_nms_per_rad * (wanted.velocity - dq)
-    expected = impulse(log.t, drive) - hand.inertia_kg_m2 * dq
-    sensor = impulse(log.t, log.channels()["tau_interaction"][:, 0])
+    expected = cumulative_trapezoid(drive, log.t, initial=0) - hand.inertia_kg_m2 * dq
+    sensor = cumulative_trapezoid(log.channels()["tau_interaction"][:, 0], log.t, initial=0)
     assert np.ptp(sensor) > 0.5
     ringing = name in ("elastic", "backlash")
     assert_allclose(sensor, expected, atol=5e-3 if ringing else 5e-4)
@@ -134,20 +142,15 @@ def test_sensor_of_a_driven_joint_carries_inertia_gravity_and_friction_of_the_li
     link = 0.3 * motion.inner_ddq + GRAVITY_NM * np.sin(log.q + PHASE_RAD) + motion.friction_nm
     assert_allclose(log.channels()["tau_J"], link, atol=2e-3)
     sliding = (motion.inner_dq != 0.0) & (name != "presliding")
-    dry = 0.30 * np.sign(motion.inner_dq) + 0.07 * motion.inner_dq
-    assert_allclose(motion.friction_nm[sliding], dry[sliding], atol=1e-12)
+    law = 0.30 * np.sign(motion.inner_dq) + 0.07 * motion.inner_dq
+    assert_allclose(motion.friction_nm[sliding], law[sliding], atol=1e-12)
     assert_allclose(log.q, motion.inner_q)
 
 
 # What changes in the course of a recording, and how it is recorded.
 
 SLOW_SEED = 6
-PLAIN = BenchSettings(duration_s=12.0)
-SLOW_IDEAL = replace(PLAIN, sensors=(IDEAL_SENSORS,), operator=Operator(motion=Sinusoid()))
-
-
-def truth_slow(hidden: Hidden, settings: BenchSettings = SLOW_IDEAL) -> TrueMotion:
-    return simulate(replace(settings, hidden=(hidden,)), SLOW_SEED).truth.motion
+SLOW_IDEAL = BenchSettings(duration_s=12.0, sensors=(IDEAL_SENSORS,), operator=Operator(motion=Sinusoid()))
 
 
 @pytest.mark.parametrize("rate", [1000.0, 500.0, 300.0, 250.0, 100.0])
@@ -177,36 +180,10 @@ def test_stale_samples_repeat_the_one_before_and_lost_ones_leave_a_gap() -> None
     assert_array_equal(together[moving[1:]], (np.diff(log.channels()["tau_interaction"][:, 0]) == 0.0)[moving[1:]])
 
 
-def test_ambient_warmth_has_its_time_constant_and_lowers_friction() -> None:
-    """Warmth 1 - exp(-t/T); viscous friction (1 - r)^warmth, Coulomb 1 / (1 + warmth l / (1 - l)) of the cold one."""
-    motion = truth_slow(Hidden(warm_up=slow.WarmUp(reduction=0.5, coulomb_ratio=0.5, time_s=4.0, form=slow.AMBIENT)))
-    assert_allclose(motion.warmth[1:, 0], -np.expm1(-motion.t[:-1] / 4.0), atol=3e-4)
-    moving = motion.dq != 0.0
-    coulomb = 0.30 / (1.0 + motion.warmth * 0.25 / 0.75)
-    viscous = 0.07 * 0.5**motion.warmth
-    assert_allclose(motion.friction_nm[moving], (coulomb * np.sign(motion.dq) + viscous * motion.dq)[moving], atol=3e-5)
-
-
-@pytest.mark.parametrize("form", [slow.ABRUPT, slow.RAMP, slow.SETTLING])
-def test_friction_steps_at_its_moment(form: int) -> None:
-    motion = truth_slow(Hidden(friction_step=slow.FrictionStep(change=0.5, at_share=0.4, length_s=2.0, form=form)))
-    moving = motion.dq[:, 0] != 0.0
-    plain = 0.30 * np.sign(motion.dq[:, 0]) + 0.07 * motion.dq[:, 0]
-    ratio = (motion.friction_nm[:, 0] / np.where(moving, plain, 1.0))[moving]
-    since = motion.t[moving] - 4.8
-    course = {
-        slow.ABRUPT: np.ones_like(since),
-        slow.RAMP: np.minimum(since / 2.0, 1.0),
-        slow.SETTLING: -np.expm1(-since / 2.0),
-    }[form]
-    clear = np.abs(since) > 1e-6
-    assert_allclose(ratio[clear], (1.0 + 0.5 * np.where(since < 0.0, 0.0, course))[clear], atol=1e-9)
-
-
 def test_contacts_come_when_they_were_drawn() -> None:
     """A step load behind the sensor is what B ddq - F_m + tau_f leaves over."""
     group = slow.ContactEvent(torque_nm=0.5, per_minute=30.0, form=slow.STEP)
-    motion = truth_slow(Hidden(contact_event=group))
+    motion = simulate(replace(SLOW_IDEAL, hidden=(Hidden(contact_event=group),)), SLOW_SEED).truth.motion
     events = slow.draw_events(group, 12.0, make_streams(SLOW_SEED, 1).events[0])
     expected = np.zeros_like(motion.t)
     for start, length, size in events:

@@ -8,7 +8,7 @@ import pytest
 from tests.effects.recordings import typical_term
 
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, simple_model
+from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel
 from friction_audit.effects.registry import term_of, terms
 from friction_audit.errors import UsageError
 from friction_audit.simulation.arm import ArmSettings
@@ -66,20 +66,12 @@ def test_the_model_says_of_the_motion_the_torque_that_was_simulated(name: str, v
     assert left[1] < 0.15 * left[0]
 
 
-def test_inertia_and_friction_are_taken_over() -> None:
-    model = simple_model(inertia_kg_m2=0.2, coulomb_nm=0.5, viscous_nms_per_rad=0.3)
-    settings = with_model(IDEAL, arm_of(model))
-    assert settings.joints == (JointParameters(inertia_kg_m2=0.2, coulomb_nm=0.5, viscous_nms_per_rad=0.3),)
-    assert settings.hidden == IDEAL.hidden
-    assert replace(settings, joints=IDEAL.joints) == IDEAL
-
-
-def test_joints_without_a_model_stay_as_they_are() -> None:
+def test_inertia_and_friction_are_taken_over_and_joints_without_a_model_stay_as_they_are() -> None:
+    taken = JointParameters(inertia_kg_m2=0.25, coulomb_nm=0.4, viscous_nms_per_rad=0.1)
+    assert with_model(IDEAL, arm_of(model_of({}))) == replace(IDEAL, joints=(taken,))
     arm = ArmSettings()
-    model = model_of({"stribeck": STRIBECK})
-    settings = with_model(arm, arm_of(None, model, *(None,) * 5))
-    assert settings.joints[0] == arm.joints[0]
-    assert settings.joints[1] == JointParameters(inertia_kg_m2=0.25, coulomb_nm=0.4, viscous_nms_per_rad=0.1)
+    settings = with_model(arm, arm_of(None, model_of({"stribeck": STRIBECK}), *(None,) * 5))
+    assert settings.joints == (arm.joints[0], taken, *arm.joints[2:])
     assert settings.hidden[1].stribeck == Stribeck(excess_nm=0.15, speed_rad_s=0.1, exponent=2.0)
     assert [(effect.joint, effect.name) for effect in hidden_effects(settings)] == [(2, "stribeck")]
 

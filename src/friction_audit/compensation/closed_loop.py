@@ -280,11 +280,7 @@ def feel(q: float, v: float, sign: float, i: int, push: float, u: float, bent: F
 def move(
     q: float, v: float, sign: float, span: Step, u: float, pieces: int, bent: Float, loop: Loop
 ) -> tuple[float, float, float, float]:
-    """Move on from one sample to the next; return position, velocity, direction, what friction took [J].
-
-    Friction is what turns with the direction, and the bristles. What acts the same way in both directions, as gravity
-    does, gives back what it takes.
-    """
+    """Move on to the next sample; return position, velocity, direction, and what friction, not gravity, took [J]."""
     h, lost, tables = span.h / pieces, 0.0, loop.tables
     rise = ((span.drive1 + u) - (span.drive0 + u)) / pieces
     for k in range(pieces):

@@ -62,9 +62,8 @@ def step(settings: Record, memory: Record, dq: float, interaction_nm: float, dt:
 
 @compiled()
 def give_up(memory: Record) -> float:
-    """Remember at which tick the loop diverged; from then on, no torque."""
-    if memory.unstable == 0:
-        memory.unstable, memory.unstable_tick = 1, memory.ticks
+    """Give no torque from now on: the loop has diverged."""
+    memory.unstable = 1
     memory.ticks += 1
     memory.u_nm = memory.compensation_nm = memory.passivity_nm = memory.limited_nm = memory.damping_nms_per_rad = 0.0
     return 0.0
@@ -83,11 +82,7 @@ def advance(settings: Record, memory: Record, dq: float, interaction_nm: float, 
 
 @compiled(inline=True)
 def add_up(settings: Record, memory: Record, dq: float, interaction_nm: float, dt: float) -> None:
-    """Add the interval since the previous tick to the sums of the cycle and to the ledgers (2), (24).
-
-    Trapezoids; the torque u was held, so its work is u times the displacement. At rest, the noise of the velocity does
-    not add up to a path.
-    """
+    """Add the interval since the previous tick by trapezoids, u held, to the cycle and the ledgers (2), (24)."""
     moved = 0.5 * (memory.dq + dq) * dt
     work = 0.5 * (memory.interaction_nm + interaction_nm) * moved
     memory.net_j += work + memory.u_nm * moved
@@ -103,10 +98,9 @@ def add_up(settings: Record, memory: Record, dq: float, interaction_nm: float, d
 
 @compiled(inline=True)
 def find_end(settings: Record, memory: Record, dq: float, dt: float) -> bool:
-    """Return True if an energy cycle ends at this tick.
+    """Return True if an energy cycle ends at this tick, which began where the filtered speed exceeded its threshold.
 
-    A cycle is under way once the filtered speed has exceeded the initiation threshold. It ends when the filtered speed
-    has fallen below the termination threshold and the joint, by its velocity as measured, rests or turns.
+    It ends when the filtered speed has fallen below another one and the joint, by its velocity as measured, rests.
     """
     gain = 1.0 if memory.ticks == 1 else 1.0 - math.exp(-settings.corner_rad_s * dt)
     memory.filtered_rad_s += gain * (dq - memory.filtered_rad_s)
@@ -136,8 +130,6 @@ def close_cycle(settings: Record, memory: Record) -> None:
         row[records.NET], row[records.PATH], row[records.SQUARE] = memory.net_j, memory.path_rad, memory.square_rad2_s
         memory.count += 1
         memory.status = estimate(settings, memory)
-    if memory.status >= records.NOT_MOVED:
-        memory.refused += 1
     if memory.acted == 1:
         memory.released = 1
     memory.acted = 0
@@ -265,10 +257,7 @@ def _trace(settings: Record, memory: Record, words: Record, t: Float, dq: Float,
 def run(
     compensator: Compensator | None, t: Float, dq: Float, interaction_nm: Float
 ) -> np.ndarray[tuple[int], np.dtype[np.void]]:
-    """Run the compensator of one joint in open loop, on n samples, two at least.
-
-    Returns records of ``records.TRACE``, shape (n,); a torque at sample i acts from t[i] on.
-    """
+    """Run a compensator in open loop on n samples; return a record of TRACE of each, in force from t[i] on."""
     settings = records.pack([compensator], float((len(t) - 1) / (t[-1] - t[0])))[0]
     memory, seen = records.fresh_memory(1), np.empty((len(t), records.FIELDS), np.int64)
     t, dq, torque = map(read_only, (t, dq, interaction_nm))
@@ -278,11 +267,7 @@ def run(
 
 @compiled()
 def hand_rests(cycle: Float, speed: float, dt: float, initiation: float, termination: float) -> bool:
-    """Return True if the hand has moved and come to rest again; the caller then resets ``cycle[UNDER_WAY]``.
-
-    The state ``cycle`` of the hand changes by its measured speed [m/s] over a time [s]; a cycle begins above a filtered
-    speed and ends at another.
-    """
+    """Return True if the hand has moved and come to rest again; the caller then resets ``cycle[UNDER_WAY]``."""
     cycle[FILTERED_M_S] += (1.0 - math.exp(-CORNER_RAD_S * dt)) * (speed - cycle[FILTERED_M_S])
     if cycle[FILTERED_M_S] > initiation:
         cycle[UNDER_WAY] = 1.0

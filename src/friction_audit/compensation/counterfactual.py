@@ -225,10 +225,7 @@ def _loop(
     lacking: Float,
     restart: NDArray[np.bool_],
 ) -> Loop:
-    """Return the joint held by its operator, driven by the recorded torque or by what the person intended.
-
-    Its model lacks some torque, and it starts again from the recording at some samples, shape (n,) each.
-    """
+    """Return the joint in the hand of its operator, driven by the recorded torque or the intention."""
     mass, damping, stiffness = (one.value for one in held[:3]) if held else (0.0, 0.0, 0.0)
     starts, step_s = np.append(0, np.flatnonzero(restart[1:]) + 1), median_step(recorded.t)
     tables = straighten(own._replace(inertia_kg_m2=own.inertia_kg_m2 + mass), damping_nms_per_rad=damping)

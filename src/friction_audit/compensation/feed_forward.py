@@ -45,10 +45,9 @@ class Feed(NamedTuple):
 
 
 def straighten(tables: Tables, *, damping_nms_per_rad: float = 0.0) -> Tables:
-    """Return tables that are right at any speed, with a damper added.
+    """Return tables with a damper that are right at any speed, for a compensated joint is faster than a recorded one.
 
-    A compensated joint moves faster than the recorded one. The last slope of the table over speed is taken out of it
-    and kept as a torque in proportion to the speed: what is left is level at its end, as tables are continued.
+    The last slope over speed is kept as a torque in proportion to the speed: what is left is level at its end.
     """
     speeds = np.asarray(tables.speed_step * np.arange(tables.speed.shape[1]), np.float64)
     slope = (tables.speed[:, -1] - tables.speed[:, -2]) / tables.speed_step
@@ -77,10 +76,7 @@ def feed_friction(memory: Record, feed: Feed, q: float, v: float, i: int) -> Non
 
 
 def refuse(terms: Iterable[FittedTerm], past: Iterable[Term] = ()) -> None:
-    """Raise AnalysisError that says which of the terms cannot run in a compensator's loop, and why.
-
-    ``past``: those whose torque does not follow from tables along the recording.
-    """
+    """Raise AnalysisError that says which terms, or terms of the past, cannot run in a compensator's loop, and why."""
     reasons = []
     for term in terms:
         values = dict(zip((parameter.name for parameter in term.effect.parameters), term.values, strict=True))

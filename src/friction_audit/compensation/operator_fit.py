@@ -77,10 +77,7 @@ def _reversals(dq: Float, step: float) -> tuple[NDArray[np.int64], Float]:
 
 
 def _solve(windows: Float) -> FittedOperator:
-    """Solve for inertia, damping and stiffness, with a jackknife over the reversals.
-
-    ``windows`` are acceleration, velocity, position and minus the torque around r reversals, shape (r, w, 4).
-    """
+    """Solve acceleration, velocity, position and minus torque around reversals, shape (r, w, 4), with a jackknife."""
     count, total = len(windows), windows.sum(axis=0)
 
     def solve(mean: Float) -> Float:

@@ -14,7 +14,6 @@ from friction_audit.compensation.compensators import (
     Compensator,
     EnergyCompensator,
     FixedCompensation,
-    kind_of,
 )
 from friction_audit.compensation.compensators.law import LONGEST_WINDOW, MODELS, Law
 from friction_audit.errors import UsageError
@@ -40,7 +39,7 @@ SETTINGS = np.dtype(
         *((name, "f8") for name in ("period_s", "coulomb_nm", "viscous_nms_per_rad", "rest_rad_s", "corner_rad_s")),
         *((name, "f8") for name in ("forced_coulomb_nm", "forced_viscous_nms_per_rad")),
         *_numbers_of(EnergyCompensator),
-        *((kind.name, _numbers_of(kind.settings)) for kind in COMPENSATORS if issubclass(kind.settings, Law)),
+        *((kind.name, _numbers_of(kind)) for kind in COMPENSATORS if issubclass(kind, Law)),
     ]
 )
 
@@ -60,7 +59,6 @@ TRACE = np.dtype(
         ("cycle", "i8"),  # cycles completed
         ("acted", "i8"),  # 1 if the passivity controller has acted in the present cycle
         ("status", "i8"),
-        ("refused", "i8"),  # cycles that gave no estimate for another reason than their number
         ("unstable", "i8"),  # 1 once the loop has diverged: the torque is then 0 for good, and nothing is added up
         ("observed_friction_nm", "f8"),
     ]
@@ -70,7 +68,6 @@ MEMORY = np.dtype(
     [
         *TRACE.descr,
         *((name, "i8") for name in ("ticks", "released", "count", "active", "reversals")),
-        ("unstable_tick", "i8"),  # -1 before
         *((name, "f8") for name in ("dq", "interaction_nm", "filtered_rad_s", "direction", "net_j", "path_rad")),
         *((name, "f8") for name in ("square_rad2_s", "longest_gap_s", "last_change_nm", "bristle_rad")),
         ("filtered_interaction_nm", "f8"),
@@ -92,10 +89,10 @@ def pack(compensators: Sequence[Compensator | None], rate: float) -> NDArray[np.
     for record, compensator in zip(records, compensators, strict=True):
         # Estimation and ledger run with a compensator of any kind.
         energy = compensator if isinstance(compensator, EnergyCompensator) else EnergyCompensator(passivity=False)
-        kind, crossing, forced = kind_of(compensator), energy.zero_crossings, energy.forced or NOT_FORCED
+        crossing, forced = energy.zero_crossings, energy.forced or NOT_FORCED
         values = {name: getattr(energy, name) for name in SETTINGS.names or () if hasattr(energy, name)}
         values |= {
-            "kind": COMPENSATORS.index(kind),
+            "kind": 0 if compensator is None else COMPENSATORS.index(type(compensator)) + 1,
             "period_s": 1.0 / rate,
             "model": [*MODELS].index(energy.model),
             "window": energy.cycles_per_estimate,
@@ -109,7 +106,7 @@ def pack(compensators: Sequence[Compensator | None], rate: float) -> NDArray[np.
         if isinstance(compensator, FixedCompensation):
             values |= asdict(compensator)
         if isinstance(compensator, Law):
-            group = record[kind.name]
+            group = record[compensator.name]
             for name in group.dtype.names:
                 group[name] = getattr(compensator, name)
             values |= asdict(compensator.guard)
@@ -123,5 +120,4 @@ def fresh_memory(joints: int) -> NDArray[np.void]:
     memory = np.zeros(joints, MEMORY)
     memory["estimated_coulomb_nm"] = nan
     memory["estimated_viscous_nms_per_rad"] = nan
-    memory["unstable_tick"] = -1
     return memory

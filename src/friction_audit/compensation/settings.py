@@ -58,11 +58,12 @@ SAME_OPERATOR = Counterfactual(
 COUNTERFACTUALS = {one.name: one for one in (SAME_MOTION, SAME_TORQUE, SAME_OPERATOR)}
 
 
-class Limits(Checked):
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Limits:
     """Limits of what a compensator may command on one joint."""
 
-    torque_nm: float = positive(inf)  # largest torque; infinite without a limit [N m]
-    rate_nm_s: float = positive(inf)  # fastest change of it [N m/s]
+    torque_nm: float = inf  # largest torque; infinite without a limit [N m]
+    rate_nm_s: float = inf  # fastest change of it [N m/s]
 
 
 def limits_of(robot: str, joint: int) -> Limits:
@@ -130,8 +131,7 @@ class ModelFile:
         return self.model.joints[number - 1]
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class ReplaySettings:
+class ReplaySettings(Checked):
     """Settings of a replay."""
 
     assume: str = SAME_MOTION.name  # ``"same-motion"``, ``"same-torque"`` or ``"same-operator"``
@@ -143,17 +143,17 @@ class ReplaySettings:
     joint_model: ModelFile | None = None
     # impedance of the person with ``"same-operator"``; None to fit it from the log
     operator: OperatorImpedance | None = None
-    max_torque_nm: float | None = None  # limit of the torque, or None for the arm's own [N m]
-    max_torque_rate_nm_s: float | None = None  # limit of its change, or None for the arm's own [N m/s]
+    max_torque_nm: float | None = positive(None, high=inf)  # limit of the torque, or None for the arm's own [N m]
+    max_torque_rate_nm_s: float | None = positive(None, high=inf)  # of its change, or None for the arm's own [N m/s]
 
     def __post_init__(self) -> None:
+        Checked.__post_init__(self)
         if self.assume not in COUNTERFACTUALS:
             raise UsageError(f"--assume {self.assume}: expected one of {', '.join(COUNTERFACTUALS)}")
         if self.operator is not None and self.assume != SAME_OPERATOR.name:
             raise UsageError(
                 f"--operator: not used with --assume {self.assume}; remove it or ask for --assume same-operator"
             )
-        self.limits(Limits())
         name = "" if self.competitor is None else self.competitor.name
         if name == MODEL and self.joint_model is None:
             raise UsageError(

@@ -44,15 +44,15 @@ class Information(NamedTuple):
     seconds: Float  # length of each candidate [s]
 
     def separation(self, counts: Float) -> tuple[tuple[str, ...], Float]:
-        """Return the competing names and the expected 2 ln of the likelihood ratio against each, shape (h, names)."""
+        """Return the competing names, and of designs (..., c) the 2 ln of each ratio, shape (..., h, names)."""
         rows = np.tensordot(counts, self.rows, 1) + self.prior
         cross, own = np.tensordot(counts, self.cross, 1), counts @ self.own
-        scale = np.sqrt(np.einsum("krr->kr", rows)) + 1e-300
-        scaled = rows / scale[:, :, None] / scale[:, None, :] + RIDGE * np.eye(rows.shape[1])
-        cross = cross / scale[:, :, None]
-        left = own - np.einsum("krh,krh->kh", cross, np.linalg.solve(scaled, cross))
+        scale = np.sqrt(np.einsum("...rr->...r", rows)) + 1e-300
+        scaled = rows / scale[..., None] / scale[..., None, :] + RIDGE * np.eye(rows.shape[-1])
+        cross = cross / scale[..., None]
+        left = own[..., None, :] - np.einsum("...rh,...rh->...h", cross, np.linalg.solve(scaled, cross))
         names = tuple(dict.fromkeys(self.names.tolist()))
-        found = np.stack([left[self.names == name].min(axis=0) for name in names], axis=1)
+        found = np.stack([left[..., self.names == name, :].min(axis=-2) for name in names], axis=-1)
         return names, np.maximum(found, 0.0)
 
 
@@ -63,10 +63,7 @@ def information_of(
     certain: Sequence[FittedTerm],
     competing: Sequence[Effect],
 ) -> Information:
-    """Simulate the joint along all candidates once, and take apart what the columns of the effects say of each.
-
-    One of the ``truths`` is there, by name, and the ``certain`` effects in any case.
-    """
+    """Simulate the joint along all candidates; one of the ``truths`` is there, and the ``certain`` in any case."""
 
     def torque_of(terms: Iterable[FittedTerm]) -> Float:
         torques = [term.torque(data.motion(nominal.torque)) for term in terms]
@@ -106,31 +103,31 @@ def information_of(
     return Information(rows, cross, size, names, tuple(truths), np.diag(prior) + RIDGE * np.eye(shape[2]), seconds)
 
 
-def value_of_separation(about: Information, counts: Float) -> float:
-    """Return the compound T-criterion of a design."""
+def value_of_separation(about: Information, counts: Float) -> Float:
+    """Return the compound T-criterion of designs (..., c)."""
     names, found = about.separation(counts)
     weight = np.array([1.0 if name in about.truths else OTHERS for name in names])
     same = [[name in (one, *effect_of(one).indistinguishable) for name in names] for one in about.truths]
-    return float(np.sum(np.where(same, 0.0, weight) * found / (found + ENOUGH)))
+    return np.asarray(np.sum(np.where(same, 0.0, weight) * found / (found + ENOUGH), axis=(-2, -1)))
 
 
-def value_for_coefficients(about: Information, counts: Float) -> float:
-    """Return the D-criterion of inertia, Coulomb and viscous friction of a design, the rest of the model free."""
-    first = (np.tensordot(counts, about.rows[:, 0], 1) + about.prior)[:3, :3]
-    return float(np.linalg.slogdet(first + RIDGE * np.eye(3))[1])
+def value_for_coefficients(about: Information, counts: Float) -> Float:
+    """Return the D-criterion of inertia, Coulomb and viscous friction of designs, the rest of the model free."""
+    first = (np.tensordot(counts, about.rows[:, 0], 1) + about.prior)[..., :3, :3]
+    return np.asarray(np.linalg.slogdet(first + RIDGE * np.eye(3))[1])
 
 
-Criterion = Callable[[Information, Float], float]
+Criterion = Callable[[Information, Float], Float]
 
 
 def exchange(about: Information, criterion: Criterion, duration_s: float) -> NDArray[np.int64]:
     """Return how often each candidate is run in a time [s], shape (c,), with the value of a design by a criterion."""
     counts, units = np.zeros(len(about.seconds)), np.eye(len(about.seconds))
-    best = criterion(about, counts)
+    best = float(criterion(about, counts))
 
     def one_more(counts: Float) -> tuple[NDArray[np.intp], Float]:
         fits = np.flatnonzero(about.seconds <= duration_s - counts @ about.seconds)
-        return fits, np.array([criterion(about, counts + units[k]) for k in fits])
+        return fits, criterion(about, counts + units[fits])
 
     while True:
         fits, values = one_more(counts)
@@ -141,7 +138,7 @@ def exchange(about: Information, criterion: Criterion, duration_s: float) -> NDA
     for _ in range(SWEEPS):
         before = best
         for out in np.flatnonzero(counts):
-            fits, values = one_more(counts - units[out])
+            fits, values = one_more(counts - units[out])  # never none: what is taken out fits
             if values.max() > best + 1e-9:
                 counts, best = counts - units[out] + units[fits[int(np.argmax(values))]], float(values.max())
         if best <= before + 1e-9:

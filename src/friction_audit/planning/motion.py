@@ -64,8 +64,7 @@ def limits_of(
 ) -> Limits:
     """Return the limits of a joint: those of the arm, tightened to those of a hand, replaced by what is asked for.
 
-    The arm is that of a URDF, or a preset, or unknown. The range is relative to the start; speed, acceleration and jerk
-    are asked for by the names of ``Limits``, None where the arm decides.
+    The range is relative to the start; what is asked for has the names of ``Limits``, None where the arm decides.
     """
     low, high, speed = -inf, inf, inf
     acceleration, jerk, source = (*USUAL[1:], "usual of arms")

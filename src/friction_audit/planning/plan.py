@@ -86,11 +86,6 @@ class JointPlan:
         """Length of the motion with a rest before and after. [s]"""
         return float(starts_of(self.motion)[-1]) + END_S
 
-    @property
-    def recording(self) -> BenchSettings:
-        """The simulation of the joint along the motion."""
-        return self.task.joint.settings(self.motion, self.duration_s)
-
 
 def trajectory_of(plans: Sequence[JointPlan], arm: Arm, rate_hz: float) -> Trajectory:
     """Return the motions of the joints one after the other, all other joints held at the start."""
@@ -122,7 +117,8 @@ def plan_task(task: Task, limits: Limits, duration_s: float = DURATION_S, *, che
         plan = JointPlan(task=task, limits=limits, runs=design.in_order(candidates, counts))
         if not check:
             return plan
-        found = estimate_log(simulate(plan.recording, SEED, path="planned motion").log, AUTO).friction.joints[0]
+        log = simulate(joint.settings(plan.motion, plan.duration_s), SEED, path="planned motion").log
+        found = estimate_log(log, AUTO).friction.joints[0]
         return replace(plan, coefficients={"coulomb_nm": found.coulomb, "viscous_nms_per_rad": found.viscous})
     sets = task.sets if task.purpose == "decide" else (usual_terms(joint),)
     truths = {name: one[name] for one in sets if len(one) > 1 for name in one}
@@ -142,10 +138,7 @@ def plan_task(task: Task, limits: Limits, duration_s: float = DURATION_S, *, che
 
 
 def _designed(about: design.Information, duration_s: float) -> tuple[Index, bool]:
-    """Return how often each candidate is run, and whether all of it at both ends of the time.
-
-    That is where all that is to be decided is whether an offset drifts: constants, and what changes with time.
-    """
+    """Return how often each candidate is run, and whether at both ends of the time, where an offset may drift."""
     share, fewest = AT_AN_END
     known = [effect_of(name) for name in about.truths]
     constant = [Trait.EXACT in one.traits for one in known]
@@ -191,7 +184,8 @@ def _of_size(block: Block, problem: RegressionProblem, size_nm: float) -> Fitted
 
 def answer(plan: JointPlan, name: str, terms: Sequence[FittedTerm]) -> Answer:
     """Simulate a joint along its plan with an effect and those that are there in any case, and diagnose the log."""
-    joint, settings = plan.task.joint, plan.recording
+    joint = plan.task.joint
+    settings = joint.settings(plan.motion, plan.duration_s)
     pairs = [one for one in (_hidden(term, joint, settings) for term in terms) if one is not None]
     own = next((one for one, _ in pairs if one.name == EQUALS[name].name), None)
     settings = replace(settings, hidden=(Hidden().holding(*(one for one, _ in pairs)),))

@@ -116,10 +116,7 @@ def tasks_of(
     names: Sequence[str] = (),
     subjects: Sequence[tuple[Subject, JointDiagnosis]] = (),
 ) -> tuple[Arm, list[Task]]:
-    """Return the arm of a document of `diagnose` or `estimate`, and what each joint needs, or those that are wanted.
-
-    Where the log is there, the names of all joints are known, and the joints as they were prepared and diagnosed.
-    """
+    """Return the arm of a document, and what each joint needs, or those wanted; with a log, subjects and all names."""
     try:
         source, hand = document["source"], document["settings"]["torque_chosen"]["drive"] == "hand"
         found = {int(one["joint"]): one for one in document["joints"]}

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from friction_audit.compensation.compensators import Compensator, EnergyCompensator, JointModelCompensation, kind_of
+from friction_audit.compensation.compensators import Compensator, EnergyCompensator, JointModelCompensation
 from friction_audit.compensation.result import STATUSES, JointReplay, Signals
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.friction.history import Coefficient
@@ -47,7 +47,7 @@ def _removed(name: str, title: str, short: str = "") -> Column:
 
 
 def _compensator(compensator: Compensator) -> dict[str, Any]:
-    settings: dict[str, Any] = {"kind": kind_of(compensator).name, **to_json(compensator)}
+    settings: dict[str, Any] = {"kind": compensator.name, **to_json(compensator)}
     return settings | ({"terms": _terms(compensator.terms)} if isinstance(compensator, JointModelCompensation) else {})
 
 
@@ -125,7 +125,7 @@ JOINT_REPLAY = Record(
     NAME,
     joint_column(),
     Column("compensator", dict, "kind and settings in force", lambda one: _compensator(one.compensator), on="j"),
-    Column("compensator", str, get=lambda one: kind_of(one.compensator).name, on="f"),
+    Column("compensator", str, get=lambda one: one.compensator.name, on="f"),
     Column("limits", dict, "`torque_nm` and `rate_nm_s`, null for none", on="j"),
     Column("cycles", int, "cycles", lambda one: 0 if one.history is None else len(one.history), on="j"),
     _number("energy_recorded", "net energy put in, as recorded", "J"),
@@ -269,9 +269,8 @@ def replay_lines(found: LogReplay) -> list[str]:
 def describe_compensator(joints: tuple[JointReplay, ...]) -> str:
     """Return the compensator in words, of a joint on which it ran: the others differ in limits and thresholds only."""
     compensator = next((joint for joint in joints if not joint.reason), joints[0]).compensator
-    kind = kind_of(compensator)
     if not isinstance(compensator, EnergyCompensator):
-        return f"{kind.name}, {kind.summary}"
+        return f"{compensator.name}, {compensator.summary}"
     if compensator.forced is not None:
         given = compensator.forced
         law = f"fixed at {given.coulomb_nm:g} N m and {given.viscous_nms_per_rad:g} N m s/rad"
@@ -279,7 +278,7 @@ def describe_compensator(joints: tuple[JointReplay, ...]) -> str:
         cycles = compensator.cycles_per_estimate
         times = "" if compensator.factor == 1 else f", times {compensator.factor:g}"
         law = f"{compensator.model} model from the last {f'{cycles} cycles' if cycles > 1 else 'cycle'}{times}"
-    return f"{kind.name}, {law}, {'with' if compensator.passivity else 'without'} passivity controller"
+    return f"{compensator.name}, {law}, {'with' if compensator.passivity else 'without'} passivity controller"
 
 
 def _models(found: LogReplay) -> Iterator[str]:

@@ -3,7 +3,7 @@
 from friction_audit.simulation.arm import ArmSettings, Hand
 from friction_audit.simulation.bench import BenchSettings, HandGuidedPanda, Operator
 from friction_audit.simulation.effects import EFFECTS, Hidden
-from friction_audit.simulation.scenarios import SCENARIOS, AnySettings, Scenario, simulate
+from friction_audit.simulation.scenarios import SCENARIOS, simulate
 from friction_audit.simulation.settings import (
     IDEAL_SENSORS,
     PANDA_SENSORS,
@@ -11,7 +11,6 @@ from friction_audit.simulation.settings import (
     Sensors,
     Simulation,
     TrueMotion,
-    Truth,
 )
 
 __all__ = [
@@ -19,7 +18,6 @@ __all__ = [
     "IDEAL_SENSORS",
     "PANDA_SENSORS",
     "SCENARIOS",
-    "AnySettings",
     "ArmSettings",
     "BenchSettings",
     "Hand",
@@ -27,10 +25,8 @@ __all__ = [
     "Hidden",
     "JointParameters",
     "Operator",
-    "Scenario",
     "Sensors",
     "Simulation",
     "TrueMotion",
-    "Truth",
     "simulate",
 ]

@@ -35,8 +35,7 @@ BRAKE_NM = 1e6  # what a brake holds
 class Hand(Checked):
     """A mass that holds the flange, drawn by springs and dampers along an intended path; the person bears its weight.
 
-    The defaults are those of a person who guides with braced arms: stiff, and damped well enough that the hand comes to
-    rest in its pauses instead of swinging back (a Panda in its ready pose weighs 4 to 8 kg at its flange).
+    The defaults are those of braced arms: stiff, and damped so that the hand rests in its pauses.
     """
 
     mass_kg: float = within(1.0)  # mass of the hand [kg]
@@ -96,10 +95,7 @@ class ArmSettings(Checked):
         return tuple(joint for joint in range(1, len(self.joints) + 1) if joint not in self.braked)
 
     def move(self, streams: Streams, path: str, progress: Progress | None) -> Moved:
-        """Move the arm from rest.
-
-        Masses, gravity and the hand's pull are those of the pose at each tick, for half a tick before it and after it.
-        """
+        """Move the arm from rest; masses, gravity and the pull of the hand are those of the pose at each tick."""
         ticks, pose = count_ticks(self.duration_s, self.rate_hz), np.array(self.pose_rad)
         joints, hidden = list(self.joints), list(self.hidden)
         for number in self.braked:  # a brake holds its joint, in which nothing hidden can then be felt

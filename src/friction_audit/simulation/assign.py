@@ -65,7 +65,7 @@ def as_nested(node: Any) -> Any:  # noqa: ANN401 - settings or a part of them
         value = getattr(node, name)
         below = as_nested(value)
         chosen = value is not None and _kinds_of(hints[name])
-        nested[name] = {"kind": _name_of(type(value)), **below} if chosen else below
+        nested[name] = {"kind": kind_name(type(value)), **below} if chosen else below
     return nested
 
 
@@ -171,7 +171,7 @@ def _leaves(node: Any) -> Iterator[_Leaf]:  # noqa: ANN401 - any dataclass
             continue
         if kinds:
             others = tuple(name for name, kind in kinds.items() if _can_be_made(kind) and not isinstance(value, kind))
-            yield _Leaf(here, Kind(_name_of(type(value)), others), partial(_turn_into, kinds))
+            yield _Leaf(here, Kind(kind_name(type(value)), others), partial(_turn_into, kinds))
         if is_dataclass(value):
             yield from (leaf._replace(path=here + leaf.path) for leaf in _leaves(value))
         elif isinstance(value, tuple) and value and all(map(is_dataclass, value)):
@@ -184,14 +184,10 @@ def _leaves(node: Any) -> Iterator[_Leaf]:  # noqa: ANN401 - any dataclass
             yield _Leaf(here, value, partial(_read, hint, inf in (value, item.default)))
 
 
-def _name_of(kind: type) -> str:
-    return NOTHING if kind is NoneType else kind_name(kind)
-
-
 def _kinds_of(hint: Any) -> dict[str, type]:  # noqa: ANN401 - any annotation
     """Return the kinds that an annotation leaves open, by name; empty where it leaves nothing open."""
     members = get_args(hint) if isinstance(hint, UnionType) else ()
-    return {_name_of(member): member for member in members} if any(map(is_dataclass, members)) else {}
+    return {kind_name(member): member for member in members} if any(map(is_dataclass, members)) else {}
 
 
 def _can_be_made(kind: Any) -> bool:  # noqa: ANN401 - a kind of settings, or of None

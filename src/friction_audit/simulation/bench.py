@@ -44,11 +44,7 @@ CHUNK_TICKS = 20_000  # between two reports of the progress
 
 
 class Operator(Checked):
-    """A mass that holds the outer side of the joint rigidly, drawn by a spring and a damper along an intended motion.
-
-    Where a hand moves the joint, the mass is that of hand and link; where the robot moves by itself, it is the motor's
-    and the spring and the damper are its position controller.
-    """
+    """A mass that holds the outer side of a joint, drawn along an intended motion: hand and link, or a servo motor."""
 
     inertia_kg_m2: float = positive(0.3)  # inertia on the outer side of the torque sensor [kg m^2]
     stiffness_nm_per_rad: float = positive(60.0)  # spring between intended and actual motion [N m/rad]
@@ -259,11 +255,7 @@ class HandGuidedPanda(Checked):
         return (self.joint,)
 
     def move(self, streams: Streams, path: str, progress: Progress | None) -> Moved:
-        """Move one joint of a Panda by hand while gravity is compensated.
-
-        The sensor reads tau_J = gravity(q) - F_m; beyond gravity, only a compensator's torque is desired (tau_J_d). The
-        other joints stand still; their sensors bear gravity alone. Motion and noise are those of a bench with the seed.
-        """
+        """Move one joint by hand, as that of a bench with the seed; the sensors of the others bear gravity alone."""
         arm, moved = load_arm(), self.joint - 1
         # All that the joint carries turns as one rigid body: its gravity torque is a sine of its angle.
         poses = np.tile(self.pose_rad, (2, 1))

@@ -1,11 +1,11 @@
 """Periodic motions: a sinusoid, and the multisine by which a robot excites itself (Swevers et al., 1997)."""
 
 from itertools import count, islice
-from math import inf, isqrt, pi
+from math import isqrt, pi
 
 import numpy as np
 
-from friction_audit.compensation.compensators.law import Checked, positive, within
+from friction_audit.compensation.compensators.law import FINITE, Checked, positive, within
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.simulation.strokes import (
@@ -72,7 +72,7 @@ class Commanded(Checked):
 
     lowest_hz: float = positive(0.1)  # lowest frequency, that of the first joint [Hz]
     sines: int = within(5, 1, MOST_SINES)  # number of sines; five reach up to 7.3 times the lowest frequency
-    range_rad: tuple[float, float] = within((-0.8, 0.8), -inf)  # lowest and highest position, from the start [rad]
+    range_rad: tuple[float, float] = within((-0.8, 0.8), -FINITE)  # lowest and highest position, from the start [rad]
     peak_speed_rad_s: float = positive(1.2)  # highest speed [rad/s]
     ease_s: float = positive(2.0)  # time of the smooth start, and of the smooth end [s]
 

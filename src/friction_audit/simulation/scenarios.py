@@ -53,7 +53,6 @@ _FIRM_HAND = Operator(
     stiffness_nm_per_rad=400.0, damping_nms_per_rad=8.0, motion=Sinusoid(amplitude_rad=0.5, period_s=4.0)
 )
 
-
 # Critically damped: what jumps at the turning points of Fig. 9 is friction, and the hand does not ring.
 _DAMPED_HAND = replace(_FIRM_HAND, damping_nms_per_rad=30.0)
 
@@ -70,14 +69,12 @@ _VISCOUS_ONLY = EnergyCompensator(model="viscous", zero_crossings=True)
 _FORCED = Coefficients(viscous_nms_per_rad=_THIRTY)
 _OVER_COMPENSATION = replace(_VISCOUS_ONLY, forced=_FORCED, payback_s=0.0, max_damping_nms_per_rad=50.0)
 
-
 # Coulomb friction and sensors of a Panda's joint 1. Its published viscous friction (0.075 N m s/rad) cannot give the
 # 1.5 N m of Fig. 8(c) at any speed the joint reaches, and no compensator that acts on the velocity lowers the torque
 # that breaks it away; viscous friction, inertia and strokes are chosen so that the peak is 1.5 N m.
 _PERSON = Operator(
     motion=StopAndGo(stroke_s=(1.8, 3.0), speed_rad_s=1.0, speed_limits_rad_s=(0.3, 1.6), range_rad=(-1.5, 1.5))
 )
-
 
 # The paper's experiment ran on a real Panda, whose torque noise was measured to be white; the part that wanders slowly
 # is an assumption of the other scenarios.
@@ -151,10 +148,7 @@ PAPER_SCENARIOS: tuple[Scenario, ...] = (
 
 
 def with_torque_control(joint: JointParameters) -> JointParameters:
-    """Return a joint with torque control and so much more friction in its motor that the link feels the same.
-
-    The published friction of a robot with torque control is what its control leaves at the link.
-    """
+    """Return a joint with torque control and so much friction in its motor that the link feels what it did without."""
     felt = 1.0 + TORQUE_LOOP.gain
     friction = {"coulomb_nm": felt * joint.coulomb_nm, "viscous_nms_per_rad": felt * joint.viscous_nms_per_rad}
     return replace(joint, **friction, torque_loop=TORQUE_LOOP)
@@ -204,10 +198,7 @@ SCENARIOS: tuple[Scenario, ...] = (*_ONE_JOINT, *_PANDA, *PAPER_SCENARIOS)
 def simulate(
     settings: AnySettings, seed: int, *, path: str = "simulation", progress: Progress | None = None
 ) -> Simulation:
-    """Simulate a recording, with a path for its source. The same settings and seed give the same log to the bit.
-
-    Without a compensator in the loop, the motion does not depend on the sensors. Progress: the share that is done.
-    """
+    """Simulate a recording, with a path for its source; the same settings and seed give the same log to the bit."""
     streams = make_streams(seed, len(settings.joints))
     moved = settings.move(streams, path, progress)
     truth = Truth(settings=settings, seed=seed, motion=moved.motion, compensators=moved.compensators)

@@ -81,10 +81,7 @@ def read_log(settings: SomeSettings, moved: Moved, streams: Streams, path: str) 
 
 
 def _channels(settings: SomeSettings, moved: Moved) -> dict[str, Float]:
-    """Return what is logged at every tick, shape (n + 1, j): of an arm the torque at its sensors, gravity in it.
-
-    If the robot moves by itself, friction is on the link's side of the sensor.
-    """
+    """Return what is logged at every tick, shape (n + 1, j): of an arm the torque at its sensors, gravity in it."""
     motion, hidden, gravity = moved.motion, settings.hidden, moved.gravity
     error = _by_joint(gravity_error_nm, [inside.gravity_error for inside in hidden], motion.q)
     q, dq, port = _sense(settings, moved, error if gravity is None else np.zeros_like(error))
@@ -111,11 +108,7 @@ def _channels(settings: SomeSettings, moved: Moved) -> dict[str, Float]:
 
 
 def _sense(settings: SomeSettings, moved: Moved, error: Float) -> tuple[Float, Float, Float]:
-    """Return position, velocity and the interaction torque less its support, as read at every tick, shape (n + 1, j).
-
-    The compensator in the loop saw the same numbers, where no effect of the reading itself is hidden. ``error`` is
-    what else is in the torque before it is rounded.
-    """
+    """Return position, velocity and interaction torque as read, which has an ``error`` before it is rounded."""
     hidden, sensors, motion, loop = settings.hidden, settings.sensors, moved.motion, moved.loop
     delays = [inside.time_delay for inside in hidden]
 

@@ -2,13 +2,13 @@
 
 from collections.abc import Iterator
 from itertools import cycle
-from math import inf, isfinite
+from math import isfinite
 from statistics import NormalDist
 from typing import NamedTuple
 
 import numpy as np
 
-from friction_audit.compensation.compensators.law import Checked, positive, within
+from friction_audit.compensation.compensators.law import FINITE, Checked, positive, within
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 
@@ -75,7 +75,7 @@ class StopAndGo(Checked):
     speed_spread: float = within(0.4)  # coefficient of variation of the strokes' peak speeds
     speed_limits_rad_s: tuple[float, float] = positive((0.3, 1.8))  # no stroke has a slower or a faster peak [rad/s]
     pause_s: tuple[float, float] = within((0.2, 0.7))  # shortest and longest pause between two strokes [s]
-    range_rad: tuple[float, float] = within((-1.2, 1.2), -inf)  # lowest and highest position, from the start [rad]
+    range_rad: tuple[float, float] = within((-1.2, 1.2), -FINITE)  # lowest and highest position, from the start [rad]
     reversing: float = within(0.8, 0.0, 1.0)  # share of the strokes that turn back, where the range leaves the choice
 
     def __post_init__(self) -> None:
@@ -129,15 +129,11 @@ MOST = 1000  # speeds or small reversals of a pass: more would outlast every rec
 
 
 class SlowSweep(Checked):
-    """Strokes of constant speed from the start to one side and back, at the next speed to the other side and back.
-
-    The speeds come in an order drawn anew for every pass, so that speed and time are not mistaken for each other. A
-    pass with the usual settings takes less than a minute.
-    """
+    """Strokes of constant speed to one side and back, at the next speed of a random order to the other and back."""
 
     speeds_rad_s: tuple[float, float] = positive((0.01, 1.0))  # slowest and fastest speed [rad/s]
     steps: int = within(7, 1, MOST)  # number of speeds in a pass, evenly spaced on a logarithmic scale
-    range_rad: tuple[float, float] = within((-0.6, 0.6), -inf)  # lowest and highest position, from the start [rad]
+    range_rad: tuple[float, float] = within((-0.6, 0.6), -FINITE)  # lowest and highest position, from the start [rad]
     longest_s: float = positive(3.0)  # a stroke turns back after this time although the range goes on [s]
     dwell_s: float = within(0.3)  # rest after every stroke [s]
     ease_s: float = positive(0.2)  # time in which a stroke reaches its speed, and in which it loses it [s]
@@ -246,8 +242,7 @@ SMALL_RAD = 1e-3  # below this angle, the series of the Jacobian are exact to ro
 class HandPath(Checked):
     """Minimum-jerk strokes between via points drawn in a ball around the start, the orientation turning along.
 
-    A person before the arm swings it to the sides further than up and down or to and fro. The defaults move all joints
-    of a Panda that starts in its ready pose, the first one the least, and keep its limits.
+    The defaults move all joints of a Panda that starts in its ready pose, the first one the least, within their limits.
     """
 
     reach_m: float = within(0.12, SHORTEST_M)  # radius of the ball of positions around the start [m]

@@ -56,18 +56,6 @@ def test_coasting_stops_for_good_where_it_must() -> None:
     assert_allclose(motion.dissipated_j[-1, 0], 0.5 * 0.6 * 0.25, rtol=1e-12)
 
 
-def test_rest_bears_what_pulls_and_no_more() -> None:
-    t = np.arange(4001) * TICK_S
-    motion = pushed(0.31 * np.sin(2.0 * np.pi * t))
-    rest = motion.dq[:, 0] == 0.0
-    assert 0.3 < rest.mean() < 1.0
-    assert np.abs(motion.friction_nm[rest]).max() <= 0.3
-    assert_allclose(motion.friction_nm[rest, 0], 0.31 * np.sin(2.0 * np.pi * t[rest]), atol=1e-12)
-    inertia, viscous = 0.3 * motion.inner_ddq, 0.07 * motion.dq
-    assert_allclose(motion.port_nm, inertia + motion.friction_nm, atol=1e-15)
-    assert_allclose((motion.friction_nm - viscous)[~rest], 0.3 * np.sign(motion.dq[~rest]), atol=1e-12)
-
-
 # Several coupled joints that break away at once: those that slide go the way that friction opposes.
 
 JOINTS = 7
@@ -187,12 +175,6 @@ def test_stick_slip_of_lugre_follows_the_published_equations() -> None:
     assert_allclose(motion.dq[:, 0], v, atol=1e-7)
     q, _ = published(motion.t, constant_damping=True)
     assert_allclose(motion.q[:, 0], q, atol=1e-3)
-
-
-def test_stick_slip_of_lugre_is_of_order_two() -> None:
-    coarse, middle, fine = (creep_bristle(step).q[:, 0] for step in (5e-4, 2.5e-4, 1.25e-4))
-    order = np.log2(np.abs(coarse - middle).max() / np.abs(middle - fine).max())
-    assert 1.5 < order < 2.7
 
 
 def guided(form: int, course: Float, speed: Float) -> TrueMotion:

@@ -44,22 +44,19 @@ def frequency(motion: TrueMotion) -> float:
 
 
 @pytest.mark.parametrize("compliance", [1e-2, 1e-3, 1e-4])
-@pytest.mark.parametrize("ratio", [0.0, 0.03, 0.1])
-def test_two_masses_ring_at_the_frequency_of_the_textbook(compliance: float, ratio: float) -> None:
+@pytest.mark.parametrize("ratio", [0.0, 0.01, 0.03, 0.1])
+def test_two_masses_ring_at_the_frequency_of_the_textbook_and_decay_by_their_damping(
+    compliance: float, ratio: float
+) -> None:
     """Sqrt(K (1/B + 1/J)) / 2 pi, lower by sqrt(1 - zeta^2) where damped."""
     motion = ring(JointElasticity(compliance_rad_per_nm=compliance, damping_ratio=ratio), 1e-3)
     undamped = np.sqrt((1.0 / MOTOR + 1.0 / LINK) / compliance) / (2.0 * np.pi)
     assert_allclose(frequency(motion), undamped * np.sqrt(1.0 - ratio**2), rtol=1e-4)
     assert_allclose(MOTOR * motion.inner_q + LINK * motion.q, 0.0, atol=1e-15)
-
-
-@pytest.mark.parametrize("ratio", [0.01, 0.03, 0.1])
-def test_ringing_decays_by_its_damping_ratio(ratio: float) -> None:
-    x = stretch(ring(JointElasticity(compliance_rad_per_nm=1e-3, damping_ratio=ratio), 1e-3))
-    peaks = np.flatnonzero((x[1:-1] > x[:-2]) & (x[1:-1] >= x[2:])) + 1
-    peaks = peaks[x[peaks] > 1e-6]
+    x = stretch(motion)
+    peaks = np.flatnonzero((x[1:-1] > x[:-2]) & (x[1:-1] >= x[2:]) & (x[1:-1] > 1e-6)) + 1
     decrement = np.log(x[peaks[0]] / x[peaks[-1]]) / (len(peaks) - 1)
-    assert_allclose(decrement / np.hypot(2.0 * np.pi, decrement), ratio, rtol=1e-3)
+    assert_allclose(decrement / np.hypot(2.0 * np.pi, decrement), ratio, rtol=3e-3, atol=1e-4)
 
 
 @pytest.mark.parametrize("amplitude", [1e-4, 2e-3, 2e-2])
@@ -178,20 +175,6 @@ def test_the_loop_rings_from_the_dead_time_of_its_characteristic_equation(beyond
     assert (last < 0.5 * first) != grows
 
 
-def test_energy_is_what_the_torque_control_put_in_and_friction_took() -> None:
-    """Its work by the law, written down again here, with a dead time of ten ticks of 0.02 ms."""
-    delay, tick_s = 10, 2e-5
-    settings = bench(joint(0.05, 0.1, dead_time_s=delay * tick_s), GEAR, inertia_kg_m2=ARM)
-    motion = release(settings, 0.2, step_s=0.5 * tick_s, q=(0.0, 2e-3))
-    q, theta, dq, dtheta = (v[:, 0] for v in (motion.q, motion.inner_q, motion.dq, motion.inner_dq))
-    law = -STIFFNESS * (GAIN * (theta - q) + DAMPING_S * (dtheta - dq))
-    acted = np.concatenate([np.zeros(delay), law[:-delay]])
-    work = np.concatenate([[0.0], np.cumsum(0.5 * (acted[1:] + acted[:-1]) * np.diff(theta))])
-    stored = 0.5 * (DRIVE * dtheta**2 + ARM * dq**2 + STIFFNESS * (theta - q) ** 2)
-    assert_allclose(stored + motion.dissipated_j[:, 0], stored[0] + work, atol=0.01 * stored.max())
-    assert work[-1] < -0.5 * stored[0]
-
-
 @pytest.mark.parametrize("changed", [{"hidden": (Hidden(),)}, {"driven": True, "logs_sensor": True}])
 def test_it_takes_an_elastic_joint_that_a_hand_moves(changed: dict[str, object]) -> None:
     settings = BenchSettings(joints=(joint(),), hidden=(GEAR,), duration_s=1.0)
@@ -215,12 +198,8 @@ def test_load_rests_on_a_twisted_transmission(hidden: Hidden, twist: float) -> N
     assert_allclose(motion.inner_q[0] - motion.q[0], twist, rtol=1e-12)
     assert_allclose(motion.interaction_nm, 0.0, atol=1e-9)
     assert_allclose(motion.dq, 0.0, atol=1e-9)
-
-
-@pytest.mark.parametrize("hidden", [hidden for hidden, _ in WITH_ONE_JOINT], ids=["elastic", "backlash", "both"])
-def test_link_of_a_driven_joint_sags_before_the_recording_begins(hidden: Hidden) -> None:
-    # The weight is that of the sagged place: not quite what the twist was made for.
-    motion = simulate(replace(STILL, hidden=(hidden,), driven=True), 1).truth.motion
-    assert motion.q[0, 0] < -1e-3
-    assert_allclose(motion.dq, 0.0, atol=2e-3)
-    assert_allclose(motion.interaction_nm, 0.0, atol=0.1)
+    # The weight of a driven link is that of the sagged place: not quite what the twist was made for.
+    sagged = simulate(replace(STILL, hidden=(hidden,), driven=True), 1).truth.motion
+    assert sagged.q[0, 0] < -1e-3
+    assert_allclose(sagged.dq, 0.0, atol=2e-3)
+    assert_allclose(sagged.interaction_nm, 0.0, atol=0.1)

@@ -55,7 +55,6 @@ def compare(
     ]
     return Comparison(
         scene=scene.name,
-        title=scene.title,
         duration_s=scene.settings.duration_s,
         seeds=reported,
         tuning_seeds=tuning_seeds,
@@ -161,11 +160,7 @@ class _Trials:
 
 
 def choose_best(points: Sequence[Point]) -> Point:
-    """Return the point of all sweeps whose energy slope is closest to zero; of equals, the first.
-
-    Only tunings with which no person of the sweeps lost the loop count; where there is none, those with which fewest
-    did, and the row says so.
-    """
+    """Return the point of all sweeps with fewest losses and, of these, the energy slope closest to zero."""
     return min(points, key=lambda point: (point.losses, point.interval(lambda one: abs(one.energy_slope_w)).value))
 
 

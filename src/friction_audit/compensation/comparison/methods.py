@@ -42,8 +42,7 @@ class Joint(NamedTuple):
 def panda_joint(column: int, motor: JointParameters, gear: JointElasticity) -> Joint:
     """Return a joint with the limits of that joint of a Panda, as it is seen from the link.
 
-    Its mode is that of the link held fast, the lowest; torque control of the motor is in mode and damping, its dead
-    time to first order.
+    Its mode is the lowest, of the link held fast; torque control is in it, its dead time to first order.
     """
     known, loop, limits = Guard().payback_s, motor.torque_loop, limits_of("panda", column + 1)
     if gear.compliance_rad_per_nm > 0.0:
@@ -220,7 +219,6 @@ class Scene:
     """What all methods are tried on, and how much is tried."""
 
     name: str  # as in options and documents
-    title: str  # in words
     settings: BenchSettings | ArmSettings  # of the simulation, without compensator
     tuning_seeds: int  # persons for whom the sweeps are made; none of them is reported
     most_values: int  # of the values of a sweep, at most so many are tried, evenly chosen
@@ -245,12 +243,12 @@ class Scene:
 
 SCENES: tuple[Scene, ...] = (
     Scene(
-        name="joint", title="joint 1 of a Panda, elastic, moved by a person",
+        name="joint",  # joint 1 of a Panda, elastic, moved by a person
         settings=BenchSettings(joints=(PANDA_JOINTS[0],), hidden=(_ELASTIC,), duration_s=40.0),
         tuning_seeds=5, most_values=10, sweeps=5, with_others=True, margin_seeds=20, margin_share=0.5,
     ),
     Scene(
-        name="panda", title="a Panda, its joints elastic, guided by a hand",
+        name="panda",  # its joints elastic, guided by a hand
         settings=ArmSettings(hidden=(_ELASTIC,) * len(PANDA_JOINTS), duration_s=30.0),
         tuning_seeds=5, most_values=5, sweeps=2, with_others=False, margin_seeds=6, margin_share=0.6,
     ),

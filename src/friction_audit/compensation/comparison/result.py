@@ -36,10 +36,7 @@ def mean_interval(values: Sequence[float]) -> Interval:
 
 
 def median_interval(values: Sequence[float]) -> Interval:
-    """Return the median of independent values, the lower of the middle two, and its 95 % interval.
-
-    The bounds are order statistics, so that values may be infinite; six values are the fewest that have them.
-    """
+    """Return the lower median of values, infinite ones too, and its 95 % interval by order statistics, from six on."""
     from scipy.stats import quantile_test
 
     if not values:
@@ -135,7 +132,6 @@ class Comparison:
     """All methods side by side."""
 
     scene: str  # name of what they were tried on
-    title: str  # the same in words
     duration_s: float  # length of a trial [s]
     seeds: tuple[int, ...]  # seeds that are reported
     tuning_seeds: tuple[int, ...]  # seeds of the sweeps

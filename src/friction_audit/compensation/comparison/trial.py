@@ -89,7 +89,7 @@ def measure(simulation: Simulation, reference: Reference) -> Outcome:
 
     low_pass = butter(2, DRAWN_HZ, fs=CONTROL_RATE_HZ, output="sos")
     motion, after, resting = simulation.truth.motion, reference.ends[SECOND], reference.resting
-    torque, lost = motion.interaction_nm, find_loss(simulation, reference)
+    torque, lost, ends = motion.interaction_nm, find_loss(simulation, reference), reference.ends[SECOND:]
     felt = np.array([feel(motion, joint, after) for joint in range(torque.shape[1])])
     true = np.array([astuple(one.at_link)[:3] for one in simulation.truth.settings.joints])
     changes = np.diff(motion.compensation_nm + motion.passivity_nm, axis=0, prepend=0.0)
@@ -99,7 +99,7 @@ def measure(simulation: Simulation, reference: Reference) -> Outcome:
     return Outcome(
         stable=bool(np.isinf(lost)),
         lost_s=lost,
-        energy_slope_w=energy_slope_w(net_energy_j(motion), motion.t, reference),
+        energy_slope_w=float(np.polyfit(motion.t[ends], net_energy_j(motion)[ends], 1)[0]),
         peak_torque_nm=float(np.abs(torque[after:]).max()),
         drawn_peak_nm=float(np.abs(sosfiltfilt(low_pass, torque[:, np.argmax(reference.rms_torque_nm)])[after:]).max()),
         rms_torque_nm=float(np.hypot.reduce(_rms(torque[after:]))),
@@ -116,12 +116,6 @@ def net_energy_j(motion: TrueMotion) -> Float:
 
     power = np.einsum("ij,ij->i", motion.interaction_nm, motion.dq)
     return np.asarray(cumulative_trapezoid(power, motion.t, initial=0))
-
-
-def energy_slope_w(energy_j: Float, t: Float, reference: Reference) -> float:
-    """Return the slope of the net energy from the second cycle on, read where cycles end: nothing moves then. [W]"""
-    ends = reference.ends[SECOND:]
-    return float(np.polyfit(t[ends], energy_j[ends], 1)[0])
 
 
 def vibration_nm(torque_nm: Float) -> Float:
@@ -141,11 +135,10 @@ def feel(motion: TrueMotion, joint: int, after: int) -> Float:
 
 
 def find_loss(simulation: Simulation, reference: Reference) -> float:
-    """Return when a loop was lost, or infinity. [s]
+    """Return when a loop was lost, or infinity: when its compensator gives up, or when it rings. [s]
 
-    It is lost when its compensator gives up, or when it rings: when for half of a second the interaction torque of a
-    joint vibrates by more than the rms effort that the joint takes without any compensation. For a sinusoid that is an
-    rms of just that; a single knock, however hard, is no ringing.
+    It rings when for half of a second a torque vibrates by more than the rms effort that the joint takes without any
+    compensation, a sinusoid by an rms of just that.
     """
     motion, second = simulation.truth.motion, int(CONTROL_RATE_HZ)
     unstable = simulation.truth.compensators["unstable"].any(axis=1)

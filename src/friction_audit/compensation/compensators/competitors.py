@@ -21,7 +21,7 @@ from typing import Self
 
 import numpy as np
 
-from friction_audit.compensation.compensators.law import Gained, Law, positive, soft_sign, within
+from friction_audit.compensation.compensators.law import FINITE, Gained, Law, positive, soft_sign, within
 from friction_audit.compiled import Record, compiled
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.errors import UsageError
@@ -30,10 +30,11 @@ from friction_audit.errors import UsageError
 class FixedCompensation(Gained):
     """A compensator that never learns: u = coulomb sgn(dq) + viscous dq outside the dead-band, else 0."""
 
-    gains = ("coulomb_nm", "viscous_nms_per_rad")
+    name, gains = "fixed", ("coulomb_nm", "viscous_nms_per_rad")
+    summary = "given Coulomb and viscous friction; the true ones make it an oracle"
 
-    coulomb_nm: float = within(MISSING, -math.inf)  # Coulomb friction compensated [N m]
-    viscous_nms_per_rad: float = within(MISSING, -math.inf)  # viscous friction compensated [N m s/rad]
+    coulomb_nm: float = within(MISSING, -FINITE)  # Coulomb friction compensated [N m]
+    viscous_nms_per_rad: float = within(MISSING, -FINITE)  # viscous friction compensated [N m s/rad]
     dead_band_rad_s: float = within(0.02)  # speed up to which it stays silent [rad/s]
 
 
@@ -44,11 +45,12 @@ class SigmoidCompensation(Law):
     that slope, and is not amplified to the whole plateau as by a sign function.
     """
 
-    gains = ("height_nm",)
+    name, gains = "sigmoid", ("height_nm",)
+    summary = "model-based, Gaz sigmoidal (static): a sigmoid of the velocity"
 
     height_nm: float = positive(MISSING)  # phi1, from plateau to plateau [N m]
     steepness_s_per_rad: float = positive(MISSING)  # phi2 [s/rad]
-    shift_rad_s: float = within(0.0, -math.inf)  # phi3, which makes the plateaus unequal [rad/s]
+    shift_rad_s: float = within(0.0, -FINITE)  # phi3, which makes the plateaus unequal [rad/s]
 
     @property
     def plateaus_nm(self) -> tuple[float, float]:
@@ -102,6 +104,7 @@ class LugreCompensation(Law):
     more than sigma0 times the displacement, so that noise of the velocity does not make it chatter.
     """
 
+    name, summary = "lugre", "model-based, LuGre: bristles that bend and slip"
     gains = ("coulomb_nm", "breakaway_nm", "viscous_nms_per_rad", "stiffness_nm_per_rad", "damping_nms_per_rad")
 
     coulomb_nm: float = positive(MISSING)  # Fc [N m]
@@ -154,6 +157,8 @@ class JointModelCompensation(Law):
     are applied at any speed.
     """
 
+    name, summary = "joint_model", "model-based: the terms of friction of a joint's model"
+
     terms: tuple[FittedTerm, ...]
     dead_band_rad_s: float = within(0.01)  # speed up to which dry friction is silent [rad/s]
     ramp_rad_s: float = within(0.03)  # range of speed over which it then rises to all of it [rad/s]
@@ -171,11 +176,12 @@ class DisturbanceObserver(Law):
     it then hunts. In the dead-band it is therefore silent, and observes on.
     """
 
-    gains = ("observer_gain_per_s",)
+    name, gains = "disturbance_observer", ("observer_gain_per_s",)
+    summary = "friction observed as what the motor's dynamics do not explain"
 
     inertia_kg_m2: float = within(MISSING)  # motor inertia B as assumed [kg m^2]
     observer_gain_per_s: float = positive(MISSING)  # L, bandwidth of the observer [1/s]
-    compensation_gain: float = positive(1.0, 1.0)  # share of the observed friction that is compensated
+    compensation_gain: float = positive(1.0, high=1.0)  # share of the observed friction that is compensated
     dead_band_rad_s: float = within(0.01)  # speed up to which it is silent [rad/s]
     # range of speed over which it then rises to all of it; dead-band and ramp 0: always all of it, as published [rad/s]
     ramp_rad_s: float = within(0.03)
@@ -202,14 +208,14 @@ def observed_nm(group: Record, memory: Record, dq: float) -> float:
 
 
 class TorqueRegulation(Law):
-    """u = (B / B_theta - 1) F_m, so that B_theta ddq = F_m - (B_theta / B) tau_f.
+    """u = (B / B_theta - 1) F_m, so that B_theta ddq = F_m - (B_theta / B) tau_f; nothing chatters at standstill."""
 
-    It does not depend on the velocity: nothing chatters at standstill; a joint breaks away at B_theta / B of friction.
-    """
+    name = "torque_regulation"
+    summary = "torque feedback that makes motor inertia and friction smaller"
 
     inertia_kg_m2: float = positive(MISSING)  # motor inertia B as assumed [kg m^2]
     desired_inertia_kg_m2: float = positive(MISSING)  # B_theta; above B the joint gets heavier [kg m^2]
-    cutoff_hz: float = positive(math.inf)  # corner of the first-order low-pass on F_m; infinite for none [Hz]
+    cutoff_hz: float = positive(math.inf, high=math.inf)  # corner of the low-pass on F_m of order 1; or infinite [Hz]
 
     def scaled(self, factor: float) -> Self:
         """Return it with its torque gain B / B_theta - 1 times a factor."""

@@ -2,8 +2,11 @@
 
 import math
 import re
+import sys
 from dataclasses import dataclass, field, fields, replace
+from functools import partial
 from math import inf, ulp
+from types import NoneType
 from typing import Any, ClassVar, Self, dataclass_transform
 
 from friction_audit.compiled import compiled
@@ -14,27 +17,20 @@ LONGEST_WINDOW = 64  # cycles that the memory of a compensator holds
 # Values of ``ridge``. With less than 0.001 two cycles of one speed still separate what is noise; with more than 0.003 a
 # step of friction takes more than the two cycles that it spans (benchmarks/bench_compensation.py).
 RIDGE, PUBLISHED = 0.003, 0.0
-
-
-ABOVE_ZERO = ulp(0.0)  # the least number that is
+ABOVE_ZERO, FINITE = ulp(0.0), sys.float_info.max  # the least number that is, and the largest
 
 
 def kind_name(kind: type) -> str:
-    """Return the name of a class as the command line has it, e.g. ``slow_sweep``."""
-    return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", kind.__name__).lower()
+    """Return the name of a class as the command line has it, e.g. ``slow_sweep``; of None, ``none``."""
+    return "none" if kind is NoneType else re.sub(r"(?<=[a-z])(?=[A-Z])", "_", kind.__name__).lower()
 
 
-def within(usual: Any = 0.0, low: float = 0.0, high: float = inf) -> Any:  # noqa: ANN401 - the field of a dataclass
-    """Return a field that holds a number in [low, high], or several in rising order; infinite only where that is usual.
-
-    With MISSING for what is usual it must be given.
-    """
+def within(usual: Any = 0.0, low: float = 0.0, high: float = FINITE) -> Any:  # noqa: ANN401 - the field of a dataclass
+    """Return a field of a number in [low, high], or of several in rising order; MISSING if it must be given."""
     return field(default=usual, metadata={"within": (low, high)})
 
 
-def positive(usual: Any, high: float = inf) -> Any:  # noqa: ANN401 - likewise
-    """Return a field that holds a number above zero."""
-    return within(usual, ABOVE_ZERO, high)
+positive = partial(within, low=ABOVE_ZERO)  # a field that holds a number above zero
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(field,))
@@ -47,15 +43,16 @@ class Checked:
 
     def __post_init__(self) -> None:
         for item in fields(self):
-            if "within" not in item.metadata:
+            value = getattr(self, item.name)
+            if "within" not in item.metadata or value is None:
                 continue
-            value, (low, high) = getattr(self, item.name), item.metadata["within"]
+            low, high = item.metadata["within"]
             numbers = value if isinstance(value, tuple) else (value,)
             expected = "the smaller number first" if list(numbers) != sorted(numbers) else ""
-            if not all(low <= number <= high and (abs(number) < inf or number == item.default) for number in numbers):
-                least = {ABOVE_ZERO: "a number above zero", 0.0: "zero or more", -inf: "finite numbers"}
+            if not all(low <= number <= high for number in numbers):
+                least = {ABOVE_ZERO: "a number above zero", 0.0: "zero or more", -FINITE: "finite numbers"}
                 from_low = least.get(low, f"{low:g} or more")
-                expected = from_low if high == inf else f"a number from {low:g} to {high:g}"
+                expected = from_low if high >= FINITE else f"a number from {low:g} to {high:g}"
             if expected:
                 where = kind_name(type(self)).removesuffix("_settings").removesuffix("_parameters")
                 found = ", ".join(f"{number:g}" for number in numbers)
@@ -65,6 +62,8 @@ class Checked:
 class Gained(Checked):
     """A law whose torque is proportional to some of its numbers."""
 
+    name: ClassVar[str]  # as in options, tables and documentation; also the field of the records that holds its numbers
+    summary: ClassVar[str]  # one line
     gains: ClassVar[tuple[str, ...]] = ()
 
     def scaled(self, factor: float) -> Self:
@@ -85,8 +84,8 @@ class Guard(Gained):
     # move against each other: 16 N m s/rad already drive the mode of a motor of 0.1 kg m^2 with a link of 0.05 kg m^2;
     # the default is a third of that
     max_damping_nms_per_rad: float = positive(5.0)
-    max_torque_nm: float = positive(inf)  # largest torque of compensation and passivity controller together [N m]
-    max_torque_rate_nm_s: float = positive(inf)  # fastest change of it [N m/s]
+    max_torque_nm: float = positive(inf, high=inf)  # of compensation and passivity controller together [N m]
+    max_torque_rate_nm_s: float = positive(inf, high=inf)  # fastest change of it [N m/s]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -106,7 +105,8 @@ class EnergyCompensator(Guard):
     left is still friction, and its slope, a negative damping, stays small against inertia over tick.
     """
 
-    gains = ("factor",)
+    name, gains = "energy", ("factor",)
+    summary = "the paper's: Coulomb and viscous friction from the energy of past cycles"
 
     model: str = "combined"  # ``"viscous"`` (8), ``"coulomb"`` (14) or ``"combined"`` (20)
     window: int | None = None  # number k of cycles an estimate is made from; None for the fewest, 1 or, combined, 2

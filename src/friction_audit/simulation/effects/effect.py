@@ -3,7 +3,8 @@
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, fields
-from math import inf, nan, sqrt
+from functools import partial
+from math import inf, isclose, nan, sqrt
 from typing import Any, ClassVar, NamedTuple, Self, dataclass_transform
 
 from friction_audit.compensation.compensators.law import kind_name
@@ -19,6 +20,7 @@ Values = Mapping[str, float]  # parameters of a term of a joint model, by name
 Given = dict[str, float | str]  # parameters of a hidden effect, the form as its word
 
 ALIKE = 0.05  # numbers that differ by a smaller share are taken for equal, for a fit never gives them exactly
+alike = partial(isclose, rel_tol=ALIKE)
 
 
 class Setting(NamedTuple):
@@ -48,9 +50,7 @@ def number(usual: float, meaning: str, unit: str = "1", *, off: bool = False, **
     return field(default=0.0 if off else usual, metadata=about)
 
 
-def strength(usual: float, meaning: str, unit: str = "1", **bounds: Any) -> Any:  # noqa: ANN401 - a field
-    """Return the first field of a hidden effect: at zero, where it is not named, it does nothing."""
-    return number(usual, meaning, unit, off=True, **bounds)
+strength = partial(number, off=True)  # the first field: at zero, where it is not named, the effect does nothing
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True)
@@ -146,11 +146,6 @@ class HiddenEffect:
 def described(parameter: Parameter) -> str:
     """Return meaning and unit of a parameter."""
     return parameter.meaning + ("" if parameter.unit == "1" else f" [{parameter.unit}]")
-
-
-def alike(one: float, other: float) -> bool:
-    """Return whether two fitted numbers may be taken for equal."""
-    return abs(one - other) <= ALIKE * max(abs(one), abs(other))
 
 
 def must(holds: bool, reason: str) -> None:

@@ -198,10 +198,7 @@ class CableSpring(HiddenEffect):
 
 @compiled(inline=True)
 def cable_spring_nm(group: Record, q: float) -> float:
-    """Return the torque towards the centre, on the motor's side of the sensor. [N m]
-
-    Conservative in every form. A slack cable pulls beyond its free play on both sides, a tether on the upper side only.
-    """
+    """Return the torque towards the centre; a slack cable pulls on both sides, a tether on the upper one. [N m]"""
     stretch = q - group.centre_rad
     if group.form == HARDENING_CABLE:
         stretch *= 1.0 + (stretch / HARDENING_RAD) ** 2

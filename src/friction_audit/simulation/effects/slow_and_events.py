@@ -28,11 +28,7 @@ class WarmUp(HiddenEffect):
 
 @compiled(inline=True)
 def warm_up_advance(group: Record, warmth: float, friction_power_w: float, h: float) -> float:
-    """Return the warmth after h: one heat capacity, one way out for the heat, solved exactly at constant power.
-
-    Ambient: drives and electronics warm the joint whether it moves or not. Self-heating: its own friction does (Simoni
-    et al. 2015), and at rest it cools down again; more than ``power_w`` makes it warmer than 1.
-    """
+    """Return the warmth after h, exact at constant power; self-heating after Simoni et al. (2015) may exceed 1."""
     target = friction_power_w / group.power_w if group.form == SELF_HEATING else 1.0
     return float(warmth - (target - warmth) * math.expm1(-h / group.time_s))
 
@@ -136,11 +132,7 @@ def draw_events(group: ContactEvent, duration_s: float, rng: np.random.Generator
 
 @compiled(inline=True)
 def contact_event_nm(group: Record, events: Float, t: float, velocity: float) -> float:
-    """Return the torque that the events exert in the positive direction of the joint. [N m]
-
-    A knock is half a sine, a step is a load that is there and gone; both can drive the joint. A drag only takes energy:
-    against the motion, viscous when slow and Coulomb when fast.
-    """
+    """Return the torque of the events; a knock is half a sine, a step is constant, a drag only takes energy. [N m]"""
     torque = 0.0
     k = np.searchsorted(events[:, 0], t, side="right") - 1  # the last that has begun
     while k >= 0 and events[k, 0] > t - LONGEST_S:

@@ -18,11 +18,7 @@ SMALL_NM = 0.02  # a spring that stiffens at a smaller torque is a linear one
 
 
 class JointElasticity(HiddenEffect):
-    """A spring and a damper between motor and link.
-
-    With the usual 1e-3 rad/(N m), a motor of 0.3 kg m^2 rings at 9.2 Hz against a link held fast and at 13.0 Hz
-    against 0.3 kg m^2 on the hand's side.
-    """
+    """A spring and a damper between motor and link; 1e-3 rad/(N m) and 0.3 kg m^2 ring at 9.2 Hz, the link held."""
 
     summary = "the gear twists between motor and link"
     forms = ("linear", "hardening")
@@ -106,8 +102,7 @@ class InertialCoupling(HiddenEffect):
 def coupled_mass(inertias: Float, ratios: Float) -> Float:
     """Return the mass matrix of the rotors behind the sensors, symmetric and positive semidefinite, shape (n, n).
 
-    The kinetic energy is the sum of B_i / 2 (dq_i + ratio_i dq_{i-1})^2 (De Luca and Book, Robots with flexible
-    elements, 2016). Diagonal to the bit where all ratios are 0; the first joint has no neighbour.
+    The kinetic energy is the sum of B_i / 2 (dq_i + ratio_i dq_{i-1})^2 (De Luca and Book, 2016).
     """
     mass = np.diag(np.asarray(inertias, dtype=np.float64))
     for joint in range(1, len(inertias)):

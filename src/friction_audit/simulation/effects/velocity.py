@@ -151,10 +151,7 @@ class Presliding(HiddenEffect):
 
 @compiled(inline=True)
 def dahl_advance(z: float, sigma0: float, level: float, velocity: float, h: float, exponent: float) -> float:
-    """Move the deflection on by h at constant velocity: the exact solution of Dahl (1976) for any exponent.
-
-    What is missing to the steady value, as a share of the level, falls along the path at its power ``exponent``.
-    """
+    """Move the deflection on by h at constant velocity: the exact solution of Dahl (1976) for any exponent."""
     if velocity == 0.0:
         return z
     sign = 1.0 if velocity > 0.0 else -1.0

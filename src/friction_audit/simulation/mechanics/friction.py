@@ -39,10 +39,7 @@ def coulomb_factor(joint: Record, state: Record, q: float, t: float, duration: f
 def sliding_level(
     joint: Record, state: Record, q: float, speed: float, sign: float, t: float, duration: float
 ) -> float:
-    """Return the friction while the joint slides in a direction, without its linear viscous part. [N m]
-
-    With a frictional lag the viscous part is in it: it then depends on the speed that friction sees.
-    """
+    """Return the friction of sliding in a direction; only with a frictional lag its viscous part is in it. [N m]"""
     hidden, level = joint.hidden, joint.coulomb_nm
     lagging = hidden.frictional_lag.lag_s != 0.0
     seen = state.speed_seen if lagging else speed

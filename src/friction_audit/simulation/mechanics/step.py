@@ -91,10 +91,7 @@ def _hold_again(body: Record) -> bool:
 
 @compiled()
 def accelerate(body: Record, h: float) -> None:
-    """Set ``a`` for a step of length h, ``mode`` where a stuck coordinate breaks away, ``reaction`` where it does not.
-
-    With h = 0 the accelerations are those of the instant.
-    """
+    """Set ``a`` for a step h, or at 0 of the instant, ``mode`` of what breaks away, ``reaction`` of what sticks."""
     _move_the_active(body, h)
     for _ in range(2 * body.count):
         if not (_hold_again(body) or _release(body, h)):

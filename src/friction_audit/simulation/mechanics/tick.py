@@ -141,10 +141,7 @@ def guide(  # noqa: PLR0913
 
 @compiled(inline=True)
 def hand_cut(body: Record, loop: Record, jacobian: Float, cycle: Float, k: int, dt: float) -> int:
-    """Return 1 if an energy cycle of the hand ends at this tick (paper, section V.B), else 0.
-
-    It ends when the hand has come to rest and every joint has moved; until then the cycle goes on.
-    """
+    """Return 1 if the hand rests and every joint has moved, which ends a cycle (paper, section V.B), else 0."""
     square = 0.0
     for a in range(3):
         along = 0.0
