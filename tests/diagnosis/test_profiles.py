@@ -15,7 +15,7 @@ from friction_audit.diagnosis.result import NamedEffect, Profile
 from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 from friction_audit.reporting.diagnosis_words import UNITS, where_words
-from tests.diagnosis.moved_joint import moved_joint
+from tests.effects.joint_data_by_hand import moved_joint
 from tests.reporting.diagnosis_by_hand import STRIBECK, coefficient, traces
 
 CYCLES, PER_CYCLE = 40, 120

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import Effect, Nonlinear
-from friction_audit.effects.joint_data import SIGMA_PER_MEDIAN, JointData, Nominal, grid_noise, moves
+from friction_audit.effects.joint_data import SIGMA_PER_MEDIAN, JointData, Nominal, grid_noise, moves, shares_of_span
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 
@@ -184,10 +184,6 @@ class Stiction(Effect):
             left = np.exp(-slid / path)
             yield from ((k, (aged[age] * left)[:, None]) for k, (age, own) in enumerate(many) if own == path)
 
-    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        paths = (SPAN_SHARES * (float(np.ptp(data.q)) or 1.0)).tolist()
-        return self.points(product(AGEINGS_S, (AT_ONCE_RAD, *paths)))
-
     def identifiable_part(self, data: JointData) -> tuple[Nonlinear, ...]:
         """An excess that fades over a path shows after the start, however the torque rose at break-away."""
         starts, _ = _starts(data)
@@ -247,6 +243,7 @@ STICTION = Stiction(
         Parameter("ageing_s", "s", "time constant at rest", lower=1e-4, upper=1e3),
         Parameter("renewal_rad", "rad", "path of the decay", lower=1e-7, upper=1.0),
     ),
+    tries=lambda data: product(AGEINGS_S, (AT_ONCE_RAD, *shares_of_span(data, SPAN_SHARES))),
     record="start slowly at least 15 times after rests from 0.1 to 10 s",
     separate={
         "presliding": "start after rests from 0.1 to 10 s and reverse without any: only stiction needs the rest",

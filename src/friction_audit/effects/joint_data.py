@@ -124,6 +124,11 @@ def reach(data: JointData) -> tuple[float, float]:
     return float(q.min()), float(q.max())
 
 
+def shares_of_span(data: JointData, shares: Float) -> list[float]:
+    """Shares of the span of the position, of 1 rad where it never changes. [rad]"""
+    return [float(width) for width in shares * (np.ptp(data.q) or 1.0)]
+
+
 def duration(data: JointData) -> float:
     """Length of the log. [s]"""
     return float(data.t[-1] - data.t[0])

@@ -22,7 +22,15 @@ from friction_audit.dynamics.transmission import (
     simple_torque,
 )
 from friction_audit.effects.effect import Effect, Nonlinear, Trait
-from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, grid_noise, mean_sign, reversals
+from friction_audit.effects.joint_data import (
+    CORNER_HZ,
+    JointData,
+    Nominal,
+    grid_noise,
+    mean_sign,
+    reversals,
+    shares_of_span,
+)
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.even_grid import filtered, windowed_sinc
@@ -218,7 +226,7 @@ class Backlash(Link):
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """All widths on soft flanks, and on harder ones that a smooth motion strikes; some with less inertia."""
-        widths = (SPAN_SHARES * (float(np.ptp(data.q)) or 1.0)).tolist()
+        widths = shares_of_span(data, SPAN_SHARES)
         calm = {"motion_below_hz": MOTION_BELOW_HZ}
         kinds: tuple[dict[str, float], ...] = (SOFT, RINGING, MIDDLE | calm, HARD | calm)
         return (
