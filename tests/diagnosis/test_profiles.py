@@ -134,15 +134,6 @@ def test_a_curve_is_a_line_between_its_knots_for_each_direction() -> None:
     assert curve(values, np.array([0.0, 1.0, 3.0]), dq) == pytest.approx(np.array(by_hand))
 
 
-@given(st.integers(2, 6), st.integers(0, 1000))
-def test_hats_of_a_curve_add_up_to_the_direction(most: int, seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    values, dq = rng.standard_normal((2, 200))
-    columns = curve(values, knots_of(values, np.ones(200, bool), most), dq)
-    assert columns[:, : columns.shape[1] // 2].sum(axis=1) == pytest.approx((dq > 0).astype(float))
-    assert columns.sum(axis=1) == pytest.approx(1.0)
-
-
 # The axis along which an effect is drawn.
 
 TRACES = traces(4)
