@@ -46,14 +46,12 @@ SOON_S = 0.1  # a joint that does not reach it in this time has not left its res
 ONSET_S = 0.01
 # What the torque changes in that time is nothing if it is below its noise, or below this share of the torque.
 SMALL_SHARE = 0.05
-# A joint whose torque rises by more than both in the time behind its start, this share of the torque and so many
-# standard deviations of what it changes by at rest, had not been loaded up to its friction when it seemed to start.
+# If the torque rises by more than both behind a start, this share of it and so many standard deviations of its changes
+# at rest, the joint had not been loaded up to its friction.
 CARRIED_SHARE, CARRIED_SIGMAS = 0.25, 2.0
-# A start tells something however fast its torque rises, if that falls in the time behind it by more than it rose in
-# as much before, and by more than so many standard deviations of its noise: it had been more than sliding takes.
+# If it falls behind a start by more than it rose before and so many standard deviations, sliding takes less.
 FALL_SIGMAS = 4.0
-# To the dead speed a joint takes 2.4 times as long as from there to twice that, if its path grows so, and less if it
-# starts faster: one that took longer did not start then, but moved by one count of its encoder.
+# To the dead speed a joint takes 2.4 times as long as from there to twice that; if longer, it moved by one count.
 SLOWEST = 3.0
 
 

@@ -35,8 +35,7 @@ from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.even_grid import filtered, windowed_sinc
 
-# What rings faster amplifies the noise of the position ten times and more, and what people and motors mean to do is
-# below 4 Hz; unless the measured side rings with the far one, its motion is better taken as smooth.
+# Above, the noise of the position is amplified ten times and more; what people and motors mean to do is below 4 Hz.
 MOTION_BELOW_HZ = 18.0
 FILTER_S = 0.2  # reach of the low-pass to either side
 # Coefficient over what it follows from: 1 but for the errors of a nominal model that was fitted without the link.
