@@ -11,6 +11,7 @@ import tarfile
 import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 CHOSEN = "FRICTION_AUDIT_CHROMIUM"
 """Environment variable that names the browser to use; ``none`` uses none."""
@@ -45,19 +46,12 @@ class Chromium:
 
 
 def find_chromium() -> Chromium:
-    """Return the browser that is named, or is installed, or can be had from the registry.
-
-    Raises:
-        NoChromiumError: If there is none.
-    """
+    """Return the browser that is named, or is installed, or can be had from the registry; NoChromiumError without."""
     chosen = os.environ.get(CHOSEN, "")
     if chosen == "none":
         raise NoChromiumError(f"{CHOSEN}=none")
-    if chosen:
-        return Chromium(path=Path(chosen))
-    for found in filter(None, map(shutil.which, NAMES)):
-        return Chromium(path=Path(found))
-    return packaged_chromium()
+    found = chosen or next(filter(None, map(shutil.which, NAMES)), None)
+    return Chromium(path=Path(found)) if found else packaged_chromium()
 
 
 def packaged_chromium() -> Chromium:
@@ -103,11 +97,9 @@ def _unpack(brought: Path, unpacked: Path) -> None:
     _run([node, "-e", UNPACK, json.dumps(pairs)], UNPACK_S)
     for tar in unpacked.glob("*.tar"):
         target = unpacked / "fonts" if tar.stem == "fonts" else unpacked
+        options: Any = {"filter": "data"} if hasattr(tarfile, "data_filter") else {}  # not before Python 3.11.4
         with tarfile.open(tar) as archive:
-            if hasattr(tarfile, "data_filter"):
-                archive.extractall(target, filter="data")
-            else:  # before Python 3.11.4; the hash of the archive was compared
-                archive.extractall(target)
+            archive.extractall(target, **options)
         tar.unlink()
     (unpacked / "fonts" / "fonts.conf").write_text(FONTS)
     (unpacked / "chromium").chmod(0o755)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, JointLog, Source
 from friction_audit.preprocessing.interaction import Interaction, TorqueChoice
 
 RATE_HZ = 1000.0
@@ -22,6 +22,14 @@ def choice(*, gravity: str = "removed") -> TorqueChoice:
         model_rate_hz=None,
         formula="F_m = tau_interaction",
     )
+
+
+def log_of(t: Float, q: Float, dq: Float, *, robot: str = "unknown", **channels: Float) -> JointLog:
+    """Make a JointLog of one joint (arrays of shape (n,)) or several (shape (n, j))."""
+    columns = {name: np.asfortranarray(np.atleast_2d(x.T).T) for name, x in ({"q": q, "dq": dq} | channels).items()}
+    names = tuple(f"joint{number}" for number in range(1, columns["q"].shape[1] + 1))
+    source = Source(path="made.csv", sha256="", format="csv", robot=robot)
+    return JointLog(t=t, joint_names=names, source=source, **columns)
 
 
 def interaction(

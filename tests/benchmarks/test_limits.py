@@ -14,8 +14,7 @@ from benchmarks.hidden_effects.limits import (
 )
 from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
-from tests.diagnosis.moved_joint import moved_joint
-from tests.diagnosis.started_and_stopped import started_and_stopped
+from tests.effects.joint_data_by_hand import moved_joint, started_and_stopped
 
 NOISE_NM = 0.1
 

@@ -1,7 +1,5 @@
 """From a log to a name: effects hidden by the simulator, which shares no formula with the detector."""
 
-import json
-import sys
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -9,16 +7,13 @@ import numpy as np
 import pytest
 from scipy.signal import butter, lfilter, sosfiltfilt
 
-from friction_audit.diagnosis import diagnose
 from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import DERIVATIVE, Float, JointLog
 from friction_audit.pipeline import AuditSettings, diagnose_log
-from friction_audit.reporting.diagnosis import diagnose_document
 from friction_audit.simulation import IDEAL_SENSORS, SCENARIOS, simulate
 from friction_audit.simulation.hide import hide
-from tests.reporting.conftest import build_estimate
 
 SEED = 2
 
@@ -147,12 +142,6 @@ def test_a_log_that_is_too_short_tells_what_is_lacking() -> None:
     assert "all motion has one direction" in found.reason
 
 
-def test_only_names_that_were_asked_for_are_given() -> None:
-    found = diagnosed(recorded("stribeck", duration_s=40.0), candidates=("torque_bias", "torque_drift"))
-    assert {effect.name for effect in found.effects} <= {"torque_bias", "torque_drift"}
-    assert found.verdict == "unexplained"
-
-
 def test_an_effect_that_is_not_known_is_refused_with_those_that_are() -> None:
     with pytest.raises(UsageError, match=r"candidates: friktion: expected some of stribeck, "):
         DiagnosisSettings(candidates=("stribeck", "friktion"))
@@ -162,18 +151,6 @@ def test_an_effect_that_is_not_known_is_refused_with_those_that_are() -> None:
 def test_least_effect_is_a_torque(torque: float) -> None:
     with pytest.raises(UsageError, match="expected a torque of zero or more"):
         DiagnosisSettings(min_effect_nm=torque)
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="no process is copied there")
-def test_copies_of_the_process_say_what_threads_say(monkeypatch: pytest.MonkeyPatch) -> None:
-    log, said = build_estimate(2, count=24, rate=250.0).log, []
-    for workers, other in ((1, "in_processes"), (2, "per_joint")):
-        with monkeypatch.context() as patch:
-            patch.setattr(diagnose, "workers_for", lambda *_, found=workers: found)
-            patch.setattr(diagnose, other, None)
-            found = diagnose_log(log, AuditSettings(), DiagnosisSettings(candidates=("stribeck",)))
-        said.append(json.dumps(diagnose_document(found)))
-    assert said[0] == said[1]
 
 
 @pytest.mark.parametrize("scenario", ["joint-sine", "joint-loaded"])

@@ -18,8 +18,8 @@ from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_model
 from friction_audit.effects.registry import effect_of, effects
 from friction_audit.joint_log import Float
-from tests.diagnosis.moved_joint import COULOMB_NM, INERTIA_KG_M2, TRUTH, VISCOUS_NMS_PER_RAD, moved_joint
 from tests.diagnosis.toy_effects import BUMP, LOCKED_OUT, SQUARE, TOYS, altered
+from tests.effects.joint_data_by_hand import COULOMB_NM, INERTIA_KG_M2, TRUTH, VISCOUS_NMS_PER_RAD, moved_joint
 
 NOISE_NM = 0.02
 STATED = simple_model(inertia_kg_m2=INERTIA_KG_M2, coulomb_nm=COULOMB_NM, viscous_nms_per_rad=VISCOUS_NMS_PER_RAD)

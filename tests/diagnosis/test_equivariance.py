@@ -12,6 +12,7 @@ from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.io.readers import read_log
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import AuditSettings, diagnose_log
+from tests.effects.joint_data_by_hand import STROKES, sines
 
 Columns = dict[str, Float]
 
@@ -28,11 +29,7 @@ def rising(dq: Float) -> Float:
 def columns() -> Columns:
     """Strokes of three sines, with more friction at low speed."""
     t = np.arange(0.0, DURATION_S, 1.0 / RATE_HZ)
-    q, dq, ddq = np.zeros((3, len(t)))
-    for size, w, phase in ((0.6, 2.0, 0.3), (0.3, 3.1, 1.0), (0.2, 0.83, 2.0)):
-        q += size * np.sin(w * t + phase)
-        dq += size * w * np.cos(w * t + phase)
-        ddq -= size * w**2 * np.sin(w * t + phase)
+    q, dq, ddq = sines(t, *STROKES)
     friction = 0.3 * np.sign(dq) + 0.15 * rising(dq) + 0.1 * dq
     noise = 0.02 * np.random.default_rng(5).standard_normal(len(t))
     return {"t": t, "q_1": np.round(q / COUNT_RAD) * COUNT_RAD, "dq_1": dq, "tau_1": 0.2 * ddq + friction + noise}

@@ -25,8 +25,8 @@ from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.registry import effect_of
 from friction_audit.joint_log import Float
-from tests.diagnosis.moved_joint import moved_joint
 from tests.diagnosis.toy_effects import BUMP, SQUARE, WAVE
+from tests.effects.joint_data_by_hand import moved_joint
 
 
 def bump(data: JointData) -> Float:

@@ -15,7 +15,7 @@ from friction_audit.diagnosis.result import NamedEffect, Profile
 from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 from friction_audit.reporting.diagnosis_words import UNITS, where_words
-from tests.diagnosis.moved_joint import moved_joint
+from tests.effects.joint_data_by_hand import moved_joint
 from tests.reporting.diagnosis_by_hand import STRIBECK, coefficient, traces
 
 CYCLES, PER_CYCLE = 40, 120
@@ -132,15 +132,6 @@ def test_a_curve_is_a_line_between_its_knots_for_each_direction() -> None:
     values, dq = np.array([0.0, 0.5, 2.0, 2.5]), np.array([1.0, 1.0, -1.0, -1.0])
     by_hand = [[1, 0, 0, 0, 0, 0], [0.5, 0.5, 0, 0, 0, 0], [0, 0, 0, 0, 0.5, 0.5], [0, 0, 0, 0, 0.25, 0.75]]
     assert curve(values, np.array([0.0, 1.0, 3.0]), dq) == pytest.approx(np.array(by_hand))
-
-
-@given(st.integers(2, 6), st.integers(0, 1000))
-def test_hats_of_a_curve_add_up_to_the_direction(most: int, seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    values, dq = rng.standard_normal((2, 200))
-    columns = curve(values, knots_of(values, np.ones(200, bool), most), dq)
-    assert columns[:, : columns.shape[1] // 2].sum(axis=1) == pytest.approx((dq > 0).astype(float))
-    assert columns.sum(axis=1) == pytest.approx(1.0)
 
 
 # The axis along which an effect is drawn.

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from friction_audit.drift.change_points import find_steps
 from friction_audit.drift.change_test import (
     estimate_autocorrelation,
     make_directions,
@@ -14,7 +13,6 @@ from friction_audit.drift.change_test import (
     studentise,
 )
 from friction_audit.drift.regression import fit_model, residual_scatter
-from friction_audit.drift.report import DriftSettings
 from friction_audit.drift.session import Series, make_series
 from friction_audit.joint_log import Float
 from tests.drift.made_sessions import make_sessions, noisy
@@ -46,17 +44,6 @@ def test_step_down_by_hand() -> None:
     null = np.array([[1.0, 5.0], [2.0, 2.5], [3.0, 0.5]])
     # 4 against the maxima 5, 2.5, 3: one is as large; 2 against 1, 2, 3: two are.
     assert step_down(np.array([2.0, 4.0]), null).tolist() == [3 / 4, 2 / 4]
-
-
-@pytest.mark.parametrize(("series", "too_many"), [(3, 2), pytest.param(8, 3, marks=pytest.mark.thorough)])
-def test_hardly_a_step_more_than_there_are(series: int, too_many: int) -> None:
-    """One step each: another is told in 5 % of them, in 2 or more of 3 or 3 or more of 8 with probability 0.007."""
-    search = DriftSettings(permutations=99)
-    stepped = np.where(np.arange(30) >= 12, 1.1, 1.0)
-    found = [find_steps(series_of(noisy(30, seed) * stepped), search) for seed in range(series)]
-    assert all(12 in {step.place for step in steps} for steps in found)
-    assert sum(len(steps) > 1 for steps in found) < too_many
-    assert found[0][0].p_value == pytest.approx(1 / 100)
 
 
 def test_weighted_mean_by_hand() -> None:

@@ -19,7 +19,6 @@ from friction_audit.dynamics.transmission import (
     bend_of,
     far_side,
     pushed,
-    straightened,
 )
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
@@ -186,14 +185,6 @@ def test_where_a_load_changes_its_side_the_far_side_crosses_the_gap() -> None:
     # Friction, 0.405 N m, is borne by one flank until the load is less than that on the other side.
     assert motion.q[np.flatnonzero(crossing)[0]] == pytest.approx((5.0 + 0.405) / 20.0, abs=2e-3)
     assert np.all(whole[-200:] < 0.0)
-
-
-@given(st.floats(-1e3, 1e3), st.floats(0.0, 1e2))
-def test_the_twist_of_a_spring_under_a_torque_is_the_one_that_gives_it(torque: float, soft: float) -> None:
-    bend, curve = bend_of(soft)
-    straight = straightened(torque, bend)
-    assert pushed(straight, bend, curve) == pytest.approx(torque, rel=1e-9, abs=1e-12)
-    assert abs(torque) <= abs(straight) <= 2.0 * abs(torque)
 
 
 def test_a_spring_that_stiffens_up_to_3_nm_by_hand() -> None:

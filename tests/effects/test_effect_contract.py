@@ -22,8 +22,7 @@ from friction_audit.effects.registry import (
     motion_to_decide,
     terms,
 )
-from tests.diagnosis.started_and_stopped import started_and_stopped
-from tests.effects.joint_data_by_hand import at_rest, baseline, two_sines
+from tests.effects.joint_data_by_hand import at_rest, baseline, started_and_stopped, two_sines
 
 ODD = {"stribeck", "stiction", "nonlinear_viscous", "presliding", "frictional_lag", "load_dependent_friction"} | {
     "position_dependent_friction", "backlash", "warm_up", "friction_step", "unlogged_compensation",

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,17 +10,53 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
-from friction_audit.dynamics.motion import Motion
+from friction_audit.dynamics.motion import Motion, Others, RigidBody
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.load import SEVERAL, TILT
 from friction_audit.effects.neighbours import AFTER, ALL, BEFORE, BOTH, JOINTS, MODEL, TIP
 from friction_audit.effects.presliding import bristle
 from friction_audit.effects.registry import term_of, terms
 from friction_audit.effects.speed import bend
-from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.even_grid import first_order
-from tests.effects.motion_by_hand import DQ, N, among_three, motion_of, rigid_body
+
+N = 5
+DQ: Float = np.array([-1.0, -0.5, 0.0, 0.5, 1.0])
+
+
+def motion_of(**signals: Sequence[float] | Float) -> Motion:
+    """A motion of which only some signals are told; a second between samples, all else at rest at zero."""
+    told: dict[str, Any] = {name: np.asarray(values, dtype=np.float64) for name, values in signals.items()}
+    n = len(next(iter(told.values())))
+    rest = dict.fromkeys(("q", "dq", "ddq"), np.zeros(n)) | {"t": np.arange(n, dtype=np.float64)}
+    return Motion(**(rest | told))
+
+
+def among_three(*, joint: int = 1, rigid: RigidBody | None = None) -> Motion:
+    """Joint 1 of 0 to 2; the sensors read 10 k + sample, accelerations are k + 1, speeds 2 (k + 1)."""
+    numbers = np.arange(3.0)
+    others = Others(
+        joint=joint,
+        dq=np.tile(2.0 * (numbers + 1.0), (N, 1)),
+        ddq=np.tile(numbers + 1.0, (N, 1)),
+        sensed=10.0 * numbers + np.arange(N)[:, None],
+    )
+    t: Float = np.arange(N, dtype=np.float64) * 0.01
+    return Motion(t=t, q=0.3 * DQ, dq=DQ, ddq=3.0 * DQ, others=others, rigid=rigid)
+
+
+def rigid_body() -> RigidBody:
+    """Link 2 is the joint's own, link 3 the last; every column a different constant."""
+    weight = np.tile(np.arange(1.0, 9.0).reshape(2, 4), (N, 1, 1))
+    return RigidBody(
+        t=np.arange(N, dtype=np.float64) * 0.01,
+        links=(2, 3),
+        weight=weight,
+        tilt=np.tile([20.0, 21.0], (N, 1)),
+        inertial=np.full(N, 30.0),
+        tip=np.tile(np.arange(40.0, 50.0), (N, 1)),
+    )
+
 
 E1, SIGN, TURN = np.exp(-1.0), np.sign(DQ), 2.0 * np.pi / 100.0
 SPEEDS = np.array([-2.0, -0.5, 0.0, 0.5, 1.0, 2.0])
@@ -253,41 +290,6 @@ def test_a_delay_moves_a_jump_as_a_whole(delay: float) -> None:
     expected = np.interp(T - delay, T, total) - total
     assert_allclose(torque("time_delay", loaded, delay, delay, 1.0), expected, atol=1e-12)
     assert_array_equal(torque("time_delay", loaded, delay, delay, 0.0), torque("time_delay", motion, delay, delay, 0.0))
-
-
-def test_a_delay_without_a_nominal_torque_is_refused() -> None:
-    with pytest.raises(AnalysisError, match="no torque of inertia and friction"):
-        columns("time_delay", motion_of(dq=[1.0, 2.0]), 0.01, 0.0)
-
-
-def waves(coulomb: float) -> Motion:
-    q, dq = 0.45 * np.sin(2.0 * T) + 0.2 * np.sin(5.0 * T), 0.9 * np.cos(2.0 * T) + np.cos(5.0 * T)
-    ddq = -1.8 * np.sin(2.0 * T) - 5.0 * np.sin(5.0 * T)
-    return Motion(t=T, q=q, dq=dq, ddq=ddq, rest=0.3 * ddq + coulomb * np.sign(dq) + 0.1 * dq)
-
-
-def rms(signal: Float) -> float:
-    return float(np.sqrt(np.mean(signal**2)))
-
-
-def test_a_stiff_spring_adds_the_second_derivative_of_the_torque_per_compliance() -> None:
-    motion = waves(0.0)
-    assert motion.rest is not None
-    slope = np.gradient(motion.rest, T)
-    expected = -0.3 * np.gradient(slope, T) - 0.1 * slope  # theta = q - c F
-    stiff, soft = (columns("joint_elasticity", motion, k, 0.0, 0.05, 1.0)[:, 0] for k in (1e4, 5e3))
-    inside = slice(2000, -20)  # past the ringing of the start
-    assert rms((soft - expected)[inside]) < 0.1 * rms(expected[inside])
-    assert rms(soft[inside]) == pytest.approx(rms(stiff[inside]), rel=0.1)
-    assert rms(columns("joint_elasticity", motion, 5e3, 0.0, 0.05, 0.0)[2000:]) < 0.2 * rms(soft[inside])
-
-
-def test_backlash_grows_with_the_gap_and_needs_a_torque_that_changes_its_sign() -> None:
-    motion = waves(0.3)
-    small, large = (rms(columns("backlash", motion, gap, 40.0, 0.2, 1.0)) for gap in (1e-4, 2e-3))
-    assert 0.0 < small < large
-    steady = Motion(t=T, q=0.2 * T, dq=np.full_like(T, 0.2), ddq=np.zeros_like(T), rest=np.full_like(T, 0.4))
-    assert rms(columns("backlash", steady, 1e-3, 40.0, 0.2, 1.0)[1000:]) < 1e-6
 
 
 MANY: dict[str, list[tuple[float, ...]]] = {

@@ -22,9 +22,9 @@ from friction_audit.effects.joint_model import (
     save_model,
     simple_model,
 )
-from friction_audit.effects.parameter import Parameter
 from friction_audit.effects.registry import term_of, terms
 from friction_audit.errors import AnalysisError, InputError
+from tests.effects.joint_data_by_hand import typical_term
 
 JOINT = simple_model(inertia_kg_m2=0.3, coulomb_nm=0.4, viscous_nms_per_rad=0.1)
 HEAD = 'schema = "friction-audit/model/1"\n'
@@ -181,16 +181,7 @@ def test_a_file_without_newer_numbers_means_what_it_meant(
 # Terms and their sum.
 
 
-def typical(parameter: Parameter) -> float:
-    """A number well within the bounds: the geometric middle of positive ones, else a little above the lowest."""
-    low, high = parameter.lower, parameter.upper
-    if np.isfinite(high):
-        return float(np.sqrt(low * high)) if low > 0.0 else low + 0.6 * (high - low)
-    return low + 0.3 if np.isfinite(low) else 0.3
-
-
-SHAPES = {term.name: tuple(map(typical, term.nonlinear)) for term in terms()}
-SHAPES["presliding"] = (0.005, 1.0, 0.005)  # with the damping of the middle bristles would be a damper
+SHAPES = {term.name: typical_term(term).values[len(term.coefficients) :] for term in terms()}
 T, DQ = np.arange(401, dtype=np.float64) * 1e-3, np.sin(np.linspace(0.0, 20.0, 401))
 KNOWN: dict[str, Any] = {"load": 2.0 + 0.0 * T, "temperature": 25.0 + T, "rest": 0.3 * np.sign(DQ) + 0.1 * DQ}
 MOTION = Motion(t=T, q=np.cumsum(DQ) * 1e-3, dq=DQ, ddq=np.gradient(DQ, 1e-3), **KNOWN)

@@ -16,6 +16,7 @@ from friction_audit.simulation.effects.effect import Setting
 from friction_audit.simulation.effects.sensors import delayed
 from friction_audit.simulation.mechanics.records import pack
 from friction_audit.simulation.settings import JointParameters
+from tests.effects.joint_data_by_hand import sines
 
 JOINT = JointParameters(inertia_kg_m2=0.3, coulomb_nm=0.4, viscous_nms_per_rad=0.1)
 DT, N = 4e-3, 500
@@ -26,11 +27,7 @@ def states() -> Motion:
     """Random smooth states of a joint among three."""
     rng = np.random.default_rng(7)
     t = np.arange(N, dtype=np.float64) * DT
-    q, dq, ddq = np.zeros((3, N))
-    for amplitude, rate, phase in rng.uniform([0.1, 1.0, 0.0], [0.4, 9.0, 6.0], (4, 3)):
-        q = q + amplitude * np.sin(rate * t + phase)
-        dq = dq + amplitude * rate * np.cos(rate * t + phase)
-        ddq = ddq - amplitude * rate**2 * np.sin(rate * t + phase)
+    q, dq, ddq = sines(t, *rng.uniform([0.1, 1.0, 0.0], [0.4, 9.0, 6.0], (4, 3)).tolist())
     others = Others(
         joint=1, dq=rng.normal(size=(N, 3)), ddq=rng.normal(size=(N, 3)), sensed=rng.normal(scale=5.0, size=(N, 3))
     )

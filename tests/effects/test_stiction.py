@@ -12,8 +12,14 @@ from friction_audit.effects import breakaway
 from friction_audit.effects.breakaway import STICTION
 from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
-from tests.diagnosis.started_and_stopped import COULOMB_NM, EXCESS_NM, RISE_NM_PER_S, started_and_stopped
-from tests.effects.joint_data_by_hand import baseline, two_sines
+from tests.effects.joint_data_by_hand import (
+    COULOMB_NM,
+    EXCESS_NM,
+    RISE_NM_PER_S,
+    baseline,
+    started_and_stopped,
+    two_sines,
+)
 
 AT_ONCE = {"ageing_s": 0.01, "renewal_rad": breakaway.AT_ONCE_RAD}
 STEP_S = 1.0 / 400.0

@@ -116,22 +116,6 @@ def test_a_rotor_before_the_transmission_is_not_behind_it(candidate: Effect, lin
     assert 1.0 - several < 0.5 * (1.0 - one)
 
 
-def test_what_a_position_sensor_shivers_does_not_ring_along_a_smooth_motion() -> None:
-    rate = 2 * np.pi * 28.0
-    shiver = 1e-4 * np.sin(rate * DATA.t)
-    shaken = replace(
-        DATA, q=DATA.q + shiver, dq=DATA.dq + 1e-4 * rate * np.cos(rate * DATA.t), ddq=DATA.ddq - rate**2 * shiver
-    )
-    spring = {"spring_nm_per_rad": BASE.inertia_kg_m2 * rate**2}
-
-    def change(shape: Nonlinear) -> float:
-        still, moved = (SPRING.regressor(one, baseline(one), shape)[400:-400] for one in (DATA, shaken))
-        return float(np.sqrt(np.mean((moved - still) ** 2) / np.mean(still**2)))
-
-    assert change(spring) > 1.0
-    assert change({**spring, "motion_below_hz": 18.0}) < 0.1
-
-
 def test_a_spring_whose_twist_drowns_in_noise_of_the_position_is_none() -> None:
     noise = 1e-4 * np.random.default_rng(0).standard_normal(len(DATA.q))
     moved = replace(DATA, torque=BASE.torque)

@@ -10,16 +10,16 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from friction_audit.joint_log import Float, JointLog, Source, median_step
+from friction_audit.joint_log import Float, JointLog, median_step
 from friction_audit.log_in_blocks import LogInBlocks
 from friction_audit.pipeline import AuditSettings, Estimate, estimate_log
 from friction_audit.preprocessing import segmentation
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.preprocessing.sign import coarse_log
+from tests.synthetic_interaction import log_of
 
 RATE_HZ = 200.0
-SOURCE = Source(path="made", sha256="", format="made", robot="unknown")
 
 
 def recorded(seed: int) -> JointLog:
@@ -43,16 +43,7 @@ def recorded(seed: int) -> JointLog:
     q = np.cumsum(v, axis=0) / RATE_HZ
     torque = 0.4 * np.tanh(v / 0.01) + 0.2 * v + 0.03 * rng.standard_normal(v.shape)
     t, q, v, torque = (signal[kept] for signal in (t, q, v, torque))
-    return JointLog(
-        t=t - t[0],
-        q=np.asfortranarray(q),
-        dq=np.asfortranarray(v),
-        tau_J=np.asfortranarray(torque + np.sin(q)),
-        gravity=np.asfortranarray(np.sin(q)),
-        tau_interaction=np.asfortranarray(torque),
-        joint_names=("one", "two"),
-        source=SOURCE,
-    )
+    return log_of(t - t[0], q, v, tau_J=torque + np.sin(q), gravity=np.sin(q), tau_interaction=torque)
 
 
 def in_blocks(log: JointLog, borders: list[int]) -> LogInBlocks:
@@ -90,7 +81,10 @@ def assert_same_cycles(found: EnergyCycles, expected: EnergyCycles) -> None:
 
 def assert_same(found: Estimate, expected: Estimate) -> None:
     assert_same_cycles(found.cycles, expected.cycles)
-    assert found.friction.warnings == expected.friction.warnings
+    for caution, same in zip(found.friction.warnings, expected.friction.warnings, strict=True):
+        assert (caution.code, caution.joint, [*caution.numbers]) == (same.code, same.joint, [*same.numbers])
+        numbers = [[one for one in of.numbers.values() if isinstance(one, float)] for of in (caution, same)]
+        np.testing.assert_allclose(*numbers, rtol=1e-9)  # seed 353: the last digit of a mean
     for own, other in zip(found.friction.joints, expected.friction.joints, strict=True):
         assert (own.reason, own.cycles, own.method) == (other.reason, other.cycles, other.method)
         for name in ("coulomb", "viscous"):
@@ -114,6 +108,7 @@ def assert_same(found: Estimate, expected: Estimate) -> None:
     longest_s=st.sampled_from([2.0, 5.0, 300.0]),
 )
 @example(seed=642, sizes=[239], thresholds="fixed", longest_s=5.0)
+@example(seed=353, sizes=[40, 40, 262], thresholds="fixed", longest_s=300.0)
 def test_block_borders_change_nothing(
     gravity: str, seed: int, sizes: list[int], thresholds: str, longest_s: float
 ) -> None:

@@ -18,6 +18,7 @@ from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.segmentation import segment_cycles
 from friction_audit.preprocessing.settings import CycleSettings
 from friction_audit.reporting.sentences import sentence_of
+from tests.effects.joint_data_by_hand import sines
 from tests.synthetic_interaction import interaction, strokes
 
 COULOMB, VISCOUS, INERTIA = 0.3, 0.07, 0.5
@@ -206,11 +207,8 @@ def test_the_regression_ignores_slow_samples_by_the_joints_own_threshold_whoever
 def excitation(phase: float) -> tuple[Float, Float, Float, Float]:
     """Sines without a common period on a slow slope: no path returns to where it began."""
     t = np.arange(0.0, 30.0, 0.004)
-    terms = [(0.5, 1.3, phase), (0.3, 2.1, 2 * phase), (0.15, 3.7, 1.0)]
-    q = 0.2 * t + sum(size * np.sin(w * t + shift) for size, w, shift in terms)
-    v = 0.2 + sum(size * w * np.cos(w * t + shift) for size, w, shift in terms)
-    a = -sum(size * w**2 * np.sin(w * t + shift) for size, w, shift in terms)
-    return t, np.asarray(q), np.asarray(v), np.asarray(a)
+    q, v, a = sines(t, (0.5, 1.3, phase), (0.3, 2.1, 2 * phase), (0.15, 3.7, 1.0))
+    return t, 0.2 * t + q, 0.2 + v, a
 
 
 def two_joints(coupling: float) -> Interaction:

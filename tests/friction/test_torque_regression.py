@@ -84,16 +84,13 @@ def regress(
     return regressed(interaction(*(x[::every] for x in (t, dq, torque)), q=q[::every]))
 
 
-@pytest.mark.parametrize("every", [1, 4, 10])
+@pytest.mark.parametrize("every", [1, 4, 10, 33])
 def test_without_noise_every_coefficient_is_found(every: int) -> None:
     found = regress(every=every)
-    assert found.inertia.value == pytest.approx(INERTIA, rel=2e-3)
-    assert found.coulomb.value == pytest.approx(COULOMB, rel=2e-3)
-    assert found.viscous.value == pytest.approx(VISCOUS, rel=1e-2)
-
-
-def test_a_log_too_slow_to_be_filtered_still_tells_the_inertia() -> None:
-    assert regress(every=33).inertia.value == pytest.approx(INERTIA, rel=5e-3)
+    assert found.inertia.value == pytest.approx(INERTIA, rel=5e-3 if every == 33 else 2e-3)  # too slow to be filtered
+    if every < 33:
+        assert found.coulomb.value == pytest.approx(COULOMB, rel=2e-3)
+        assert found.viscous.value == pytest.approx(VISCOUS, rel=1e-2)
 
 
 @pytest.mark.parametrize(("position_noise", "resolution"), [(4e-6, 0.0), (0.0, 1e-6), (0.0, 1e-3), (0.0, 0.0)])
@@ -105,39 +102,30 @@ def test_noise_of_the_velocity_takes_nothing_from_the_inertia(position_noise: fl
     assert sum(one.inertia.low <= INERTIA <= one.inertia.high for one in found) >= 6
 
 
-def test_a_jittering_clock_takes_nothing_from_the_inertia() -> None:
-    t, dq, ddq = strokes([0.6, -0.6] * 15, [0.7, 0.9] * 15)
-    q = np.cumsum(dq) / RATE_HZ
-    stamps = t + np.clip(3e-4 * np.random.default_rng(2).normal(size=len(t)), -4.5e-4, 4.5e-4)
-    found = regressed(interaction(stamps, dq, 0.2 * np.sign(dq) + 0.3 * ddq, q=q))
-    assert found.inertia.value == pytest.approx(0.3, rel=2e-3)
+PLACE = np.arange(100_000)
+CLOCKS = {
+    "jitter": (np.clip(3e-4 * np.random.default_rng(2).normal(size=100_000), -4.5e-4, 4.5e-4), PLACE >= 0, 2e-3),
+    "lost": (0.0 * PLACE, np.random.default_rng(4).random(100_000) > 0.1, 1e-3),
+    "holes": (0.0 * PLACE, (PLACE - 600) % 2300 >= 500, 0.02),
+}
 
 
-def test_lost_samples_take_nothing_from_the_inertia() -> None:
+@pytest.mark.parametrize("clock", CLOCKS)
+def test_a_clock_takes_nothing_from_the_inertia(clock: str) -> None:
     t, dq, ddq = strokes([0.6, -0.6] * 15, [0.7, 0.9] * 15)
-    q = np.cumsum(dq) / RATE_HZ
-    kept = np.random.default_rng(4).random(len(t)) > 0.1
-    found = regressed(interaction(t[kept], dq[kept], (0.2 * np.sign(dq) + 0.3 * ddq)[kept], q=q[kept]))
-    assert found.inertia.value == pytest.approx(0.3, rel=1e-3)
+    off, kept, close = CLOCKS[clock][0][: len(t)], CLOCKS[clock][1][: len(t)], CLOCKS[clock][2]
+    signals = (t + off, dq, 0.2 * np.sign(dq) + 0.3 * ddq, np.cumsum(dq) / RATE_HZ)
+    stamps, velocity, torque, q = (signal[kept] for signal in signals)
+    found = regressed(interaction(stamps, velocity, torque, q=q))
+    assert found.inertia.value == pytest.approx(0.3, rel=close)
     # With the steps between neighbours 0.27 kg m^2 and 0.1 N m.
-    assert found.residual_rms_nm < 0.02
+    assert found.residual_rms_nm < 0.02 or clock == "holes"
 
 
 def test_gravity_that_is_left_in_the_torque_moves_no_coefficient() -> None:
     found = regress(velocity_noise=0.01, torque_noise=0.05, position_noise=4e-6, gravity_nm=0.5)
     assert found.inertia.value == pytest.approx(INERTIA, rel=0.01)
     assert found.coulomb.value == pytest.approx(COULOMB, rel=0.02)
-
-
-def test_rows_beside_a_hole_are_left_out() -> None:
-    t, dq, ddq = strokes([0.6, -0.6] * 15, [0.8] * 30)
-    torque = 0.2 * np.sign(dq) + 0.3 * ddq
-    kept = np.ones(len(t), np.bool_)
-    for start in range(600, len(t), 2300):
-        kept[start : start + 500] = False
-    q = np.cumsum(dq) / RATE_HZ
-    found = regressed(interaction(t[kept], dq[kept], torque[kept], q=q[kept]))
-    assert found.inertia.value == pytest.approx(0.3, rel=0.02)
 
 
 def test_a_log_shorter_than_a_row_is_not_regressed() -> None:

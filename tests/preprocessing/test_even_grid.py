@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.interpolate import CubicSpline
 from scipy.signal import lfilter
 
-from friction_audit.joint_log import Float, JointLog, Source
+from friction_audit.joint_log import Float, JointLog
 from friction_audit.preprocessing.even_grid import (
     LowPass,
     first_order,
@@ -23,6 +23,7 @@ from friction_audit.preprocessing.even_grid import (
 from friction_audit.preprocessing.resampling import Grid, GridTorque, grids_of, position_on, velocity_on
 from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.robot import load_arm
+from tests.synthetic_interaction import log_of
 
 STEP = 1e-3
 
@@ -82,12 +83,10 @@ def test_gaps_are_those_that_motion_bends_in() -> None:
 
 def test_a_stale_sample_of_a_moving_joint_is_stale_and_that_of_a_resting_one_is_not() -> None:
     t: Float = np.arange(500.0) * STEP
-    source = Source(path="made", sha256="", format="made")
-    q, dq = np.sin(t)[:, None], np.cos(t)[:, None]
+    q, dq = np.sin(t), np.cos(t)
     q[101], dq[101] = q[100], dq[100]
-    log = JointLog(t=t, q=q, dq=dq, tau_J=np.zeros_like(q), joint_names=("hinge",), source=source)
-    assert np.flatnonzero(~fresh_samples(log)).tolist() == [101]
-    assert fresh_samples(replace(log, q=np.full_like(q, 0.3), dq=np.zeros_like(dq))).all()
+    assert np.flatnonzero(~fresh_samples(log_of(t, q, dq, tau_J=0.0 * t))).tolist() == [101]
+    assert fresh_samples(log_of(t, np.full_like(q, 0.3), 0.0 * t, tau_J=0.0 * t)).all()
 
 
 def off_ticks(steady: Float, tick: Float) -> float:
@@ -187,15 +186,8 @@ def moving_arm(t: Float) -> tuple[JointLog, Float]:
     """A log of smooth motion, up to 3 rad/s, and its exact acceleration."""
     omega = 2 * np.pi * FREQUENCY_HZ
     phase = t[:, None] * omega
-    log = JointLog(
-        t=t,
-        q=np.asfortranarray(CENTRE + AMPLITUDE * np.sin(phase)),
-        dq=np.asfortranarray(AMPLITUDE * omega * np.cos(phase)),
-        tau_J=np.zeros((len(t), 7)),
-        joint_names=tuple("1234567"),
-        source=Source(path="made", sha256="", format="made"),
-    )
-    return log, -AMPLITUDE * omega**2 * np.sin(phase)
+    q, dq = CENTRE + AMPLITUDE * np.sin(phase), AMPLITUDE * omega * np.cos(phase)
+    return log_of(t, q, dq, tau_J=np.zeros((len(t), 7))), -AMPLITUDE * omega**2 * np.sin(phase)
 
 
 def at_samples(log: JointLog, torque: Callable[[Grid], Float], columns: Sequence[int] = range(7)) -> Float:

@@ -11,7 +11,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.errors import UsageError
-from friction_audit.joint_log import Finding, Float, JointLog, Source
+from friction_audit.joint_log import Finding, Float, JointLog
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.interaction_torque import extract_interaction
 from friction_audit.preprocessing.settings import TorqueSettings
@@ -19,6 +19,7 @@ from friction_audit.preprocessing.torque_source import known_arm
 from friction_audit.reporting.sentences import sentence_of
 from friction_audit.robot import load_arm
 from tests.synthetic_interaction import choice
+from tests.synthetic_interaction import log_of as made_log
 
 COULOMB = np.array([0.3, 0.25, 0.3, 0.4, 0.3, 0.2, 0.25])
 HAND = (0.73, -0.01, 0.0, 0.03)
@@ -44,10 +45,7 @@ GRAVITY = PANDA.gravity(Q)
 
 
 def log_of(robot: str = "panda", joints: int = 7, **channels: Any) -> JointLog:
-    t, q, dq, _ = motion(joints)
-    source = Source(path="made.csv", sha256="", format="csv", robot=robot)
-    names = tuple(f"panda_joint{number}" for number in range(1, joints + 1))
-    return JointLog(t=t, q=q, dq=dq, joint_names=names, source=source, **channels)
+    return made_log(*motion(joints)[:3], robot=robot, **channels)
 
 
 def friction(joints: int = 7) -> Float:
@@ -264,13 +262,13 @@ def test_a_compensator_s_torque_is_added_up_and_counts_in_the_proof() -> None:
 def test_selected_joints_are_the_same_as_among_all_and_the_log_is_untouched() -> None:
     log = hand_log()
     whole, some = extract(log), extract(log, joints=(5, 2))
-    assert (some.joint_numbers, some.joint_names) == ((2, 5), ("panda_joint2", "panda_joint5"))
+    assert (some.joint_numbers, some.joint_names) == ((2, 5), ("joint2", "joint5"))
     assert_allclose(some.torque, whole.torque[:, [1, 4]], atol=1e-12)
     assert_array_equal(some.q, log.q[:, [1, 4]])
     assert some.choice == whole.choice
     assert whole.torque.flags.f_contiguous
     assert (whole.q is log.q, whole.dq is log.dq) == (True, True)
-    with pytest.raises(UsageError, match=r"--joints 0,9: not in made\.csv; its joints are 1 \(panda_joint1\), 2"):
+    with pytest.raises(UsageError, match=r"--joints 0,9: not in made\.csv; its joints are 1 \(joint1\), 2"):
         extract(log, joints=(0, 3, 9))
 
 
@@ -300,9 +298,8 @@ def test_a_bus_that_updates_a_joint_every_seventh_row_has_its_sign_proved() -> N
     fresh = (dq == 0.0) | (np.arange(len(t)) % 7 == 0)
     torque = 0.116 * np.sign(dq) + 0.04 * dq + 0.01 * np.random.default_rng(3).normal(size=len(t))
     signals = {"q": np.cumsum(dq) * 0.01, "dq": dq, "tau_J": torque}
-    channels = {name: values[fresh][:, None] for name, values in signals.items()}
-    source = Source(path="made.csv", sha256="", format="csv")
-    made = extract(JointLog(t=t[fresh] - t[fresh][0], joint_names=("joint5",), source=source, **channels)).choice
+    channels = {name: values[fresh] for name, values in signals.items()}
+    made = extract(made_log(t[fresh] - t[fresh][0], **channels)).choice
     assert (made.drive, made.sign_proved, made.sign_turned) == ("robot", True, True)
 
 

@@ -59,15 +59,6 @@ def test_the_gravity_columns_are_the_work_of_a_pendulum() -> None:
     np.testing.assert_allclose(cycles.sums.gravity_y_rad, [np.sin(1.0), -np.sin(1.0)], atol=1e-5)
 
 
-def test_a_logged_compensator_counts_towards_what_friction_took() -> None:
-    t, v, torque = rubbed(*BACK_AND_FORTH)
-    helped = 0.2 * np.sign(v)
-    alone = segment_cycles(interaction(t, v, torque), DEFAULT)
-    both = segment_cycles(interaction(t, v, torque - helped, u=helped), DEFAULT)
-    np.testing.assert_allclose(both.dissipated_j, alone.dissipated_j, rtol=1e-12)
-    assert np.all(both.work_j < alone.work_j)
-
-
 def test_a_hole_in_the_log_is_left_out() -> None:
     t, v, torque = rubbed(*BACK_AND_FORTH)
     keep = (t < 0.8) | (t > 0.9)
@@ -130,16 +121,6 @@ def test_a_shift_in_time_changes_nothing_and_joints_are_independent(lengths: lis
     twice = segment_cycles(interaction(t, np.stack([0 * v, v], 1), np.stack([v, torque], 1)), DEFAULT)
     np.testing.assert_allclose(later.work_j, once.work_j, rtol=1e-9, atol=1e-12)
     np.testing.assert_array_equal(twice.of_joint(1).work_j, once.work_j)
-
-
-def test_a_stretched_clock_changes_neither_work_nor_path() -> None:
-    t, v, torque = rubbed(*BACK_AND_FORTH)
-    right = interaction(t, v, torque)
-    stretched = interaction(1.1 * t, v, torque, q=right.q)
-    once, again = segment_cycles(right, DEFAULT), segment_cycles(stretched, DEFAULT)
-    np.testing.assert_allclose(again.work_j, once.work_j, rtol=1e-6)
-    np.testing.assert_allclose(again.sums.path_rad, once.sums.path_rad, rtol=1e-6)
-    np.testing.assert_allclose(again.sums.printed_net_j, 1.1 * once.sums.printed_net_j, rtol=1e-6)
 
 
 def test_two_humps_without_rest_are_one_stroke_with_rest_or_without_a_sign_two() -> None:

@@ -7,9 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from friction_audit.joint_log import Float, JointLog, Source
+from friction_audit.joint_log import Float, JointLog
 from friction_audit.preprocessing.interaction import SignEvidence
 from friction_audit.preprocessing.sign import coarse_log, most, prove_sign
+from tests.synthetic_interaction import log_of
 
 
 def strokes(seconds: float = 20.0, speed: float = 0.5, drift: float = 0.05) -> tuple[JointLog, Float]:
@@ -18,15 +19,7 @@ def strokes(seconds: float = 20.0, speed: float = 0.5, drift: float = 0.05) -> t
     omega = 2 * np.pi * 0.5
     dq = speed * np.sin(omega * t) + drift
     q = speed / omega * (1 - np.cos(omega * t)) + drift * t
-    log = JointLog(
-        t=t,
-        q=q[:, None],
-        dq=dq[:, None],
-        tau_interaction=np.zeros((len(t), 1)),
-        joint_names=("joint1",),
-        source=Source(path="made", sha256="", format="made"),
-    )
-    return log, speed * omega * np.cos(omega * t)
+    return log_of(t, q, dq, tau_interaction=np.zeros(len(t))), speed * omega * np.cos(omega * t)
 
 
 def judged(log: JointLog, torque: Float) -> SignEvidence:

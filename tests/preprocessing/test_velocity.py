@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from scipy.signal import butter, lfilter, sosfiltfilt
 
-from friction_audit.joint_log import Float, JointLog, Source, median_step
+from friction_audit.joint_log import Float, JointLog, median_step
 from friction_audit.preprocessing.interaction_torque import extract_interaction
 from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.preprocessing.sign import coarse_log
@@ -23,6 +23,8 @@ from friction_audit.preprocessing.velocity import (
     read_on_time,
 )
 from friction_audit.reporting.sentences import sentence_of
+from tests.effects.joint_data_by_hand import sines
+from tests.synthetic_interaction import log_of
 
 STEP_S = 0.001
 T: Float = np.arange(30_000, dtype=np.float64) * STEP_S
@@ -30,17 +32,11 @@ T: Float = np.arange(30_000, dtype=np.float64) * STEP_S
 
 def motion() -> tuple[Float, Float]:
     """Position and velocity of three sinusoids."""
-    parts = [(0.6, 2.0, 0.0), (0.2, 5.0, 1.0), (0.05, 11.0, 2.0)]
-    q = sum(a * np.sin(w * T + p) for a, w, p in parts)
-    dq = sum(a * w * np.cos(w * T + p) for a, w, p in parts)
-    return np.asarray(q), np.asarray(dq)
+    return sines(T, (0.6, 2.0, 0.0), (0.2, 5.0, 1.0), (0.05, 11.0, 2.0))[:2]
 
 
 def log_with(dq: Float, q: Float | None = None) -> JointLog:
-    position = (motion()[0] if q is None else q)[:, None]
-    torque = 0.3 * np.sign(motion()[1])[:, None]
-    source = Source(path="made.csv", sha256="", format="csv", robot="rig")
-    return JointLog(t=T, q=position, dq=dq[:, None], tau_interaction=torque, joint_names=("hinge",), source=source)
+    return log_of(T, motion()[0] if q is None else q, dq, tau_interaction=0.3 * np.sign(motion()[1]))
 
 
 def lag_ms(log: JointLog) -> float:

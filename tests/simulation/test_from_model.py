@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.effects.recordings import typical_term
 
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel
@@ -17,6 +16,7 @@ from friction_audit.simulation.effects.velocity import Stribeck
 from friction_audit.simulation.hide import EQUALS, hidden_effects, with_model
 from friction_audit.simulation.scenarios import simulate
 from friction_audit.simulation.settings import IDEAL_SENSORS, JointParameters
+from tests.effects.joint_data_by_hand import typical_term
 
 SIMPLE = {"coulomb": (0.4,), "viscous": (0.1,)}
 IDEAL = BenchSettings(sensors=(IDEAL_SENSORS,), duration_s=20.0)

@@ -7,6 +7,7 @@ import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path, PurePath
 from typing import Any
 
@@ -164,12 +165,11 @@ def _logs_at(url: str) -> list[LogFile]:
     """Return the logs at a URL: the file itself, or those in a folder or that match a glob."""
     with _reached(url) as (system, path):
         if any(mark in path for mark in "*["):
-            return [log for match in sorted(system.glob(path), key=natural) for log in _at(system, match, ())]
+            return [_at(system, match) for match in sorted(system.glob(path), key=natural)]
         if path.lower().endswith(SUFFIXES) and not system.isdir(path):
-            return _at(system, path, ()) if system.exists(path) else []
-        listed = system.walk(path, detail=True)
+            return [_at(system, path)] if system.exists(path) else []
         name = path.rstrip("/").rpartition("/")[2]
-        return list(_below(path, name, listed, lambda found, around: _at(system, found, around)[0]))
+        return list(_below(path, name, system.walk(path, detail=True), partial(_at, system)))
 
 
 @contextmanager
@@ -208,7 +208,7 @@ def _reached(url: str) -> Iterator[tuple[Any, str]]:
         raise InputError(f"{url}: cannot be read: {said}; check the address and your access to it") from error
 
 
-def _at(system: Any, path: str, folders: tuple[str, ...]) -> list[LogFile]:  # noqa: ANN401
+def _at(system: Any, path: str, folders: tuple[str, ...] = ()) -> LogFile:  # noqa: ANN401
     url = system.unstrip_protocol(path)
     infos = [system.info(file) for file in (system.find(path) if system.isdir(path) else [path])]
     sizes = [info.get("size") for info in infos]
@@ -216,4 +216,4 @@ def _at(system: Any, path: str, folders: tuple[str, ...]) -> list[LogFile]:  # n
     versions = [next((str(info[key]) for key in VERSION_KEYS if info.get(key)), "") for info in infos]
     changed = " ".join(versions) if all(versions) else ""
     size = -1 if None in sizes else sum(sizes)
-    return [LogFile(path=url, place=url, folders=around, size=size, changed=changed)]
+    return LogFile(path=url, place=url, folders=around, size=size, changed=changed)

@@ -30,9 +30,8 @@ if TYPE_CHECKING:
 RESULTS_VERSION = 13  # raised with every change after which the same log gives other numbers: ledgers compute anew
 APPLICATION_ID = 0x46414C47  # "FALG" in the head of the file: an SQLite database without it is not a ledger
 SCHEMA_VERSION = 6  # in user_version; raised with every change below
-# What came of an arm of a log, a session or a fault, is kept whole as JSON, which alone is read back. The columns
-# ``path``, ``robot`` and ``start_s`` are written anew with every manifest; they, the message and the coefficients are
-# for people who open the file. A log that could not be read has its place as its hash.
+# What came of an arm of a log, a session or a fault, is kept whole as JSON, which alone is read back; the other columns
+# are for people who open the file. A log that could not be read has its place as its hash.
 TABLES = (
     "CREATE TABLE IF NOT EXISTS meta (key TEXT PRIMARY KEY, value TEXT NOT NULL)",
     "CREATE TABLE IF NOT EXISTS settings (key TEXT PRIMARY KEY, text TEXT NOT NULL)",

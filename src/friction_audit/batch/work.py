@@ -31,6 +31,7 @@ from friction_audit.joint_log import Float
 from friction_audit.parallel import one_joint_at_a_time
 from friction_audit.pipeline import Estimate, diagnose_estimate, estimate_log
 from friction_audit.preprocessing.energy_cycles import KEPT, EnergyCycles
+from friction_audit.preprocessing.interaction import Caution
 
 if TYPE_CHECKING:
     from friction_audit.diagnosis.result import Discrepancy
@@ -202,15 +203,12 @@ def _change_within(own: EnergyCycles, joint: JointFriction) -> dict[str, Coeffic
 def _renamed(worked: Worked, here: str, name: str) -> Worked:
     """Call the log what the user calls it: names that only the worker knows help nowhere else."""
 
-    def said(text: str) -> str:
-        return encodable(text.replace(here, name))
+    def said(text: str | Caution) -> Any:  # noqa: ANN401 - the same
+        return encodable(text.replace(here, name)) if isinstance(text, str) else text.renamed(here, name)
 
-    def named(session: Session) -> Session:
-        warnings = tuple(said(one) if isinstance(one, str) else one.renamed(here, name) for one in session.warnings)
-        return replace(session, path=name, warnings=warnings)
-
-    faults = tuple(replace(one, message=said(one.message).removeprefix(f"{name}: ")) for one in worked.faults)
-    return replace(worked, sessions=tuple(map(named, worked.sessions)), faults=faults)
+    sessions = [replace(one, path=name, warnings=tuple(map(said, one.warnings))) for one in worked.sessions]
+    faults = [replace(one, message=said(one.message).removeprefix(f"{name}: ")) for one in worked.faults]
+    return replace(worked, sessions=tuple(sessions), faults=tuple(faults))
 
 
 def recording_of(estimate: Estimate) -> Recording:

@@ -23,8 +23,7 @@ REACH = 2  # sessions on each side that an isolated one is compared with
 FAR = 5.0  # standard deviations of a difference of two sessions
 FEWEST = 5  # with fewer sessions the outlier is not determined
 ODD = 0.01  # probability that a series of normal scatter has an outlier (Bonferroni over the sessions)
-# With fewer sessions a change of the others is not known well enough to say which session misses it: with 8, 15 % of
-# arms where nothing changes had a false change, without it 5 % (benchmarks/drift/summaries.md, "8 sessions").
+# With 8 sessions 15 % of arms on which nothing changes had a false change, without it 5 % (benchmarks/drift).
 FEWEST_FOR_SHAPES = 12
 SHARE_ODD = 10  # at most one session in so many is an outlier of a change: more of them are no exception
 ALIKE = 0.5  # a session whose neighbour in time is off by this share of the same deviation is not alone

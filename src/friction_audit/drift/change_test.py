@@ -1,9 +1,8 @@
 """The test of an arm: does any coefficient of any joint change over the sessions?
 
-Every coefficient is tested along all shapes of change: a step at each session, a change that comes and goes, a ramp.
-The largest studentised statistic counts. Its distribution without drift comes from the same sessions in random orders,
-one order for all joints at a time, and the step-down maximum over the coefficients of the arm (Westfall and Young 1993)
-keeps the probability of any false change.
+Every coefficient is tested along a step at each session, changes that come and go, and a ramp; the largest studentised
+statistic counts. Its distribution without drift comes from the same sessions in random orders, the same for all joints,
+and the step-down maximum over the coefficients (Westfall and Young 1993) keeps the probability of any false change.
 """
 
 from collections.abc import Sequence
@@ -27,8 +26,7 @@ EPISODE_FACTOR = 0.7  # on the statistic of such a change: they are many, and mu
 COLLINEAR = 1e-6  # a direction with a smaller part of its square left given the temperature is none
 ROUNDING = 1e-4  # if no session is off by this share of its error, only the last digits change
 
-# With fewer sessions the rarest order (both sessions after a late step at the end) is not rare enough; the scatter is
-# then taken for normal. Fewer do not determine an autocorrelation either.
+# Of fewer sessions no order is rare enough, and they do not determine an autocorrelation: normal scatter is assumed.
 FEWEST_TO_PERMUTE = 12
 AT_ONCE = 250_000  # sessions times orders that are held in memory
 

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import Effect, Nonlinear
-from friction_audit.effects.joint_data import SIGMA_PER_MEDIAN, JointData, Nominal, grid_noise, moves
+from friction_audit.effects.joint_data import SIGMA_PER_MEDIAN, JointData, Nominal, grid_noise, moves, shares_of_span
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 
@@ -46,14 +46,12 @@ SOON_S = 0.1  # a joint that does not reach it in this time has not left its res
 ONSET_S = 0.01
 # What the torque changes in that time is nothing if it is below its noise, or below this share of the torque.
 SMALL_SHARE = 0.05
-# A joint whose torque rises by more than both in the time behind its start, this share of the torque and so many
-# standard deviations of what it changes by at rest, had not been loaded up to its friction when it seemed to start.
+# If the torque rises by more than both behind a start, this share of it and so many standard deviations of its changes
+# at rest, the joint had not been loaded up to its friction.
 CARRIED_SHARE, CARRIED_SIGMAS = 0.25, 2.0
-# A start tells something however fast its torque rises, if that falls in the time behind it by more than it rose in
-# as much before, and by more than so many standard deviations of its noise: it had been more than sliding takes.
+# If it falls behind a start by more than it rose before and so many standard deviations, sliding takes less.
 FALL_SIGMAS = 4.0
-# To the dead speed a joint takes 2.4 times as long as from there to twice that, if its path grows so, and less if it
-# starts faster: one that took longer did not start then, but moved by one count of its encoder.
+# To the dead speed a joint takes 2.4 times as long as from there to twice that; if longer, it moved by one count.
 SLOWEST = 3.0
 
 
@@ -184,10 +182,6 @@ class Stiction(Effect):
             left = np.exp(-slid / path)
             yield from ((k, (aged[age] * left)[:, None]) for k, (age, own) in enumerate(many) if own == path)
 
-    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        paths = (SPAN_SHARES * (float(np.ptp(data.q)) or 1.0)).tolist()
-        return self.points(product(AGEINGS_S, (AT_ONCE_RAD, *paths)))
-
     def identifiable_part(self, data: JointData) -> tuple[Nonlinear, ...]:
         """An excess that fades over a path shows after the start, however the torque rose at break-away."""
         starts, _ = _starts(data)
@@ -247,6 +241,7 @@ STICTION = Stiction(
         Parameter("ageing_s", "s", "time constant at rest", lower=1e-4, upper=1e3),
         Parameter("renewal_rad", "rad", "path of the decay", lower=1e-7, upper=1.0),
     ),
+    tries=lambda data: product(AGEINGS_S, (AT_ONCE_RAD, *shares_of_span(data, SPAN_SHARES))),
     record="start slowly at least 15 times after rests from 0.1 to 10 s",
     separate={
         "presliding": "start after rests from 0.1 to 10 s and reverse without any: only stiction needs the rest",

@@ -49,6 +49,8 @@ class Effect:
     nonlinear: tuple[Parameter, ...] = ()  # the other parameters
     traits: Trait = Trait.NONE
     needs: Callable[[JointData, Nominal], str | None] = moves  # the motion that a log lacks, or None
+    # Values of the nonlinear parameters to try on a joint, in order; those that are lacking have none.
+    tries: Callable[[JointData], Iterable[Sequence[float]]] = lambda _: [()]
     # Whether coefficients at a point of the grid are physically possible; above their lower bounds where None.
     possible: Callable[[Float, Nonlinear], bool] | None = None
     # Coefficient, where it follows from the nonlinear parameters, of one column that acts on the nominal torque.
@@ -79,11 +81,11 @@ class Effect:
         yield from ((place, self.columns(motion, values)) for place, values in enumerate(many))
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        """Return the values of the nonlinear parameters to try on a joint; one empty mapping without any."""
-        return ({},)
+        """Return what ``tries`` says, by the names of the parameters; one empty mapping without any."""
+        return self.points(self.tries(data))
 
     def points(self, many: Iterable[Sequence[float]]) -> tuple[Nonlinear, ...]:
-        """Return points of a grid, given the nonlinear parameters in order; those that are lacking have no value."""
+        """Return points of a grid, given the nonlinear parameters in order."""
         names = [one.name for one in self.nonlinear]
         return tuple(dict(zip(names, values, strict=False)) for values in many)
 

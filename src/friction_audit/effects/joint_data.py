@@ -54,16 +54,14 @@ class JointData:
     temperature: Float | None  # where it was logged, else None [degC]
     others_dq: Float  # velocities of all joints, shape (n, j) [rad/s]
     others_ddq: Float  # accelerations of all joints, shape (n, j) [rad/s^2]
-    # what the torque sensors of all joints read, gravity included, counted as the torque counts, shape (n, j) [N m]
-    others_torque: Float
+    others_torque: Float  # what the sensors of all joints read, gravity included, as the torque counts, shape (n, j)
     cycle: NDArray[np.int64]  # number of the energy cycle of each sample, -1 outside of any
     moving: NDArray[np.bool_]  # samples in which the direction of motion is certain
     valid: NDArray[np.bool_]  # samples that are not next to a hole, a stale stretch or an end of the filter
     dead_speed_rad_s: float  # below it the direction is not certain [rad/s]
     derived_from: str = "dq"  # what velocity and acceleration were taken from, "q" or "dq"
     logged_dq: Float | None = None  # velocity as it was logged, through the same filter; ``dq`` where None [rad/s]
-    # what the sensor bears in addition to the joint's own model, with the sign of the torque: gravity, and the links'
-    # inertia where it was taken away; predicted, None where it is not known [N m]
+    # what the sensor bears besides, signed as the torque: gravity, and inertia that was taken away; predicted [N m]
     load: Float | None = None
     rigid: RigidBody | None = None  # what the rigid-body model of the arm says; None where no model is known
     others_joint: int | None = None  # column of this joint among the others; ``joint`` where None
@@ -123,6 +121,11 @@ def reach(data: JointData) -> tuple[float, float]:
     """Lowest and highest position while the joint moves. [rad]"""
     q = data.q[data.used] if data.used.any() else data.q
     return float(q.min()), float(q.max())
+
+
+def shares_of_span(data: JointData, shares: Float) -> list[float]:
+    """Shares of the span of the position, of 1 rad where it never changes. [rad]"""
+    return [float(width) for width in shares * (np.ptp(data.q) or 1.0)]
 
 
 def duration(data: JointData) -> float:

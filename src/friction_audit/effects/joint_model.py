@@ -67,8 +67,7 @@ class Provenance:
 class JointModel:
     """Model of one joint: F_m + u = B ddq + the sum of its terms, each at most once; those that are held are there."""
 
-    # Inertia B behind the torque sensor; of a torque from which a rigid-body model has taken the inertia out already,
-    # what is left to be paid: about zero, and below it where the model took too much.
+    # Behind the torque sensor; of a torque from which a rigid-body model has taken it out, what is left, about zero.
     inertia_kg_m2: float
     terms: tuple[FittedTerm, ...] = ()  # the other terms
     provenance: Provenance = field(default_factory=Provenance)
@@ -180,9 +179,9 @@ def _lines(model: ArmModel) -> Iterator[str]:
         yield f"cycles = {origin.cycles}"
         for term in joint.terms:
             yield from ("", f"[joint.terms.{term.name}]  # {term.effect.label}")
-            pairs = zip(term.effect.parameters, term.values, strict=True)
-            for own, value in ((own, value) for own, value in pairs if value != own.default or not own.optional):
-                yield f"{own.name} = {float(value)!r}  # {own.unit}, {own.meaning}"
+            for own, value in zip(term.effect.parameters, term.values, strict=True):
+                if value != own.default or not own.optional:
+                    yield f"{own.name} = {float(value)!r}  # {own.unit}, {own.meaning}"
 
 
 def _text(text: str) -> str:
@@ -239,8 +238,7 @@ def _joint(path: Path, number: int, table: Mapping[str, Any]) -> JointModel | No
             FittedTerm(name, tuple(float(values.get(p.name, p.default)) for p in term_of(name).parameters))
             for name, values in table.get("terms", {}).items()
         )
-        origin = Provenance(**table.get("provenance", {}))
-        held = tuple(table.get("held", ()))
+        origin, held = Provenance(**table.get("provenance", {})), tuple(table.get("held", ()))
         return JointModel(inertia_kg_m2=float(table["inertia_kg_m2"]), terms=terms, provenance=origin, held=held)
     except AnalysisError as error:
         raise InputError(f"{path}: joint {number}: {error}; correct the file") from error

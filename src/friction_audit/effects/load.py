@@ -14,9 +14,6 @@ from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 
 EXPONENTS = (1.0, 1.5, 2.0)
-WHOLE: Nonlinear = {}
-# The load is all that goes through the gear, or what the link weighs: both are in the literature.
-STATIC: Nonlinear = {"load_static": 1.0}
 LEAST_CHANGE = 0.1  # of a high load, what it must change by: a steady load's friction is Coulomb friction
 
 
@@ -49,10 +46,6 @@ class LoadDependentFriction(Effect):
             return f"the load varies from {low:.2g} to {high:.2g} N m only: change it threefold, by posture or payload"
         return None
 
-    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        tried = product((0.0, 1.0), EXPONENTS, (WHOLE, STATIC))
-        return tuple({"load_exponent": p, "load_directed": d, **of} for d, p, of in tried)
-
 
 LOAD_DEPENDENT_FRICTION = LoadDependentFriction(
     name="load_dependent_friction",
@@ -70,6 +63,8 @@ LOAD_DEPENDENT_FRICTION = LoadDependentFriction(
         ),
     ),
     traits=Trait.NEEDS_NOMINAL,
+    # The load is all that goes through the gear, or what the link weighs: both are in the literature.
+    tries=lambda _: ((p, d, *static) for d, p, static in product((0.0, 1.0), EXPONENTS, ((), (1.0,)))),
     possible=lambda found, _: found[0] > 0 and abs(found[1]) <= found[0],  # resists, whichever way the power flows
     record="pass the same places with loads that differ by a factor of 3",
     separate={

@@ -20,8 +20,8 @@ import numpy as np
 
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.effect import Effect, Nonlinear
-from friction_audit.effects.joint_data import JointData, reversals
+from friction_audit.effects.effect import Effect
+from friction_audit.effects.joint_data import reversals, shares_of_span
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 
@@ -47,10 +47,6 @@ class Presliding(Effect):
             rate = np.gradient(z, times) if any(many[place][2] > 0.0 for place in alike) else np.zeros(len(z))
             for place in alike:
                 yield place, (z + many[place][2] * rate - sign)[:, None]
-
-    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        span = float(np.ptp(data.q)) or 1.0
-        return self.points((share * span, *kind) for kind, share in product(KINDS, SPAN_SHARES.tolist()))
 
 
 def bristle(q: Float, reach_rad: float, exponent: float) -> Float:
@@ -121,6 +117,7 @@ PRESLIDING = Presliding(
     ),
     forward="bristle",
     needs=reversals,
+    tries=lambda data: ((reach, *kind) for kind, reach in product(KINDS, shares_of_span(data, SPAN_SHARES))),
     record="reverse at least 20 times, over short and long ways",
     separate={
         "backlash": "reverse slowly with hardly any load: a gap gives no torque at all, then an impact",

@@ -57,9 +57,6 @@ class TorqueDrift(Effect):
         short = length < SHORTEST_S or found < needed
         return f"{few} and {SHORTEST_S:g} s" if short else both_directions(data, nominal)
 
-    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        return tuple({"drift_waves": float(waves)} for waves in range(1, WAVES + 1))
-
 
 TORQUE_DRIFT = TorqueDrift(
     name="torque_drift",
@@ -79,6 +76,7 @@ TORQUE_DRIFT = TorqueDrift(
         ),
     ),
     traits=Trait.EVEN,
+    tries=lambda _: ((float(waves),) for waves in range(1, WAVES + 1)),
     record="let the joint rest unloaded for 2 s early and late",
     separate={
         "warm_up": "pass the same places in both directions early and late, with rests",

@@ -50,9 +50,6 @@ class Stribeck(Effect):
         excess, speed, exponent = values
         return f"{excess!r} * way * std::exp(-std::pow(pace / {speed!r}, {exponent!r}))"
 
-    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        return self.points(product(low_speeds(data, self, 8), EXPONENTS))
-
 
 STRIBECK = Stribeck(
     name="stribeck",
@@ -65,6 +62,7 @@ STRIBECK = Stribeck(
     ),
     traits=Trait.FRICTION | Trait.SPEED_ONLY,
     needs=partial(speed_range, ratio=8.0),
+    tries=lambda data: product(low_speeds(data, STRIBECK, 8), EXPONENTS),
     record="move steadily at speeds that differ by a factor of 8, very slow to fast",
     separate={
         "nonlinear_viscous": "move steadily at speeds that differ by a factor of 8 and more, very slow to fast",
@@ -177,9 +175,6 @@ class UnloggedCompensation(Effect):
             return -(np.sign(speed) * (np.abs(speed) > 1.0))[:, None]
         return np.asarray(np.tanh(skew) - np.tanh(speed + skew))[:, None]
 
-    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        return self.points((width, *form) for width, form in product(low_speeds(data, self, 6), FORMS))
-
     def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
         """The numbers or the motion that are lacking: less of a fitted friction is all that a compensator leaves."""
         if "coulomb_nm" in nominal.declared:
@@ -201,6 +196,7 @@ UNLOGGED_COMPENSATION = UnloggedCompensation(
         Parameter.choice("unlogged_form", "0 smooth, 1 dead band", 0.0, 1.0),
     ),
     traits=Trait.SPEED_ONLY,
+    tries=lambda data: ((w, *form) for w, form in product(low_speeds(data, UNLOGGED_COMPENSATION, 6), FORMS)),
     record="log the commanded torque",
     jumps=("unlogged_width_rad_s",),
 )

@@ -22,13 +22,20 @@ from friction_audit.dynamics.transmission import (
     simple_torque,
 )
 from friction_audit.effects.effect import Effect, Nonlinear, Trait
-from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, grid_noise, mean_sign, reversals
+from friction_audit.effects.joint_data import (
+    CORNER_HZ,
+    JointData,
+    Nominal,
+    grid_noise,
+    mean_sign,
+    reversals,
+    shares_of_span,
+)
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.even_grid import filtered, windowed_sinc
 
-# What rings faster amplifies the noise of the position ten times and more, and what people and motors mean to do is
-# below 4 Hz; unless the measured side rings with the far one, its motion is better taken as smooth.
+# Above, the noise of the position is amplified ten times and more; what people and motors mean to do is below 4 Hz.
 MOTION_BELOW_HZ = 18.0
 FILTER_S = 0.2  # reach of the low-pass to either side
 # Coefficient over what it follows from: 1 but for the errors of a nominal model that was fitted without the link.
@@ -218,7 +225,7 @@ class Backlash(Link):
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """All widths on soft flanks, and on harder ones that a smooth motion strikes; some with less inertia."""
-        widths = (SPAN_SHARES * (float(np.ptp(data.q)) or 1.0)).tolist()
+        widths = shares_of_span(data, SPAN_SHARES)
         calm = {"motion_below_hz": MOTION_BELOW_HZ}
         kinds: tuple[dict[str, float], ...] = (SOFT, RINGING, MIDDLE | calm, HARD | calm)
         return (
