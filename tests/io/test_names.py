@@ -20,7 +20,7 @@ from friction_audit.io.readers.message_kinds import match_kind
 from friction_audit.io.readers.reader import serial_in
 from friction_audit.io.writers.write_log import write_log
 from friction_audit.joint_log import Source
-from tests.io.bag_writing import joint_states, ros2_store, samples, write_mcap
+from tests.io.bag_writing import joint_states, ros2_store, samples, write
 
 PANDA = tuple(f"panda_joint{i}" for i in range(1, 8))
 TWO_ARMS = ["time", *(f"{a}_joint{i}/{c}" for a in ("left", "right") for c in ("q", "dq", "tau_J") for i in (1, 2))]
@@ -243,7 +243,7 @@ def test_a_state_of_an_arm_without_velocity(tmp_path: Path) -> None:
     angle = 0.01 * np.arange(400)[:, np.newaxis] + np.arange(7)
     values["q"] = np.sin(angle)
     sent = [(i * 10_000_000, kind(0 * q, q, tau)) for i, (q, tau) in enumerate(zip(values["q"], values["tau_J"]))]  # noqa: B905
-    log = read_log(write_mcap(tmp_path / "run.mcap", store, [("/state", "lbr_fri_idl/msg/LBRState", sent)]))
+    log = read_log(write(tmp_path / "run.mcap", [("/state", "lbr_fri_idl/msg/LBRState", sent)], store))
     np.testing.assert_array_equal(log.tau_J, values["tau_J"])
     np.testing.assert_allclose(log.dq, np.cos(angle), atol=1e-3)
     assert log.source.channels["dq"] == "derivative"
@@ -302,7 +302,7 @@ def test_serial_numbers_in_the_metadata_of_mcap_and_in_the_custom_data_of_a_bag(
     streams = [joint_states(ros2_store(), samples(20))]
     for chunked in (True, False):
         path = tmp_path / f"{chunked}.mcap"
-        write_mcap(path, ros2_store(), streams, notes={"serial": "295341"}, use_chunking=chunked)
+        write(path, streams, notes={"serial": "295341"}, use_chunking=chunked)
         assert read_log(path).source.serial == "295341"
     bag = shutil.copytree(SAMPLES / "rosbag2-sqlite3", tmp_path / "run")
     assert read_log(bag).source.serial == ""
