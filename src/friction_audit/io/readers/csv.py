@@ -189,14 +189,12 @@ class _PartOfClock:
 
     def rows_of(self, stamps: NDArray[Any]) -> NDArray[np.bool_] | None:
         """Return which rows of a block are in the part; None where all come after it."""
+        clock = to_clock(stamps.copy(), self._unit, path=self._path, origin=self._origin)
         if self._origin is None:
-            self._unit = to_clock(stamps.copy(), self._unit, path=self._path).unit
-            self._origin = stamps[np.isfinite(stamps).argmax()]
-        t = to_clock(stamps.copy(), self._unit, path=self._path, origin=self._origin).t
+            self._unit, self._origin = clock.unit, stamps[np.isfinite(stamps).argmax()]
+        t, (start, stop) = clock.t, self._options.window_of_clock()
         self.first_s, self._last_s = min(self.first_s, float(np.nanmin(t))), max(self._last_s, float(np.nanmax(t)))
-        start, stop = self._options.window_of_clock()
-        rows: NDArray[np.bool_] = (t >= start) & (t < stop)
-        return None if np.nanmin(t) > stop else rows
+        return None if np.nanmin(t) > stop else (t >= start) & (t < stop)
 
     def clock(self, stamps: NDArray[Any]) -> Clock:
         """Return the clock of the rows that were read."""

@@ -87,14 +87,13 @@ def _with_channels(first_path: Path, first: Recording, path: Path, other: Record
             f"with --map, or leave out --join {path}"
         )
     order = _joints_in_order(first_path, first, path, other)
-    rows = np.argsort(stamps, kind="stable")
-    rows = rows[np.isfinite(stamps[rows])]
-    rows = rows[np.append(True, np.diff(stamps[rows]) > 0.0)]
-    longest = LONGEST_GAP * float(np.median(np.diff(stamps[rows]))) if len(rows) > 1 else 0.0
+    stamps, rows = np.unique(stamps, return_index=True)  # NaN comes last
+    stamps = stamps[np.isfinite(stamps)]
+    longest = LONGEST_GAP * float(np.median(np.diff(stamps))) if len(stamps) > 1 else 0.0
     channels = dict(first.channels)
     for channel in new:
-        values = other.channels[channel][rows]
-        columns = [_interpolated(first.t, stamps[rows], values[:, joint], longest) for joint in order]
+        values = other.channels[channel][rows[: len(stamps)]]
+        columns = [_interpolated(first.t, stamps, values[:, joint], longest) for joint in order]
         channels[channel] = np.asfortranarray(np.column_stack(columns))
     findings = [replace(one, message=f"{path.name}: {one.message}") for one in other.findings]
     both = [channel for channel in other.channels if channel in first.channels]

@@ -237,14 +237,11 @@ def _named(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic],
 def _nothing_to_read(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic]) -> str:
     broken = next((candidate for candidate in candidates if not candidate.rows), None)
     what = f"no topic with measured joint states; {_EXPECTED}"
-    advice = "name the fields with --topic and --map if one of them holds the joints"
     if not any(topic.messages for topic in topics):
         what = "0 messages on any topic; expected joint states"
-        advice = "check that the robot and the recording were running, and record again"
     elif broken:
         what = f"the first messages on topic {broken.topic} of type {broken.type} do not fit their definition"
-        advice = "choose another one with --topic, or record again"
-    return f"{path}: {what}; {_listed(topics)}; {advice}"
+    return f"{path}: {what}; {_listed(topics)}; name a topic with --topic and its fields with --map, or record again"
 
 
 def _listed(topics: Sequence[Topic]) -> str:
