@@ -109,7 +109,7 @@ def _decompress_file(path: Path, folder: Path) -> Path:
             while block := stream.read(_COPIED_BYTES):
                 left -= file.write(block)
                 if left < 0:
-                    what = f"holds more than {file.tell()} bytes; expected at most {MOST_TIMES_PACKED} times its size"
+                    what = f"decompressed to {file.tell()} bytes; expected at most {MOST_TIMES_PACKED} times its size"
                     raise InputError(f"{path}: {what}; record it again")
     except (zstandard.ZstdError, OSError) as error:
         raise InputError(
