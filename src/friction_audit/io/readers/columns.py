@@ -183,10 +183,7 @@ def _outside_the_arm(
 def _guessed_groups(
     names: Mapping[int, ForeignName | None], labels: Mapping[int, str], stated: Collection[str]
 ) -> tuple[dict[str, Group], list[str]]:
-    """Group the columns by channel and template, and keep the first of the best templates of each channel.
-
-    Also returns the other templates of q that are as good.
-    """
+    """Return the columns of each channel by the first of its best templates, and the other templates of q as good."""
     found: dict[str, dict[tuple[tuple[int, ...], str], dict[int, ForeignName]]] = {}
     rank_of = ranks([name for name in names.values() if name])
     for cell, parsed in names.items():

@@ -38,10 +38,7 @@ _LOOSE_BYTES = 1 << 20
 
 
 class McapStream(MessageStream):
-    """The messages in one MCAP file.
-
-    The records are walked here, which needs no index; in the mcap library, that is where the time would go.
-    """
+    """The messages in one MCAP file; to walk the records here needs no index, and saves most of the library's time."""
 
     def __init__(self, path: Path) -> None:
         super().__init__(path)

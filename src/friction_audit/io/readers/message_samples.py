@@ -132,7 +132,8 @@ class JointDecoder:
                 there = (columns >= 0) & (columns < len(values))
                 array[there, at] = values[columns[there]]
         stamps, readings = [row.stamp for _, row, _ in found], [row.robot_time for _, row, _ in found]
-        own = {"header_stamp": stamps, "robot_time": readings, "log_time": [log_time for log_time, *_ in found]}
+        own: dict[str, list[Any]] = {"header_stamp": stamps, "robot_time": readings}
+        own["log_time"] = [log_time for log_time, *_ in found]
         times = {name: np.array(values) for name, values in own.items() if None not in values}
         return Piece(times, {name: list(array) for name, array in arrays.items()})
 

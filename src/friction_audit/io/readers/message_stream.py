@@ -34,10 +34,7 @@ def bound_of(packed_bytes: int) -> int:
 
 
 def unpack(compression: str, packed: bytes, claimed: int, *, cut: bool = False) -> bytes:
-    """Decompress data whose header claims a size, and no more than that; of ``cut`` data what there is.
-
-    BrokenError if they cannot be decompressed, or are of another size.
-    """
+    """Decompress data up to the size that a header claims, BrokenError if they have another; of ``cut`` data all."""
     if compression in ("none", ""):
         return packed
     most = min(bound_of(len(packed)), LARGEST_CHUNK)

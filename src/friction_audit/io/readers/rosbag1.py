@@ -46,10 +46,7 @@ class Chunk(NamedTuple):
 
 
 class Rosbag1Stream(MessageStream):
-    """The messages in a ROS 1 bag of version 2.0.
-
-    The records are walked from the start of the file, not through the index at its end, which bags may lack.
-    """
+    """The messages in a ROS 1 bag of version 2.0, walked from its start: bags may lack the index at the end."""
 
     def __init__(self, path: Path) -> None:
         super().__init__(path)

@@ -1,7 +1,6 @@
-"""The sqlite3 storage of a ROS 2 bag, also where pages are broken or cut off.
+"""The sqlite3 storage of a ROS 2 bag; where pages are broken or cut off, without SQLite from the leaf pages.
 
-Of such a file the messages on its leaf pages are read without SQLite, which would look for the pages above; for the
-layout of pages and records see https://www.sqlite.org/fileformat2.html.
+For the layout of pages and records see https://www.sqlite.org/fileformat2.html.
 """
 
 import re

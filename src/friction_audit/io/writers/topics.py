@@ -1,7 +1,6 @@
 """TidyTables and trajectories -> MCAP; of tables a topic per table and joint: JSON messages with their schema.
 
-Foxglove and PlotJuggler show them with the log that they were made from. What is known at a moment of the log is
-stamped with that moment, what the whole log says with its last sample.
+What is known at a moment of the log is stamped with that moment, what the whole log says with its last sample.
 """
 
 import heapq
