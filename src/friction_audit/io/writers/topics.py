@@ -13,10 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from friction_audit.errors import encodable
-from friction_audit.io.tidy_table import JointRows, TidyTable
 from friction_audit.io.writers.mcap import Channel, ros_channel, write_channels
 from friction_audit.io.writers.ros_messages import MessageType, load_types
-from friction_audit.io.writers.tables import NANOSECONDS, UNKNOWN_START_NS
+from friction_audit.io.writers.tables import NANOSECONDS, UNKNOWN_START_NS, JointRows, TidyTable
 from friction_audit.joint_log import Float, JointLog
 
 _BLOCK = 8192  # rows that are turned into messages at once
