@@ -207,11 +207,9 @@ def _disagreement(t: Float, log_t: Float, chosen: str) -> list[Finding]:
     drift = float(centred @ difference / (centred @ centred))
     sd_s = float(np.std(difference - drift * centred))
     limit_s = max(_DISAGREEMENT_SD_S, _DISAGREEMENT_STEPS * float(t.max()) / (len(t) - 1))
-    code, used, found = "clock_disagreement", f"{chosen} was used", list[Finding]()
+    texts = {}
     if sd_s > limit_s:
-        text = f"{_TITLES[chosen]} and the log time differ irregularly, standard deviation {sd_s * 1e3:.3g} ms"
-        found.append(Finding(code, f"{text}; {used}", amount=sd_s))
+        texts[f"{_TITLES[chosen]} and the log time differ irregularly, standard deviation {sd_s * 1e3:.3g} ms"] = sd_s
     if abs(drift) > _DISAGREEMENT_DRIFT and abs(drift) * t.max() > limit_s:
-        text = f"the log time runs {drift * 100:+.3g} % against {_TITLES[chosen]}"
-        found.append(Finding(code, f"{text}; {used}", amount=drift))
-    return found
+        texts[f"the log time runs {drift * 100:+.3g} % against {_TITLES[chosen]}"] = drift
+    return [Finding("clock_disagreement", f"{text}; {chosen} was used", amount=one) for text, one in texts.items()]

@@ -286,8 +286,8 @@ def _doubt_current(recording: Recording) -> Finding | None:
         return None
     arm = PRESETS[names[0]].label if len(names) == 1 else "these arms"
     if kinds == {CURRENT} and "effort" in name.lower() and not recording.torque_unit:
-        message = f"{name}: the ROS driver of {arm} gives the motor current [A] as effort, unless it is set to torques"
-        return Finding("effort_is_current", f"{message}; if it is in A, put :A after the names in --map tau_J")
+        message = f"{name}: the ROS driver of {arm} gives the motor current [A] as effort; if so, --map tau_J=NAME:A"
+        return Finding("effort_is_current", message)
     if kinds == {ESTIMATE}:
         message = f"{arm}: {name} is estimated from the motor current: its friction is that of motor, gear and joint"
         return Finding("torque_from_current", message)
