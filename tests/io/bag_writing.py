@@ -157,32 +157,27 @@ def write(path: Path, content: Samples | Sequence[Stream], store: Typestore | No
 
 
 def write_payloads(
-    path: Path,
-    streams: Sequence[tuple[str, str, Sequence[tuple[int, bytes]]]],
-    schemas: dict[str, bytes],
-    message_encoding: str,
-    schema_encoding: str,
-    *,
-    chunk_size: int = 64 * 1024,
-    notes: dict[str, str] | None = None,
-    **options: Any,
+    path: Path, streams: Sequence[Stream], schemas: dict[str, bytes], encoding: str, language: str, **options: Any
 ) -> Path:
+    """Write messages that are serialised already, as an MCAP file; ``notes`` become its metadata."""
+    notes = options.pop("notes", None)
     with path.open("wb") as file:
-        writer: Any = McapWriter(file, chunk_size=chunk_size, **options)
+        writer: Any = McapWriter(file, **{"chunk_size": 64 * 1024, **options})
         writer.start(profile="")
         if notes:
             writer.add_metadata("robot", notes)
         channels = []
         for topic, kind, _ in streams:
-            name = kind.replace("/msg/", "/") if message_encoding == "ros1" else kind
-            schema = writer.register_schema(name, schema_encoding, schemas[kind])
-            channels.append(writer.register_channel(topic, message_encoding, schema))
+            name = kind.replace("/msg/", "/") if encoding == "ros1" else kind
+            channels.append(
+                writer.register_channel(topic, encoding, writer.register_schema(name, language, schemas[kind]))
+            )
         for at, time, payload in _in_order(streams):
             writer.add_message(channels[at], time, payload, time)
         writer.finish()
     return path
 
 
-def _in_order(streams: Sequence[tuple[str, str, Sequence[tuple[int, Any]]]]) -> list[tuple[int, int, Any]]:
+def _in_order(streams: Sequence[Stream]) -> list[tuple[int, int, Any]]:
     rows = [(at, time, message) for at, (_, _, messages) in enumerate(streams) for time, message in messages]
     return sorted(rows, key=lambda row: row[1])

@@ -159,10 +159,7 @@ def held(table: pd.DataFrame) -> pd.DataFrame:
     ids=["rows lost", "wild", "empty", "acceleration", "wrapped", "held", "scaled", "asked for"],
 )
 def test_a_velocity_is_made_from_a_position_whose_faults_are_mended(
-    tmp_path: Path,
-    change: Callable[[pd.DataFrame], pd.DataFrame],
-    factor: float,
-    options: dict[str, Any],
+    tmp_path: Path, change: Callable[[pd.DataFrame], pd.DataFrame], factor: float, options: dict[str, Any]
 ) -> None:
     table = tidy_frame()
     log = read_text(tmp_path, change(table.drop(columns=["dq_1", "dq_2", "dq_3"])), **options)

@@ -149,8 +149,7 @@ def long_frame(joints: int = 3, **names: str) -> pd.DataFrame:
 
 
 @pytest.mark.parametrize(
-    "mapping",
-    [{"tau_J": "effort"}, {"tau_J": "#5"}, {"t": "time:s", "tau_J": "effort"}, {"tau_interaction": "effort"}],
+    "mapping", [{"tau_J": "effort"}, {"tau_J": "#5"}, {"t": "time:s", "tau_J": "effort"}, {"tau_interaction": "effort"}]
 )
 def test_a_mapping_names_single_columns_and_wins_over_the_guess(tmp_path: Path, mapping: dict[str, str]) -> None:
     log = read_text(tmp_path, long_frame(dq="speed", tau_J="effort"), mapping={"dq": "speed", **mapping})
