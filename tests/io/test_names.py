@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers import arm_of_log, read_log
+from friction_audit.io.readers.arrays import ArrayTable
 from friction_audit.io.readers.channel_names import arms_in, parse_name, robot_of, torque_unit
 from friction_audit.io.readers.columns import ColumnMap, map_columns
 from friction_audit.io.readers.message_kinds import match_kind
@@ -140,7 +141,9 @@ def test_robot_by_the_prefix_of_its_joints(robot: str, prefixes: Sequence[str]) 
 
 
 def mapped(names: str | Sequence[str], **mapping: str) -> ColumnMap:
-    return map_columns(names.split() if isinstance(names, str) else names, path="log", mapping=mapping)
+    table = ArrayTable(Path("log"), {})
+    table.names = names.split() if isinstance(names, str) else names
+    return map_columns(table, mapping, "")
 
 
 @given(st.integers(1, 12), st.sampled_from([0, 1]), st.randoms())

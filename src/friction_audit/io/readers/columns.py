@@ -5,6 +5,7 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
+from typing import TYPE_CHECKING
 
 from friction_audit.errors import InputError, near_misses
 from friction_audit.io.readers.channel_names import (
@@ -23,6 +24,9 @@ from friction_audit.io.readers.channel_names import (
 )
 from friction_audit.io.readers.time_column import UNITS, TimeColumn, find_time
 from friction_audit.joint_log import JOINT_CHANNELS, TORQUE_CHANNELS, Finding
+
+if TYPE_CHECKING:
+    from friction_audit.io.readers.table import Table
 
 MOST_JOINTS = 1000  # no robot has as many; with more, a table is transposed or a column is not what its name says
 REQUIRED = ("q",)  # a velocity is made from the position where there is none
@@ -55,27 +59,20 @@ class ColumnMap:
 
 
 def map_columns(
-    names: Sequence[str],
-    *,
-    path: str,
-    mapping: Mapping[str, str],
-    labels: Mapping[int, str] | None = None,
-    constant: Collection[int] = (),
-    arm: str = "",
-    needed: Sequence[str] = REQUIRED,
-    may_be_long: bool = False,
+    table: "Table", mapping: Mapping[str, str], arm: str, *, needed: Sequence[str] = REQUIRED, is_long: bool = False
 ) -> ColumnMap:
-    """Find time, joints and channels among the columns of a table; ``labels`` and so on are what a ``Table`` knows.
+    """Find time, joints and channels among the columns of a table.
 
     ``mapping`` is what the user says, channel or ``"t"`` -> name, and wins; ``arm`` is the one to read of several;
     ``needed`` are channels without which it is no log, and with them a torque: none where other files have them.
     """
-    bare = [name.strip() for name in names]
-    _refuse_absent(mapping, bare, path)
-    labels, listed = labels or {}, [one for channel, one in mapping.items() if channel != "t" and one not in bare]
+    path, labels, bare = str(table.path), table.labels, [name.strip() for name in table.names]
+    if lost := [f"--map {c}={mapping[c]}{near_misses(name, bare)}" for c, name in absent(mapping, bare).items()]:
+        raise InputError(f"{path}: no column for {' and no column for '.join(lost)}; found {shorten(bare)}")
+    listed = [one for channel, one in mapping.items() if channel != "t" and one not in bare]
     per_joint = any(_SEVERAL.search(one) or f"{one}[0]" in bare for one in listed)  # is a column
     is_joint = (cell for cell, name in enumerate(bare) if name.lower() in _JOINT_COLUMNS)
-    joint = next(is_joint, None) if may_be_long and not per_joint else None
+    joint = next(is_joint, None) if is_long and not per_joint else None
     outside = _outside_the_arm(bare, labels, mapping, arm, path) if joint is None else frozenset[int]()
     stated = {c: stated_group(mapping[c], bare, labels, outside) for c in JOINT_CHANNELS if c in mapping}
     taken = {bare[cell] for group in stated.values() for cell in group.cells.values()}
@@ -86,12 +83,12 @@ def map_columns(
     groups = {**guessed, **stated}
     _refuse_several(groups.get("q"), others, path)
     if joint is not None and not groups.keys() >= {*needed}:
-        return map_columns(names, path=path, mapping=mapping, labels=labels, constant=constant, arm=arm, needed=needed)
+        return map_columns(table, mapping, arm, needed=needed)
     most = max((len(group.cells) for group in groups.values()), default=0)
     if most > MOST_JOINTS:
         raise InputError(f"{path}: columns for {most} joints; expected at most {MOST_JOINTS}: is the table transposed?")
     # A column that stands still is second choice; where there is no better one, the checks report a stopped clock.
-    time = _stated_time(mapping["t"], bare) if "t" in mapping else find_time(bare, constant) or find_time(bare)
+    time = _stated_time(mapping["t"], bare) if "t" in mapping else find_time(bare, table.constant) or find_time(bare)
     lacks = not groups.keys() >= {*needed} or not groups.keys() & {*(TORQUE_CHANNELS if needed else JOINT_CHANNELS)}
     if time is None or lacks:
         raise InputError(_missing_message(bare, groups, found_time=time is not None, path=path))
@@ -110,12 +107,6 @@ def _refuse_several(q: Group | None, others: Sequence[str], path: str) -> None:
             f"{path}: several columns may be q; name those of one arm in the order of its joints: "
             f"--map q={','.join((q.template, *others))}, and those of the other channels likewise"
         )
-
-
-def _refuse_absent(mapping: Mapping[str, str], names: Sequence[str], path: str) -> None:
-    """Refuse columns that the table lacks, all of them at once."""
-    if lost := [f"--map {c}={mapping[c]}{near_misses(name, names)}" for c, name in absent(mapping, names).items()]:
-        raise InputError(f"{path}: no column for {' and no column for '.join(lost)}; found {shorten(names)}")
 
 
 def absent(mapping: Mapping[str, str], names: Sequence[str]) -> dict[str, str]:
