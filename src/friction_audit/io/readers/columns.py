@@ -81,7 +81,12 @@ def map_columns(
         parsed = {cell: name for cell, name in parsed.items() if name and name.index is None and name.joint is None}
     guessed, others = _guessed_groups(parsed, labels, stated)
     groups = {**guessed, **stated}
-    _refuse_several(groups.get("q"), others, path)
+    q = groups.get("q")
+    if q is not None and others and len(q.cells) == 1 and not q.names and "{" not in q.template:
+        raise InputError(  # each may be a joint by a name of its own, or of another arm
+            f"{path}: several columns may be q; name those of one arm in the order of its joints: "
+            f"--map q={','.join((q.template, *others))}, and those of the other channels likewise"
+        )
     if joint is not None and not groups.keys() >= {*needed}:
         return map_columns(table, mapping, arm, needed=needed)
     most = max((len(group.cells) for group in groups.values()), default=0)
@@ -98,15 +103,6 @@ def map_columns(
     message = f"{columns.mapping.get('q')} was read as q; also there: {', '.join(others)}; choose with --map"
     found = (Finding("topic_chosen", message),) if others else ()
     return replace(columns, findings=(*columns.findings, *found))
-
-
-def _refuse_several(q: Group | None, others: Sequence[str], path: str) -> None:
-    """Refuse columns of positions of which each may be a joint by a name of its own, or of another arm."""
-    if q is not None and others and len(q.cells) == 1 and not q.names and "{" not in q.template:
-        raise InputError(
-            f"{path}: several columns may be q; name those of one arm in the order of its joints: "
-            f"--map q={','.join((q.template, *others))}, and those of the other channels likewise"
-        )
 
 
 def absent(mapping: Mapping[str, str], names: Sequence[str]) -> dict[str, str]:

@@ -213,10 +213,9 @@ def _refuse_several_arms(path: Path, candidates: Sequence[Candidate]) -> None:
     prefixes = {arm for candidate in candidates for arm in candidate.choices} - {""}
     if max(len(namespaces), len(prefixes)) <= 1:
         return
-    best: dict[str, str] = {}
-    for candidate in sorted(candidates, key=lambda one: one.preference):
-        for arm, choice in candidate.choices.items():
-            best.setdefault(arm_name(arm) or namespace(candidate.topic), choice)
+    ranked = sorted(candidates, key=lambda one: one.preference)
+    choices = [(arm_name(arm) or namespace(c.topic), choice) for c in ranked for arm, choice in c.choices.items()]
+    best = dict(reversed(choices))  # the first one of each arm
     listed = [f"--topic '{choice}' ({c.messages} messages)" for c in candidates for choice in c.choices.values()]
     message = f"{path}: several arms in one log; choose one with {' or '.join(listed)}"
     raise SeveralLogsError(message, [best[arm] for arm in sorted(best)])
