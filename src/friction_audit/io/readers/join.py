@@ -60,12 +60,9 @@ def _refuse_lacks(parts: Sequence[tuple[Path, Recording]], joined: Recording) ->
     lost = [] if "q" in joined.channels else ["q"]
     lost += [] if joined.channels.keys() & {*TORQUE_CHANNELS} else [f"a torque ({', '.join(TORQUE_CHANNELS)})"]
     if lost:
-        names = ", ".join(path.name for path, _ in parts)
         held = "; ".join(f"{path.name} has {', '.join(part.channels) or 'none'}" for path, part in parts)
-        raise InputError(
-            f"{parts[0][0]}: no {' and no '.join(lost)} in {names}; {held}; join the file that has it with --join, or "
-            "name its columns with --map"
-        )
+        what = f"{parts[0][0]}: no {' and no '.join(lost)}; {held}"
+        raise InputError(f"{what}; join the file that has it with --join, or name its columns with --map")
 
 
 def _on_clock_of(first_path: Path, first: Recording, path: Path, other: Recording) -> Float:

@@ -177,9 +177,7 @@ class MessageStream(AbstractContextManager["MessageStream"]):
             with self._path.open("rb") as file:
                 if (found := file.read(len(self.magic))) != self.magic:
                     how = f"does not begin as {self.kind}" if found else "is empty"
-                    raise InputError(
-                        f"{self._path}: {how}; expected the bytes {self.magic!r}; copy the whole file again"
-                    )
+                    raise InputError(f"{self._path}: {how}; expected the bytes {self.magic!r}; copy it whole")
                 yield file
         except OSError as error:
             why = f"cannot be read: {error.strerror}; check the path and its permissions"
