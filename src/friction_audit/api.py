@@ -20,9 +20,8 @@ from friction_audit.errors import UsageError, near_misses
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.io import readers as ingest
 from friction_audit.io.files import whole_file
-from friction_audit.io.tidy_table import TidyTable
 from friction_audit.io.writers import write_log as export
-from friction_audit.io.writers.tables import to_frame
+from friction_audit.io.writers.tables import TidyTable, to_frame
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import AuditSettings, Diagnosis, Estimate, LogReplay
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings

@@ -1,7 +1,4 @@
-"""JointLog: what was recorded, in SI units and libfranka symbols.
-
-Holding a ``JointLog`` is the proof that its invariants hold; they are checked in its constructor alone.
-"""
+"""JointLog: what was recorded, in SI units and libfranka symbols; its constructor alone checks its invariants."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
@@ -175,11 +172,8 @@ class JointLog(Recording):
         return replace(self, **kept, joint_names=tuple(self.joint_names[c] for c in columns))
 
     def take_window(self, start_s: float | None, stop_s: float | None) -> "JointLog":
-        """Return the samples with start_s <= t < stop_s, two at least; the clock and the recording start at 0 again.
-
-        A part that was taken while the log was read is not taken from itself again.
-        """
-        if (start_s, stop_s) in ((None, None), self.source.window):
+        """Return the samples with start_s <= t < stop_s, two at least; the clock and the recording start at 0 again."""
+        if (start_s, stop_s) in ((None, None), self.source.window):  # taken while the log was read: not once more
             return self
         part = find_window(self.t, start_s, stop_s, self.source.path)
         skipped_s = float(self.t[part.start])
@@ -234,11 +228,7 @@ def step_places(samples: int) -> NDArray[np.int64]:
 
 
 def read_only(numbers: Float) -> Float:
-    """Return numbers in one read-only piece.
-
-    Columns of a log are read-only, and columns computed from them are not: a compiled loop would be compiled once for
-    each mixture of both.
-    """
+    """Return numbers in one read-only piece: loops are compiled once for each mixture of read-only and other arrays."""
     whole = np.ascontiguousarray(numbers, np.float64).view()
     whole.setflags(write=False)
     return whole

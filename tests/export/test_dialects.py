@@ -38,14 +38,11 @@ def decoded(path: Path, factory: Any) -> list[Any]:
         return list(make_reader(stream, decoder_factories=[factory]).iter_decoded_messages())
 
 
-def test_tidy_csv_by_hand(log: JointLog, tmp_path: Path) -> None:
+def test_csv_by_hand(log: JointLog, tmp_path: Path) -> None:
     write_log(log.take_joints([1]), tmp_path / "log.csv")
     expected = "time,q_1,dq_1,tau_J_1\n0,1,1.5,-1\n0.001,8,8.5,-8\n0.0025,15,15.5,-15\n"
     assert (tmp_path / "log.csv").read_text() == expected
-
-
-def test_rostopic_csv_by_hand(log: JointLog, tmp_path: Path) -> None:
-    write_log(log.take_joints([1]), tmp_path / "log.csv", dialect="csv-rostopic")
+    write_log(log.take_joints([1]), tmp_path / "log.csv", dialect="csv-rostopic", overwrite=True)
     header, _, second, _ = (tmp_path / "log.csv").read_text().splitlines()
     assert header.startswith("%time,field.header.seq,field.header.stamp,field.header.frame_id,field.name0,field.posi")
     assert second == "1700000000501000000,1,1700000000501000000,,panda_joint2,8,8.5,-8"

@@ -76,26 +76,18 @@ def test_unclear_requests_are_refused(name: str, dialect: str | None, words: str
         choose_writer(Path(name), dialect)
 
 
-INTERACTION = make_log(channels=("q", "dq", "tau_interaction"), samples=10)
-FOR_EFFORT = [writer for writer in WRITERS if writer.lacks(INTERACTION)]
+INTERACTION, SIX = make_log(channels=("q", "dq", "tau_interaction"), samples=10), make_log(joints=6, samples=10)
+TAU_J = r"needs tau_J \(the log has q, dq, tau_interaction\).* parquet, parquet-lists, csv"
+SEVEN = r"made.bag: .* needs 7 joints \(the log has 6\)"
+CASES = [(one, log, words) for log, words in ((INTERACTION, TAU_J), (SIX, SEVEN)) for one in WRITERS if one.lacks(log)]
 
 
-@pytest.mark.parametrize("writer", FOR_EFFORT, ids=lambda writer: writer.name)
-def test_interaction_torque_alone_is_refused_where_effort_is_tau_J(writer: Writer, tmp_path: Path) -> None:
-    assert len(FOR_EFFORT) == len(WRITERS) - 4  # the others hold all channels
-    log = INTERACTION
-    path = place(tmp_path, writer)
-    with pytest.raises(
-        UsageError, match=r"needs tau_J \(the log has q, dq, tau_interaction\).* parquet, parquet-lists, csv"
-    ):
-        write_log(log, path, dialect=writer.name)
+@pytest.mark.parametrize(("writer", "log", "words"), CASES, ids=[f"{one.name}-{words[6]}" for one, _, words in CASES])
+def test_a_log_that_a_dialect_cannot_hold_is_refused(writer: Writer, log: JointLog, words: str, tmp_path: Path) -> None:
+    assert len(CASES) == len(WRITERS) - 4 + 6  # all but tables of every channel need tau_J, those of Franka 7 joints
+    with pytest.raises(UsageError, match=words):
+        write_log(log, place(tmp_path, writer), dialect=writer.name)
     assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize("writer", [writer for writer in WRITERS if writer.joints], ids=lambda writer: writer.name)
-def test_franka_dialects_need_seven_joints(writer: Writer, tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match=r"made.bag: .* needs 7 joints \(the log has 6\)"):
-        write_log(make_log(joints=6, samples=10), place(tmp_path, writer), dialect=writer.name)
 
 
 @pytest.mark.parametrize("writer", WRITERS, ids=NAMES)

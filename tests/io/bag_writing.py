@@ -128,23 +128,27 @@ def franka_messages(store: Typestore, typename: str, values: Samples, names: Seq
     return "/franka_state_controller/franka_states", typename, messages
 
 
-def write_rosbag1(path: Path, store: Typestore, streams: Sequence[Stream], compression: str | None = None) -> Path:
-    writer = Rosbag1Writer(path)
-    if compression:
-        writer.set_compression(Rosbag1Writer.CompressionFormat[compression])
-    return _fill_bag(path, writer, store, streams, store.serialize_ros1)
-
-
-def write_rosbag2(
-    path: Path, store: Typestore, streams: Sequence[Stream], *, storage: str = "SQLITE3", compression: str | None = None
-) -> Path:
-    writer = Rosbag2Writer(path, version=9, storage_plugin=StoragePlugin[storage])
-    if compression:
-        writer.set_compression(CompressionMode[compression], CompressionFormat.ZSTD)
-    return _fill_bag(path, writer, store, streams, store.serialize_cdr)
-
-
-def _fill_bag(path: Path, writer: Any, store: Typestore, streams: Sequence[Stream], serialise: Any) -> Path:
+def write(path: Path, content: Samples | Sequence[Stream], store: Typestore | None = None, **options: Any) -> Path:
+    """Write joint states, or streams: a ROS 1 bag, an MCAP file (of ROS 2, or ``ros1``) or a folder of ROS 2."""
+    ros1 = path.suffix == ".bag" or options.pop("ros1", False)
+    store = store or (ros1_store() if ros1 else ros2_store())
+    streams = [joint_states(store, content)] if isinstance(content, dict) else content
+    serialise: Any = store.serialize_ros1 if ros1 else store.serialize_cdr
+    if path.suffix == ".mcap":
+        kinds = {kind: store.generate_msgdef(kind, ros_version=1 if ros1 else 2)[0].encode() for _, kind, _ in streams}
+        encodings = ("ros1", "ros1msg") if ros1 else ("cdr", "ros2msg")
+        payloads = [(topic, kind, [(t, bytes(serialise(m, kind))) for t, m in rows]) for topic, kind, rows in streams]
+        return write_payloads(path, payloads, kinds, *encodings, **options)
+    compression = options.pop("compression", None)
+    writer: Any
+    if ros1:
+        writer = Rosbag1Writer(path)
+        if compression:
+            writer.set_compression(Rosbag1Writer.CompressionFormat[compression])
+    else:
+        writer = Rosbag2Writer(path, version=9, storage_plugin=StoragePlugin[options.pop("storage", "SQLITE3")])
+        if compression:
+            writer.set_compression(CompressionMode[compression], CompressionFormat.ZSTD)
     with writer:
         connections = [writer.add_connection(topic, kind, typestore=store) for topic, kind, _ in streams]
         for at, time, message in _in_order(streams):
@@ -152,52 +156,28 @@ def _fill_bag(path: Path, writer: Any, store: Typestore, streams: Sequence[Strea
     return path
 
 
-def write_mcap(
-    path: Path,
-    store: Typestore,
-    streams: Sequence[Stream],
-    *,
-    ros1: bool = False,
-    chunk_size: int = 64 * 1024,
-    **options: Any,
+def write_payloads(
+    path: Path, streams: Sequence[Stream], schemas: dict[str, bytes], encoding: str, language: str, **options: Any
 ) -> Path:
-    """An MCAP file of ROS messages by the mcap library's own writer."""
-    serialise = store.serialize_ros1 if ros1 else store.serialize_cdr
-    payloads = [
-        (topic, kind, [(t, bytes(serialise(m, kind))) for t, m in messages]) for topic, kind, messages in streams
-    ]
-    schemas = {kind: store.generate_msgdef(kind, ros_version=1 if ros1 else 2)[0].encode() for _, kind, _ in streams}
-    encodings = ("ros1", "ros1msg") if ros1 else ("cdr", "ros2msg")
-    return write_mcap_payloads(path, payloads, schemas, *encodings, chunk_size=chunk_size, **options)
-
-
-def write_mcap_payloads(
-    path: Path,
-    streams: Sequence[tuple[str, str, Sequence[tuple[int, bytes]]]],
-    schemas: dict[str, bytes],
-    message_encoding: str,
-    schema_encoding: str,
-    *,
-    chunk_size: int = 64 * 1024,
-    notes: dict[str, str] | None = None,
-    **options: Any,
-) -> Path:
+    """Write messages that are serialised already, as an MCAP file; ``notes`` become its metadata."""
+    notes = options.pop("notes", None)
     with path.open("wb") as file:
-        writer: Any = McapWriter(file, chunk_size=chunk_size, **options)
+        writer: Any = McapWriter(file, **{"chunk_size": 64 * 1024, **options})
         writer.start(profile="")
         if notes:
             writer.add_metadata("robot", notes)
         channels = []
         for topic, kind, _ in streams:
-            name = kind.replace("/msg/", "/") if message_encoding == "ros1" else kind
-            schema = writer.register_schema(name, schema_encoding, schemas[kind])
-            channels.append(writer.register_channel(topic, message_encoding, schema))
+            name = kind.replace("/msg/", "/") if encoding == "ros1" else kind
+            channels.append(
+                writer.register_channel(topic, encoding, writer.register_schema(name, language, schemas[kind]))
+            )
         for at, time, payload in _in_order(streams):
             writer.add_message(channels[at], time, payload, time)
         writer.finish()
     return path
 
 
-def _in_order(streams: Sequence[tuple[str, str, Sequence[tuple[int, Any]]]]) -> list[tuple[int, int, Any]]:
+def _in_order(streams: Sequence[Stream]) -> list[tuple[int, int, Any]]:
     rows = [(at, time, message) for at, (_, _, messages) in enumerate(streams) for time, message in messages]
     return sorted(rows, key=lambda row: row[1])

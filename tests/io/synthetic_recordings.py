@@ -51,7 +51,7 @@ def read_text(folder: Path, content: str | bytes | pd.DataFrame, **options: Any)
     return read_log(path, ReadOptions(**options))
 
 
-def write_tidy_csv(path: Path, samples: int = 300, joints: int = 3, separator: str = ",") -> Path:
-    """Write the motion as a tidy text table."""
-    tidy_frame(samples, joints).to_csv(path, index=False, sep=separator)
+def write_tidy_csv(path: Path) -> Path:
+    """Write 300 samples of the motion as a tidy text table."""
+    tidy_frame(300).to_csv(path, index=False)
     return path

@@ -1,153 +1,140 @@
 """What is the same in all containers of messages: ROS 1 bags, ROS 2 bags and MCAP files."""
 
-from collections.abc import Callable, Sequence
-from functools import partial
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from mcap.writer import CompressionType, IndexType
+from rosbags.typesys.store import Typestore
 
 from friction_audit.errors import InputError, UsageError
 from friction_audit.io.readers import list_topics
-from tests.io.bag_writing import (
-    JOINT_STATE,
-    JOINTS,
-    STEP_NS,
-    Stream,
-    assert_read,
-    header,
-    joint_state,
-    joint_states,
-    read,
-    ros1_store,
-    ros2_store,
-    samples,
-    stamp_ns,
-    write_mcap,
-    write_rosbag1,
-    write_rosbag2,
-)
-
-Write = Callable[[Path, Sequence[Stream]], Path]
+from tests.io import bag_writing as bags
 
 
-def bag1(folder: Path, streams: Sequence[Stream], **options: Any) -> Path:
-    return write_rosbag1(folder / "a.bag", ros1_store(), streams, **options)
+@dataclass
+class Form:
+    """A container, and how its writer is asked to write it."""
+
+    name: str
+    options: dict[str, Any]
+
+    @property
+    def store(self) -> Typestore:
+        return bags.ros1_store() if self.name == "a.bag" or "ros1" in self.options else bags.ros2_store()
+
+    def write(self, folder: Path, content: Any) -> Path:
+        return bags.write(folder / self.name, content, **self.options)
+
+    def __str__(self) -> str:
+        return f"{self.name} {' '.join(f'{name}={value}' for name, value in self.options.items())}"
 
 
-def bag2(folder: Path, streams: Sequence[Stream], **options: Any) -> Path:
-    return write_rosbag2(folder / "bag", ros2_store(), streams, **options)
-
-
-def mcap(folder: Path, streams: Sequence[Stream], **options: Any) -> Path:
-    return write_mcap(folder / "a.mcap", ros1_store() if options.get("ros1") else ros2_store(), streams, **options)
-
-
-def store_of(write: Any) -> Any:
-    is_ros1 = getattr(write, "func", write) is bag1 or "ros1" in getattr(write, "keywords", {})
-    return ros1_store() if is_ros1 else ros2_store()
+def forms(name: str, *options: dict[str, Any]) -> list[Form]:
+    return [Form(name, one) for one in options]
 
 
 @pytest.mark.parametrize(
-    "write",
+    "form",
     [
-        *(partial(bag1, compression=compression) for compression in (None, "LZ4", "BZ2")),
-        *(partial(bag2, compression=compression) for compression in (None, "MESSAGE", "FILE")),
-        *(partial(bag2, storage="MCAP", compression=compression) for compression in (None, "FILE")),
-        *(partial(mcap, compression=compression) for compression in CompressionType),
-        partial(mcap, ros1=True),
-        partial(mcap, use_chunking=False),
-        partial(mcap, index_types=IndexType.NONE),
-        partial(mcap, use_statistics=False, repeat_channels=False, repeat_schemas=False),
-        partial(mcap, use_summary_offsets=False),
+        *forms("a.bag", *({"compression": one} for one in (None, "LZ4", "BZ2"))),
+        *forms("bag", *({"compression": one} for one in (None, "MESSAGE", "FILE"))),
+        *forms("bag", *({"storage": "MCAP", "compression": one} for one in (None, "FILE"))),
+        *forms("a.mcap", *({"compression": one} for one in CompressionType)),
+        *forms("a.mcap", {"ros1": True}, {"use_chunking": False}, {"index_types": IndexType.NONE}),
+        *forms("a.mcap", {"use_statistics": False, "repeat_channels": False, "repeat_schemas": False}),
+        *forms("a.mcap", {"use_summary_offsets": False}),
     ],
-    ids=lambda write: f"{write.func.__name__} {' '.join(f'{k}={v}' for k, v in write.keywords.items())}",
+    ids=str,
 )
-def test_joint_states(tmp_path: Path, write: Write) -> None:
-    values, store = samples(1500), store_of(write)
+def test_joint_states(tmp_path: Path, form: Form) -> None:
+    values, store = bags.samples(1500), form.store
     text: Any = store.types["std_msgs/msg/String"]
-    path = write(tmp_path, [joint_states(store, values), ("/note", "std_msgs/msg/String", [(stamp_ns(0), text("x"))])])
-    recording = read(path)
-    assert_read(recording, values)
-    np.testing.assert_array_equal(recording.t, np.arange(1500) * STEP_NS / 1e9)
-    assert recording.joint_names == JOINTS
+    note = ("/note", "std_msgs/msg/String", [(bags.stamp_ns(0), text("x"))])
+    path = form.write(tmp_path, [bags.joint_states(store, values), note])
+    recording = bags.read(path)
+    bags.assert_read(recording, values)
+    np.testing.assert_array_equal(recording.t, np.arange(1500) * bags.STEP_NS / 1e9)
+    assert recording.joint_names == bags.JOINTS
     assert (recording.clock, recording.robot, recording.topic) == ("header_stamp", "panda", "/joint_states")
     assert recording.start_s == pytest.approx(1.7e9)
     assert recording.mapping == {"q": "position[{i}]", "dq": "velocity[{i}]", "tau_J": "effort[{i}]"}
     assert recording.findings == ()
     found = {(topic.name, topic.type, topic.messages, topic.readable) for topic in list_topics(path)[1]}
-    assert found == {("/joint_states", JOINT_STATE, 1500, True), ("/note", "std_msgs/msg/String", 1, False)}
+    assert found == {("/joint_states", bags.JOINT_STATE, 1500, True), ("/note", "std_msgs/msg/String", 1, False)}
     with pytest.raises(InputError, match="/note of type std_msgs/msg/String holds no joint state"):
-        read(path, topic="/note")
+        bags.read(path, topic="/note")
 
 
-ANY = pytest.mark.parametrize("write", [bag1, bag2, mcap])
+ANY = pytest.mark.parametrize("form", [Form(name, {}) for name in ("a.bag", "bag", "a.mcap")], ids=str)
 
 
 @ANY
-def test_topics_that_alternate(tmp_path: Path, write: Write) -> None:
-    values, store = samples(800), store_of(write)
+def test_topics_that_alternate(tmp_path: Path, form: Form) -> None:
+    values, store = bags.samples(800), form.store
     text: Any = store.types["std_msgs/msg/String"]
-    notes = [(stamp_ns(i) + 7 * STEP_NS // 3, text("x" * (i % 13))) for i in range(700)]
-    assert_read(read(write(tmp_path, [joint_states(store, values), ("/note", "std_msgs/msg/String", notes)])), values)
+    notes = [(bags.stamp_ns(i) + 7 * bags.STEP_NS // 3, text("x" * (i % 13))) for i in range(700)]
+    streams = [bags.joint_states(store, values), ("/note", "std_msgs/msg/String", notes)]
+    bags.assert_read(bags.read(form.write(tmp_path, streams)), values)
 
 
 @ANY
-def test_order_that_changes_between_messages(tmp_path: Path, write: Write) -> None:
-    values, store = samples(5000), store_of(write)
-    orders = (JOINTS, JOINTS[::-1], (*JOINTS[3:], *JOINTS[:3], "panda_finger_joint1"))
+def test_order_that_changes_between_messages(tmp_path: Path, form: Form) -> None:
+    values, store = bags.samples(5000), form.store
+    orders = (bags.JOINTS, bags.JOINTS[::-1], (*bags.JOINTS[3:], *bags.JOINTS[:3], "panda_finger_joint1"))
     at = (orders[i * i % 3 if i < 60 else i // 3000] for i in range(5000))  # each time, then once for good
-    messages = [(stamp_ns(i), joint_state(store, i, values, names=names)) for i, names in enumerate(at)]
-    assert_read(read(write(tmp_path, [("/joint_states", JOINT_STATE, messages)])), values)
+    messages = [(bags.stamp_ns(i), bags.joint_state(store, i, values, names=names)) for i, names in enumerate(at)]
+    bags.assert_read(bags.read(form.write(tmp_path, [("/joint_states", bags.JOINT_STATE, messages)])), values)
 
 
 @ANY
-def test_scrambled_order_fingers_and_empty_names(tmp_path: Path, write: Write) -> None:
-    values, store = samples(20), store_of(write)
-    names = ["panda_finger_joint1", *JOINTS[::2], "panda_finger_joint2", *JOINTS[1::2]]
-    recording = read(write(tmp_path, [joint_states(store, values, names=names)]))
-    assert_read(recording, values)
+def test_scrambled_order_fingers_and_empty_names(tmp_path: Path, form: Form) -> None:
+    values, store = bags.samples(20), form.store
+    names = ["panda_finger_joint1", *bags.JOINTS[::2], "panda_finger_joint2", *bags.JOINTS[1::2]]
+    recording = bags.read(form.write(tmp_path, [bags.joint_states(store, values, names=names)]))
+    bags.assert_read(recording, values)
     (said,) = [one.message for one in recording.findings if one.code == "joints_left_out"]
     assert said.endswith(": panda_finger_joint1, panda_finger_joint2")
-    assert recording.joint_names == JOINTS
-    kind: Any = store.types[JOINT_STATE]
+    assert recording.joint_names == bags.JOINTS
+    kind: Any = store.types[bags.JOINT_STATE]
     rows = ([values[c][i] for c in ("q", "dq", "tau_J")] for i in range(20))
-    nameless = [(stamp_ns(i), kind(header(store, i), [], *row)) for i, row in enumerate(rows)]
+    nameless = [(bags.stamp_ns(i), kind(bags.header(store, i), [], *row)) for i, row in enumerate(rows)]
     (tmp_path / "nameless").mkdir()
-    recording = read(write(tmp_path / "nameless", [("/j", JOINT_STATE, nameless)]))
-    assert_read(recording, values)
+    recording = bags.read(form.write(tmp_path / "nameless", [("/j", bags.JOINT_STATE, nameless)]))
+    bags.assert_read(recording, values)
     assert recording.joint_names == tuple(f"joint{i}" for i in range(1, 8))
     assert recording.robot == "unknown"
 
 
 @ANY
-def test_two_arms_are_for_the_user_to_choose(tmp_path: Path, write: Write) -> None:
-    streams = [joint_states(store_of(write), samples(20), f"/{arm}/joint_states") for arm in ("left", "right")]
-    path = write(tmp_path, streams)
+def test_two_arms_are_for_the_user_to_choose(tmp_path: Path, form: Form) -> None:
+    streams = [bags.joint_states(form.store, bags.samples(20), f"/{arm}/joint_states") for arm in ("left", "right")]
+    path = form.write(tmp_path, streams)
     with pytest.raises(UsageError, match=r"--topic '/right/joint_states' \(20 messages\)"):
-        read(path)
-    assert read(path, topic="right/joint_states").topic == "/right/joint_states"
+        bags.read(path)
+    assert bags.read(path, topic="right/joint_states").topic == "/right/joint_states"
 
 
 @pytest.mark.parametrize("share", [0.3, 0.75, 0.98])
 @pytest.mark.parametrize(
-    "write",
+    "form",
     [
-        *(partial(bag1, compression=compression) for compression in (None, "LZ4")),
-        *(partial(mcap, **options) for options in ({}, {"use_chunking": False}, {"compression": CompressionType.NONE})),
+        *forms("a.bag", {"compression": None}, {"compression": "LZ4"}),
+        *forms("a.mcap", {}, {"use_chunking": False}, {"compression": CompressionType.NONE}),
     ],
+    ids=str,
 )
-def test_what_breaks_off_is_read_up_to_there(tmp_path: Path, write: Write, share: float) -> None:
-    values = samples(9000)
-    path = write(tmp_path, [joint_states(store_of(write), values)])
+def test_what_breaks_off_is_read_up_to_there(tmp_path: Path, form: Form, share: float) -> None:
+    values = bags.samples(9000)
+    path = form.write(tmp_path, values)
     whole = path.read_bytes()
     path.write_bytes(whole[: int(share * len(whole))])
-    recording = read(path)
+    recording = bags.read(path)
     saved = len(recording.t)
     assert max(1000, (share - 0.25) * 9000) < saved <= 9000
-    assert_read(recording, {name: array[:saved] for name, array in values.items()})
+    bags.assert_read(recording, {name: array[:saved] for name, array in values.items()})
     (finding,) = recording.findings
     assert (finding.code, finding.damaged) == ("truncated", True)
     assert f" of {int(share * len(whole))} " in finding.message
@@ -178,4 +165,4 @@ def test_bad_files(tmp_path: Path, suffix: str, content: bytes, message: str) ->
     path = tmp_path / f"bad{suffix}"
     path.write_bytes(content)
     with pytest.raises(InputError, match=f"bad{suffix}: .*({message})"):
-        read(path)
+        bags.read(path)

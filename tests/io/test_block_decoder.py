@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -45,7 +44,13 @@ def test_equals_the_librarys_decoder_bit_for_bit(case: tuple[str, list[Any]], da
     encoding, messages = case
     payloads = [serialise(encoding, message) for message in messages]
     layout = layout_of(encoding, payloads[0])
-    records = layout.records(one_block(0, range(len(payloads)), payloads), NUMBERS)
+    gaps = data.draw(st.sampled_from([(0,), (5,), (3, 11, 0)]))  # between the payloads: none, even, uneven
+    buffer, start = b"", []
+    for number, payload in enumerate(payloads):
+        start.append(len(buffer))
+        buffer += payload + b"\xff" * gaps[number % len(gaps)]
+    size = np.full(len(payloads), len(payloads[0]), np.int64)
+    records = layout.records(Block(0, np.arange(len(payloads)), buffer, np.array(start, np.int64), size), NUMBERS)
     assert records is not None
     for record, payload in zip(records, payloads, strict=True):
         store = STORES[encoding]
@@ -59,21 +64,3 @@ def test_equals_the_librarys_decoder_bit_for_bit(case: tuple[str, list[Any]], da
     place = data.draw(st.sampled_from(layout.fixed.tolist()))
     data.draw(st.sampled_from(changed))[place] ^= data.draw(st.integers(1, 255))
     assert layout.records(one_block(0, range(len(changed)), list(map(bytes, changed))), NUMBERS) is None
-
-
-@pytest.mark.parametrize("gaps", [(0, 0), (5, 5), (3, 11)], ids=["joined", "even", "uneven"])
-def test_a_message_known_by_hand_wherever_it_lies(gaps: tuple[int, int]) -> None:
-    kind: Any = STORES["cdr"].types[JOINT_STATE]
-    values = np.array([1.0, 2.0])
-    names = ["a_joint1", "a_joint2"]
-    payload = serialise("cdr", kind(header(STORES["cdr"], 0, "base"), names, values, -values, 10 * values))
-    # 4 header, 8 stamp, 4+5 "base\0", 3 padding, 4 count, 4+9 "a_joint1\0", 3 padding, 4+9, 3 padding, 4 count: 64.
-    layout, size = layout_of("cdr", payload), len(payload)
-    assert layout.numbers["header.stamp.sec"].offset == 4
-    assert (layout.numbers["position"].offset, layout.numbers["velocity"].offset) == (68, 68 + 16 + 8)
-    assert layout.strings["name"] == ("a_joint1", "a_joint2")
-    buffer = payload + b"\xff" * gaps[0] + payload + b"\xff" * gaps[1] + payload
-    start = np.array([0, size + gaps[0], 2 * size + sum(gaps)], np.int64)
-    records = layout.records(Block(0, np.arange(3), buffer, start, np.full(3, size, np.int64)), NUMBERS)
-    assert records is not None
-    np.testing.assert_array_equal(records["effort"], [[10.0, 20.0]] * 3)

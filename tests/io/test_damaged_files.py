@@ -6,6 +6,7 @@ from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from hypothesis import strategies as st
 
 from friction_audit.errors import FrictionAuditError
 from friction_audit.io.readers import list_topics, read_log
-from tests.io.bag_writing import joint_states, ros1_store, ros2_store, samples, write_mcap, write_rosbag1, write_rosbag2
+from tests.io.bag_writing import samples, write
 from tests.io.synthetic_recordings import motion, tidy_frame
 
 SAMPLES = 50
@@ -25,10 +26,9 @@ def npz() -> bytes:
     return stream.getvalue()
 
 
-def bag(write: Callable[..., Path], name: str, **options: object) -> bytes:
-    store = ros1_store() if name.endswith(".bag") else ros2_store()
+def bag(name: str, **options: Any) -> bytes:
     with TemporaryDirectory() as folder:
-        path = write(Path(folder) / name, store, [joint_states(store, samples(20))], **options)
+        path = write(Path(folder) / name, samples(20), **options)
         return (next(path.glob("*.db3")) if path.is_dir() else path).read_bytes()
 
 
@@ -36,10 +36,10 @@ FILES: dict[str, Callable[[], bytes]] = {
     "run.csv": lambda: tidy_frame(SAMPLES).to_csv(index=False).encode(),
     "run.parquet": lambda: tidy_frame(SAMPLES).to_parquet(),
     "run.npz": npz,
-    "run.bag": lambda: bag(write_rosbag1, "run.bag"),
-    "chunks.mcap": lambda: bag(write_mcap, "run.mcap", enable_crcs=False, chunk_size=2048),
-    "loose.mcap": lambda: bag(write_mcap, "run.mcap", use_chunking=False),
-    "run.db3": lambda: bag(write_rosbag2, "bag"),
+    "run.bag": lambda: bag("run.bag"),
+    "chunks.mcap": lambda: bag("run.mcap", enable_crcs=False, chunk_size=2048),
+    "loose.mcap": lambda: bag("run.mcap", use_chunking=False),
+    "run.db3": lambda: bag("bag"),
 }
 whole = cache(lambda name: FILES[name]())
 

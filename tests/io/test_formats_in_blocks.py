@@ -72,6 +72,7 @@ def test_an_archive_that_is_not_compressed(
     arrays = {name: np.asarray(array, order=order) for name, array in log.channels().items()}
     np.savez(tmp_path / "run.npz", time=log.t, joint_names=np.array(log.joint_names), **arrays)  # type: ignore[arg-type]
     assert_in_blocks(tmp_path / "run.npz", blocks=5)
+    np.testing.assert_array_equal(read_log(tmp_path / "run.npz").dq, log.dq)
 
 
 @pytest.mark.parametrize("fault", ["word", "blank line", "cut"])

@@ -140,10 +140,7 @@ def test_a_torque_is_preferred_to_its_current() -> None:
     ("options", "message"),
     [
         ({"gear_ratio": (100.0,)}, "--gear-ratio without --torque-constant"),
-        (
-            {"torque_constant": (0.1, 0.1, 0.1)},
-            r"--torque-constant: 3 numbers; expected one, or one per joint \(2\)",
-        ),
+        ({"torque_constant": (0.1, 0.1, 0.1)}, r"--torque-constant: 3 numbers; expected one, or one per joint \(2\)"),
         ({"torque_scale": (-1.0,)}, "--torque-scale: expected numbers above zero; a sign is turned with --flip"),
         ({"flip": (3,)}, "--flip: no joint 3; expected joints from 1 to 2"),
     ],

@@ -86,11 +86,7 @@ def test_the_estimate_is_the_same(
 ) -> None:
     channels, torque = CASES[case]
     path = written(frame, tmp_path, *channels)
-    settings = AuditSettings(
-        joints=joints,
-        torque=TorqueSettings(**torque),
-        cycles=CycleSettings(thresholds="auto"),
-    )
+    settings = AuditSettings(joints=joints, torque=TorqueSettings(**torque), cycles=CycleSettings(thresholds="auto"))
     found = []
     for options in (ReadOptions(), InBlocks()):
         log = read_log(path, options)
@@ -120,12 +116,8 @@ def assert_same_log(
 
 def turned_later(frame: pd.DataFrame) -> pd.DataFrame:
     """Turn the torque of the first blocks: all else says that it has another sign than these."""
-    early = frame["time"] < 7.0
-    return frame.assign(**{name: frame[name].where(~early, -frame[name]) for name in torques(frame)})
-
-
-def torques(frame: pd.DataFrame) -> list[str]:
-    return [str(name) for name in frame if str(name).startswith("tau_interaction")]
+    early, torques = frame["time"] < 7.0, [f"tau_interaction_{j}" for j in range(1, 8)]
+    return frame.assign(**{name: frame[name].where(~early, -frame[name]) for name in torques})
 
 
 @pytest.mark.parametrize(

@@ -21,16 +21,10 @@ JOINTS = ["shoulder_pan", "elbow", "gripper"]
 BY_NUMBER = {"t": "#1", "q": "#2-#4", "dq": "#5-#7", "tau_J": "#8-#10"}
 
 
-def packed(folder: Path, suffix: str) -> Path:
-    content = write_tidy_csv(folder / "run.csv").read_bytes()
-    path = folder / f"run.csv{suffix}"
-    path.write_bytes(gzip.compress(content) if suffix == ".gz" else pa.compress(content, codec="zstd", asbytes=True))
-    return path
-
-
 @pytest.mark.parametrize("suffix", [".gz", ".zst"])
 def test_compressed_text_whole_and_cut_off(tmp_path: Path, suffix: str) -> None:
-    path = packed(tmp_path, suffix)
+    content, path = write_tidy_csv(tmp_path / "run.csv").read_bytes(), tmp_path / f"run.csv{suffix}"
+    path.write_bytes(gzip.compress(content) if suffix == ".gz" else pa.compress(content, codec="zstd", asbytes=True))
     log = read_log(path)
     np.testing.assert_array_equal(log.q, motion(300)["q"])
     assert (log.source.format, log.source.findings) == ("csv", ())

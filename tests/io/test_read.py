@@ -114,25 +114,6 @@ def test_a_part_beyond_the_end_is_refused_with_the_duration(path: Path, monkeypa
         read_log(path, ReadOptions(t_start_s=5000.0))
 
 
-@pytest.mark.parametrize("mapping", [{}, {"dq": "derivative"}])
-def test_a_velocity_is_made_from_the_position(tmp_path: Path, mapping: dict[str, str]) -> None:
-    """KUKA's FRI gives no velocity, and many ROS drivers leave it empty, or fill it with zeros."""
-    t = np.cumsum(np.random.default_rng(0).uniform(0.0008, 0.0012, 8000))  # an uneven clock
-    turn = 2.0 * np.pi * 0.5 * t
-    columns = {"time": t, "MeasuredJointPosition_A1": np.sin(turn), "MeasuredTorque_A1": np.sign(np.cos(turn))}
-    if mapping:
-        columns["dq_1"] = np.zeros(len(t))
-    path = tmp_path / "fri.csv"
-    np.savetxt(path, np.column_stack([*columns.values()]), header=",".join(columns), comments="", delimiter=",")
-    if mapping:
-        with pytest.raises(InputError, match=r"velocity was not recorded: .* --map dq=derivative"):
-            read_log(path)
-    log = read_log(path, ReadOptions(mapping=mapping))
-    np.testing.assert_allclose(log.dq[:, 0], np.pi * np.cos(turn), atol=0.01)
-    assert "velocity_derived" in {finding.code for finding in log.source.findings}
-    assert log.source.channels["dq"] == "derivative"
-
-
 def wrapped(table: pd.DataFrame) -> pd.DataFrame:
     """Three times the angle, within one turn."""
     return table.assign(**{f"q_{j}": (3.0 * table[f"q_{j}"] + np.pi) % (2.0 * np.pi) - np.pi for j in (1, 2, 3)})
@@ -147,6 +128,7 @@ def held(table: pd.DataFrame) -> pd.DataFrame:
 @pytest.mark.parametrize(
     ("change", "factor", "options"),
     [
+        (lambda table: table[np.random.default_rng(0).uniform(size=len(table)) > 0.2], 1.0, {}),
         (lambda table: table.assign(q_2=table["q_2"].mask(table.index % 500 == 2)), 1.0, {}),
         (lambda table: table.assign(q_2=table["q_2"].mask(table.index == 1234, 50.0)), 1.0, {}),
         (lambda table: table.assign(dq_2=np.nan, dq_1=np.nan, dq_3=np.nan), 1.0, {}),
@@ -156,20 +138,22 @@ def held(table: pd.DataFrame) -> pd.DataFrame:
         (lambda table: table, 0.5, {"time_scale": 2.0}),
         (lambda table: table.assign(dq_1=0.0, dq_2=0.0, dq_3=0.0), 1.0, {"mapping": {"dq": "derivative"}}),
     ],
-    ids=["rows lost", "wild", "empty", "acceleration", "wrapped", "held", "scaled", "asked for"],
+    ids=["uneven", "rows lost", "wild", "empty", "acceleration", "wrapped", "held", "scaled", "asked for"],
 )
 def test_a_velocity_is_made_from_a_position_whose_faults_are_mended(
-    tmp_path: Path,
-    change: Callable[[pd.DataFrame], pd.DataFrame],
-    factor: float,
-    options: dict[str, Any],
+    tmp_path: Path, change: Callable[[pd.DataFrame], pd.DataFrame], factor: float, options: dict[str, Any]
 ) -> None:
+    """KUKA's FRI gives no velocity, and many ROS drivers leave it empty, or fill it with zeros."""
     table = tidy_frame()
+    if "mapping" in options:
+        with pytest.raises(InputError, match=r"velocity was not recorded: .* --map dq=derivative"):
+            read_text(tmp_path, change(table))
     log = read_text(tmp_path, change(table.drop(columns=["dq_1", "dq_2", "dq_3"])), **options)
     rows = np.rint(log.t * 1000.0 * (factor if "time_scale" in options else 1.0)).astype(int)
     expected = factor * table[["dq_1", "dq_2", "dq_3"]].to_numpy()[rows]
     np.testing.assert_allclose(log.dq, expected, atol=0.05)
-    assert log.source.clock_windows == 0
+    assert (log.source.clock_windows, log.source.channels["dq"]) == (0, "derivative")
+    assert "velocity_derived" in {finding.code for finding in log.source.findings}
 
 
 @pytest.mark.parametrize("writer", WRITERS, ids=lambda writer: writer.name)

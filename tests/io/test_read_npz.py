@@ -2,13 +2,13 @@ import tracemalloc
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import pytest
 
 from friction_audit.errors import InputError
-from friction_audit.io.readers import ReadOptions, list_topics, read_log
+from friction_audit.io.readers import ReadOptions, read_log
 from tests.io.synthetic_recordings import motion
 
 
@@ -53,13 +53,6 @@ def test_pickled_arrays_are_never_unpacked(tmp_path: Path) -> None:
         read_log(path)
 
 
-def test_lengths_that_differ(tmp_path: Path) -> None:
-    path = tmp_path / "run.npz"
-    np.savez(path, **{name: array[: 200 if name == "dq" else 300] for name, array in motion(300).items()})  # type: ignore[arg-type]
-    with pytest.raises(InputError, match=r"dq has shape \(200, 3\), t has 300 samples"):
-        read_log(path)
-
-
 def rewrite(path: Path, name: str, change: Callable[[bytes], bytes]) -> None:
     """Change an entry, and make its checksum right."""
     with zipfile.ZipFile(path) as archive:
@@ -67,15 +60,6 @@ def rewrite(path: Path, name: str, change: Callable[[bytes], bytes]) -> None:
     with zipfile.ZipFile(path, "w") as archive:
         for entry, content in contents.items():
             archive.writestr(entry, change(content) if entry == f"{name}.npy" else content)
-
-
-@pytest.mark.parametrize("order", ["C", "F"])
-def test_either_layout(tmp_path: Path, order: Literal["C", "F"]) -> None:
-    arrays = motion(300)
-    np.savez(tmp_path / "run.npz", **{name: np.asarray(array, order=order) for name, array in arrays.items()})  # type: ignore[arg-type]
-    np.testing.assert_array_equal(read_log(tmp_path / "run.npz").dq, arrays["dq"])
-    name, topics = list_topics(tmp_path / "run.npz")
-    assert (name, {topic.name: topic.messages for topic in topics}) == ("npz", dict.fromkeys(arrays, 300))
 
 
 @pytest.mark.parametrize(

@@ -13,28 +13,13 @@ import zstandard
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers import list_topics, read_log, rosbag2
-from friction_audit.io.readers.message_decoder import _FRANKA_GENERATIONS, _franka_definitions
+from friction_audit.io.readers.message_decoder import _ERRORS, _FRANKA_GENERATIONS, franka_types
 from friction_audit.io.readers.reader import ReadOptions
-from tests.io.bag_writing import (
-    JOINT_STATE,
-    JOINTS,
-    STEP_NS,
-    Samples,
-    assert_read,
-    damage,
-    fill,
-    franka_messages,
-    joint_state,
-    joint_states,
-    read,
-    ros2_store,
-    samples,
-    stamp_ns,
-    write_rosbag2,
-)
+from tests.io import bag_writing as bags
 
-STORE = ros2_store()
+STORE = bags.ros2_store()
 STATE = "franka_msgs/msg/FrankaState"
+LongBag = tuple[Path, bags.Samples]
 
 
 def storage_file(bag: Path) -> Path:
@@ -49,10 +34,10 @@ def execute(database: Path, *commands: tuple[Any, ...]) -> Path:
     return database
 
 
-def edited(folder: Path, count: int, *commands: tuple[Any, ...]) -> tuple[Path, Samples]:
+def edited(folder: Path, count: int, *commands: tuple[Any, ...]) -> LongBag:
     """Write a bag and change what is in its database."""
-    values = samples(count)
-    path = write_rosbag2(folder / "bag", STORE, [joint_states(STORE, values)])
+    values = bags.samples(count)
+    path = bags.write(folder / "bag", values)
     execute(storage_file(path), *commands)
     return path, values
 
@@ -60,87 +45,87 @@ def edited(folder: Path, count: int, *commands: tuple[Any, ...]) -> tuple[Path, 
 @pytest.mark.parametrize("storage", ["SQLITE3", "MCAP"])
 @pytest.mark.parametrize("alone", [True, False])
 def test_without_metadata(tmp_path: Path, storage: str, alone: bool) -> None:
-    values = samples(20)
-    path = write_rosbag2(tmp_path / "bag", STORE, [joint_states(STORE, values)], storage=storage)
+    values = bags.samples(20)
+    path = bags.write(tmp_path / "bag", values, storage=storage)
     (path / "metadata.yaml").unlink()
     given = storage_file(path) if alone else path
-    assert_read(read(given), values)
+    bags.assert_read(bags.read(given), values)
     assert list_topics(given)[1][0].messages == 20
 
 
 def test_several_storage_files_in_the_order_of_their_numbers(tmp_path: Path) -> None:
-    values = samples(33)
+    values = bags.samples(33)
     folder = tmp_path / "bag"
     folder.mkdir()
     for number in range(11):
         part = {name: array[3 * number : 3 * number + 3] for name, array in values.items()}
-        topic, kind, messages = joint_states(STORE, part)
-        shifted = [(time + 3 * number * STEP_NS, message) for time, message in messages]
-        bag = write_rosbag2(tmp_path / f"part{number}", STORE, [(topic, kind, shifted)])
+        topic, kind, messages = bags.joint_states(STORE, part)
+        shifted = [(time + 3 * number * bags.STEP_NS, message) for time, message in messages]
+        bag = bags.write(tmp_path / f"part{number}", [(topic, kind, shifted)])
         storage_file(bag).rename(folder / f"bag_{number}.db3")
-    recording = read(folder)
-    assert_read(recording, values)
+    recording = bags.read(folder)
+    bags.assert_read(recording, values)
     assert list_topics(folder)[1][0].messages == 33
 
 
 def test_storage_file_that_metadata_lists_is_gone(tmp_path: Path) -> None:
-    path = write_rosbag2(tmp_path / "bag", STORE, [joint_states(STORE, samples(5))])
+    path = bags.write(tmp_path / "bag", bags.samples(5))
     file = storage_file(path)
     file.rename(path / "other.db3")
     with pytest.raises(InputError, match=rf"metadata.yaml lists {file.name}, not to be found.*other.db3"):
-        read(path)
+        bags.read(path)
 
 
 def test_messages_that_lack_joints(tmp_path: Path) -> None:
-    values = samples(10)
-    messages = [(stamp_ns(i), joint_state(STORE, i, values, names=JOINTS[: 7 - i % 2])) for i in range(10)]
-    recording = read(write_rosbag2(tmp_path / "bag", STORE, [("/j", JOINT_STATE, messages)]))
+    values = bags.samples(10)
+    messages = [
+        (bags.stamp_ns(i), bags.joint_state(STORE, i, values, names=bags.JOINTS[: 7 - i % 2])) for i in range(10)
+    ]
+    recording = bags.read(bags.write(tmp_path / "bag", [("/j", bags.JOINT_STATE, messages)]))
     assert np.isnan(recording.channels["q"][1::2, 6]).all()
     np.testing.assert_array_equal(recording.channels["q"][:, :6], values["q"][:, :6])
     assert [finding.code for finding in recording.findings] == ["incomplete_messages"]
 
 
 NO_DEFINITIONS = ("DROP TABLE message_definitions",)  # as recorded before Iron
-GENERATIONS = [("FrankaRobotState", 2)]
-GENERATIONS += [
-    (name.partition("_")[0], 2 * i + flags) for i, name in enumerate(_FRANKA_GENERATIONS) for flags in (0, 1)
-]
+GENERATIONS = [("FrankaRobotState", _FRANKA_GENERATIONS[1], _ERRORS[0])]
+GENERATIONS += [(name.partition("_")[0], name, errors) for name in _FRANKA_GENERATIONS for errors in _ERRORS]
 
 
-@pytest.mark.parametrize(("name", "generation"), GENERATIONS)
+@pytest.mark.parametrize(("name", "generation", "errors"), GENERATIONS)
 @pytest.mark.parametrize("definitions", [True, False])
-def test_franka_generations(tmp_path: Path, name: str, generation: int, definitions: bool) -> None:
-    typename, store, values = f"franka_msgs/msg/{name}", ros2_store(), samples(30)
-    store.register(list(_franka_definitions(typename))[generation])
-    stream = franka_messages(store, typename, values, JOINTS[::-1])
-    bag = write_rosbag2(tmp_path / "bag", store, [stream])
+def test_franka_generations(tmp_path: Path, name: str, generation: str, errors: str, definitions: bool) -> None:
+    typename, store, values = f"franka_msgs/msg/{name}", bags.ros2_store(), bags.samples(30)
+    store.register(franka_types((errors, "CollisionIndicators", "Elbow", generation), typename))
+    stream = bags.franka_messages(store, typename, values, bags.JOINTS[::-1])
+    bag = bags.write(tmp_path / "bag", [stream], store)
     if not definitions:
         execute(storage_file(bag), NO_DEFINITIONS)
-    recording = read(bag)
+    recording = bags.read(bag)
     tau = values["tau_J"]
-    assert_read(recording, {**values, "tau_J_d": -tau, "tau_ext_hat_filtered": 2 * tau})
+    bags.assert_read(recording, {**values, "tau_J_d": -tau, "tau_ext_hat_filtered": 2 * tau})
     assert recording.clock == "robot_time"
     assert recording.topic == stream[0]
 
 
 def test_franka_state_of_no_known_generation(tmp_path: Path) -> None:
-    store = ros2_store((STATE, "std_msgs/Header header\nfloat64[7] q\nfloat64[7] dq\nfloat64[7] tau_j\n"))
-    values = samples(5)
+    store = bags.ros2_store((STATE, "std_msgs/Header header\nfloat64[7] q\nfloat64[7] dq\nfloat64[7] tau_j\n"))
+    values = bags.samples(5)
     rows = [{name.lower() if name == "tau_J" else name: array[i] for name, array in values.items()} for i in range(5)]
-    messages = [(stamp_ns(i), fill(store, STATE, **row)) for i, row in enumerate(rows)]
-    bag = write_rosbag2(tmp_path / "bag", store, [("/state", STATE, messages)])
-    assert_read(read(bag), values)
+    messages = [(bags.stamp_ns(i), bags.fill(store, STATE, **row)) for i, row in enumerate(rows)]
+    bag = bags.write(tmp_path / "bag", [("/state", STATE, messages)], store)
+    bags.assert_read(bags.read(bag), values)
     execute(storage_file(bag), NO_DEFINITIONS)
     with pytest.raises(InputError, match=r"no topic with measured joint states.*/state"):
-        read(bag)
+        bags.read(bag)
 
 
 def test_big_endian_messages_are_decoded_one_by_one(tmp_path: Path) -> None:
-    values = samples(10)
-    messages = (joint_state(STORE, i, values) for i in range(10))
-    payloads = (bytes(STORE.serialize_cdr(one, JOINT_STATE, little_endian=False)) for one in messages)
+    values = bags.samples(10)
+    messages = (bags.joint_state(STORE, i, values) for i in range(10))
+    payloads = (bytes(STORE.serialize_cdr(one, bags.JOINT_STATE, little_endian=False)) for one in messages)
     commands = [("UPDATE messages SET data = ? WHERE id = ?", (one, i)) for i, one in enumerate(payloads, start=1)]
-    assert_read(read(edited(tmp_path, 10, *commands)[0]), values)
+    bags.assert_read(bags.read(edited(tmp_path, 10, *commands)[0]), values)
 
 
 @pytest.mark.parametrize(
@@ -156,26 +141,26 @@ def test_messages_that_are_no_messages_are_left_out(
     tmp_path: Path, command: str, lost: list[int], codes: set[str]
 ) -> None:
     path, values = edited(tmp_path, 10, (command,))
-    recording = read(path)
-    assert_read(recording, {name: np.delete(array, lost, axis=0) for name, array in values.items()})
-    assert {finding.code for finding in damage(recording)} == codes
+    recording = bags.read(path)
+    bags.assert_read(recording, {name: np.delete(array, lost, axis=0) for name, array in values.items()})
+    assert {finding.code for finding in bags.damage(recording)} == codes
     assert recording.findings[-1].amount == len(lost)
 
 
 def test_messages_that_are_still_in_the_write_ahead_journal(tmp_path: Path) -> None:
-    values = samples(12)
-    file = storage_file(write_rosbag2(tmp_path / "bag", STORE, [joint_states(STORE, values)]))
+    values = bags.samples(12)
+    file = storage_file(bags.write(tmp_path / "bag", values))
     with closing(sqlite3.connect(file)) as connection:
         connection.execute("PRAGMA journal_mode=WAL")
         connection.execute("DELETE FROM messages WHERE id > 10")
         connection.commit()
-        assert_read(read(file), {name: array[:10] for name, array in values.items()})
+        bags.assert_read(bags.read(file), {name: array[:10] for name, array in values.items()})
 
 
 def test_no_message_that_fits(tmp_path: Path) -> None:
     path, _ = edited(tmp_path, 3, ("UPDATE messages SET data = x'00010000ff'",))
     with pytest.raises(InputError, match=r"/joint_states of type sensor_msgs/msg/JointState do not fit"):
-        read(path)
+        bags.read(path)
 
 
 ROWS = 9500
@@ -183,9 +168,9 @@ ROWS = 9500
 
 
 @pytest.fixture(scope="module")
-def long_bag(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Samples]:
-    values = samples(ROWS)
-    return write_rosbag2(tmp_path_factory.mktemp("long") / "bag", STORE, [joint_states(STORE, values)]), values
+def long_bag(tmp_path_factory: pytest.TempPathFactory) -> LongBag:
+    values = bags.samples(ROWS)
+    return bags.write(tmp_path_factory.mktemp("long") / "bag", values), values
 
 
 def cut(bag: Path, copy: Path, share: float) -> Path:
@@ -197,31 +182,29 @@ def cut(bag: Path, copy: Path, share: float) -> Path:
 
 @pytest.mark.parametrize("share", [0.3, 0.5, 0.7, 0.9, 0.99])
 @pytest.mark.parametrize("alone", [True, False])
-def test_database_that_is_cut_off_is_salvaged(
-    tmp_path: Path, long_bag: tuple[Path, Samples], share: float, alone: bool
-) -> None:
+def test_database_that_is_cut_off_is_salvaged(tmp_path: Path, long_bag: LongBag, share: float, alone: bool) -> None:
     bag, values = long_bag
     file = cut(bag, tmp_path / "bag", share)
-    recording = read(file if alone else file.parent)
+    recording = bags.read(file if alone else file.parent)
     saved = len(recording.t)
     assert 0.98 * share < saved / ROWS <= share
-    assert_read(recording, {name: array[:saved] for name, array in values.items()})
-    codes = [finding.code for finding in damage(recording)]
+    bags.assert_read(recording, {name: array[:saved] for name, array in values.items()})
+    codes = [finding.code for finding in bags.damage(recording)]
     assert codes[0] == "truncated"
     assert alone or codes[1:] == ["missing_messages"]
 
 
-def test_packed_file_that_is_cut_off_is_salvaged(tmp_path: Path, long_bag: tuple[Path, Samples]) -> None:
+def test_packed_file_that_is_cut_off_is_salvaged(tmp_path: Path, long_bag: LongBag) -> None:
     packed = zstandard.ZstdCompressor().compress(storage_file(long_bag[0]).read_bytes())
     (tmp_path / "a.db3.zstd").write_bytes(packed[: len(packed) // 2])
-    recording = read(tmp_path / "a.db3.zstd")
+    recording = bags.read(tmp_path / "a.db3.zstd")
     saved = len(recording.t)
     assert 0.4 < saved / ROWS < 0.6
-    assert_read(recording, {name: array[:saved] for name, array in long_bag[1].items()})
-    assert "truncated" in [finding.code for finding in damage(recording)]
+    bags.assert_read(recording, {name: array[:saved] for name, array in long_bag[1].items()})
+    assert "truncated" in [finding.code for finding in bags.damage(recording)]
 
 
-def test_part_of_a_cut_file(tmp_path: Path, long_bag: tuple[Path, Samples], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_part_of_a_cut_file(tmp_path: Path, long_bag: LongBag, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("friction_audit.io.readers.reader.WHOLE_BYTES", 0)
     file = cut(long_bag[0], tmp_path / "bag", 0.5)
     part = read_log(file, ReadOptions(t_start_s=1.0, t_end_s=2.0))
@@ -229,12 +212,10 @@ def test_part_of_a_cut_file(tmp_path: Path, long_bag: tuple[Path, Samples], monk
     assert any(found.damaged for found in part.source.findings)
 
 
-def test_pages_that_are_broken_in_a_cut_file_lose_their_own_messages_alone(
-    tmp_path: Path, long_bag: tuple[Path, Samples]
-) -> None:
+def test_pages_that_are_broken_in_a_cut_file_lose_their_own_messages_alone(tmp_path: Path, long_bag: LongBag) -> None:
     bag, values = long_bag
     file = cut(bag, tmp_path / "bag", 0.5)
-    whole = len(read(file).t)
+    whole = len(bags.read(file).t)
     content = bytearray(file.read_bytes())
     for page, places in ((100, range(4096)), (200, range(8)), (300, range(8, 20)), (400, range(3000, 4096))):
         for place in places:
@@ -242,20 +223,18 @@ def test_pages_that_are_broken_in_a_cut_file_lose_their_own_messages_alone(
     first = 4096 * 250 + int.from_bytes(content[4096 * 250 + 8 :][:2], "big")
     content[first + 2 : first + 4] = b"\xff\x7f"  # an id far from its neighbours
     file.write_bytes(content)
-    recording = read(file)
+    recording = bags.read(file)
     kept = np.isin(values["q"][:, 0], recording.channels["q"][:, 0])
     assert 5 * 8 <= whole - kept.sum() <= 5 * 11
-    assert_read(recording, {name: array[kept] for name, array in values.items()})
+    bags.assert_read(recording, {name: array[kept] for name, array in values.items()})
 
 
-def test_deleted_messages_do_not_come_back_from_a_cut_file(tmp_path: Path, long_bag: tuple[Path, Samples]) -> None:
+def test_deleted_messages_do_not_come_back_from_a_cut_file(tmp_path: Path, long_bag: LongBag) -> None:
     bag = shutil.copytree(long_bag[0], tmp_path / "whole")
     execute(
-        storage_file(bag),
-        ("PRAGMA secure_delete = OFF",),
-        ("DELETE FROM messages WHERE id BETWEEN 1001 AND 3000",),
+        storage_file(bag), ("PRAGMA secure_delete = OFF",), ("DELETE FROM messages WHERE id BETWEEN 1001 AND 3000",)
     )
-    recording = read(cut(bag, tmp_path / "bag", 0.5))
+    recording = bags.read(cut(bag, tmp_path / "bag", 0.5))
     kept = np.isin(long_bag[1]["q"][:, 0], recording.channels["q"][:, 0])
     assert not kept[1000:3000].any()
     assert 0.98 * ROWS / 2 < len(recording.t) + 2000 <= ROWS / 2
@@ -263,13 +242,13 @@ def test_deleted_messages_do_not_come_back_from_a_cut_file(tmp_path: Path, long_
 
 
 def test_cut_messages_that_go_over_several_pages_are_not_filled_up(tmp_path: Path) -> None:
-    values = samples(200)
+    values = bags.samples(200)
     names = [f"panda_joint{joint}" for joint in range(1, 8)] + [f"{'finger' * 20}{joint}" for joint in range(60)]
-    file = storage_file(write_rosbag2(tmp_path / "bag", STORE, [joint_states(STORE, values, names=names)]))
+    file = storage_file(bags.write(tmp_path / "bag", [bags.joint_states(STORE, values, names=names)]))
     content = file.read_bytes()
     for share in (0.3, 0.62, 0.9):
         file.write_bytes(content[: int(share * len(content))])
-        recording = read(file)
+        recording = bags.read(file)
         kept = np.isin(values["q"][:, 0], recording.channels["q"][:, 0])
         assert 200 * share - 20 < kept.sum() == len(recording.t) < 200
         np.testing.assert_array_equal(recording.channels["tau_J"][:, :7], values["tau_J"][kept])
@@ -281,14 +260,14 @@ def test_page_that_is_lost_leaves_out_its_messages_alone(tmp_path: Path) -> None
     for page in (100, 150):
         content[4096 * page : 4096 * (page + 1)] = bytes(4096)
     storage_file(path).write_bytes(content)
-    recording = read(storage_file(path))
+    recording = bags.read(storage_file(path))
     assert 1900 < len(recording.t) < 2000
-    assert "truncated" in [finding.code for finding in damage(recording)]
+    assert "truncated" in [finding.code for finding in bags.damage(recording)]
 
 
 def test_other_database(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"no table messages and no table topics.*tables are logs"):
-        read(execute(tmp_path / "other.db3", ("CREATE TABLE logs (id INTEGER)",)))
+        bags.read(execute(tmp_path / "other.db3", ("CREATE TABLE logs (id INTEGER)",)))
 
 
 def test_directory_without_storage(tmp_path: Path) -> None:
@@ -298,8 +277,8 @@ def test_directory_without_storage(tmp_path: Path) -> None:
 
 
 def test_a_topic_without_messages(tmp_path: Path) -> None:
-    path = write_rosbag2(tmp_path / "silent", STORE, [("/joint_states", JOINT_STATE, [])])
+    path = bags.write(tmp_path / "silent", [("/joint_states", bags.JOINT_STATE, [])])
     with pytest.raises(InputError, match=r"/joint_states .*0 messages"):
-        read(path)
+        bags.read(path)
     with pytest.raises(InputError, match="topic /joint_states has no messages"):
-        read(path, topic="joint_states")
+        bags.read(path, topic="joint_states")

@@ -149,8 +149,7 @@ def long_frame(joints: int = 3, **names: str) -> pd.DataFrame:
 
 
 @pytest.mark.parametrize(
-    "mapping",
-    [{"tau_J": "effort"}, {"tau_J": "#5"}, {"t": "time:s", "tau_J": "effort"}, {"tau_interaction": "effort"}],
+    "mapping", [{"tau_J": "effort"}, {"tau_J": "#5"}, {"t": "time:s", "tau_J": "effort"}, {"tau_interaction": "effort"}]
 )
 def test_a_mapping_names_single_columns_and_wins_over_the_guess(tmp_path: Path, mapping: dict[str, str]) -> None:
     log = read_text(tmp_path, long_frame(dq="speed", tau_J="effort"), mapping={"dq": "speed", **mapping})
@@ -159,8 +158,6 @@ def test_a_mapping_names_single_columns_and_wins_over_the_guess(tmp_path: Path, 
     np.testing.assert_array_equal(log.channels()[torque], motion(SAMPLES)["tau_J"])
     assert log.source.channels[torque] == "effort"
     assert torque in mapping
-    with pytest.raises(InputError, match=r"no column for --map tau_J=efort; did you mean effort"):
-        read_text(tmp_path, long_frame(tau_J="effort"), mapping={"tau_J": "efort"})
 
 
 @pytest.mark.parametrize(("name", "stated"), [("q_deg", "q_deg"), ("angle", "angle:deg"), ("q_deg", "q_deg:deg")])

@@ -11,8 +11,7 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 
-from friction_audit.io.tidy_table import TidyTable
-from friction_audit.io.writers.tables import write_rows
+from friction_audit.io.writers.tables import TidyTable, write_rows
 from friction_audit.reporting import diagnosis, drift_sessions, estimate, replay
 from friction_audit.reporting.diagnosis import diagnose_tables
 from friction_audit.reporting.drift import BatchSummary

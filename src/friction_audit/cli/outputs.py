@@ -15,7 +15,7 @@ from friction_audit.reporting.figures.registry import FIGURES
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from friction_audit.io.tidy_table import TidyTable
+    from friction_audit.io.writers.tables import TidyTable
     from friction_audit.joint_log import JointLog
 
 MCAP = "mcap"

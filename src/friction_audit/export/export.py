@@ -132,10 +132,9 @@ def export_friction(
     into: XmlText | None = None,
     estimate: Estimate | None = None,
 ) -> Export:
-    """Write the friction of joints in a file, whole or not at all.
+    """Write the friction of joints in a file, whole or not at all: in a copy of ``into``, if given.
 
-    The output is a copy of ``into``, if given, with the friction in its joints. The estimate, if any, gives the speeds
-    over which a curve is fitted, and the motion that is simulated.
+    The estimate, if any, gives the speeds over which a curve is fitted, and the motion that is simulated.
     """
     numbers = [number for number, *_ in joints.models]
     speeds: dict[int, Float] = {}

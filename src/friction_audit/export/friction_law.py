@@ -76,10 +76,8 @@ def friction_law(joint: int, name: str, model: JointModel, speeds: Float, *, arm
     lowest = float(np.min(law.torque(speeds)))
     if lowest < 0.0:
         where = float(speeds[np.argmin(law.torque(speeds))])
-        raise AnalysisError(
-            f"joint {joint} ({name}): friction is {lowest:.3g} N m at {where:.3g} rad/s; expected none below zero; "
-            "give speeds that the log holds (--speeds LOW,HIGH)"
-        )
+        what = f"friction is {lowest:.3g} N m at {where:.3g} rad/s; expected none below zero"
+        raise AnalysisError(f"joint {joint} ({name}): {what}; give speeds that the log holds (--speeds LOW,HIGH)")
     return law
 
 

@@ -25,7 +25,8 @@ METADATA, STORAGES = "metadata.yaml", (".db3", ".mcap")  # the files of a ROS 2 
 _MADE_HERE = "ros_distro: rosbags"
 _DISK_FULL = (errno.ENOSPC, errno.EDQUOT)
 _MOST_BYTES = 1_000_000  # of a file of options or of a joint model, which has a few kB
-_MOST_DOTS = 100  # in a line, outside strings; keys have two, and a list of numbers one for each
+# In a line, outside strings: tomllib is quadratic in the parts of a key. Keys have two, a list one for each number.
+_MOST_DOTS = 100
 _BIGGEST = 256 << 20  # bytes of a document; an hour with seven joints has 10 MB, a diagnosis 1 MB a joint
 _STRING = re.compile(rb'"(?:[^"\\\n]|\\.)*"|\'[^\'\n]*\'')
 
@@ -81,10 +82,7 @@ def starts_with(path: Path, magic: bytes) -> bool:
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """Return the content of a TOML file that a person wrote; ``tomllib`` is quadratic in the parts of a dotted key.
-
-    ValueError if it is no TOML, or far beyond what such a file holds.
-    """
+    """Return the content of a TOML file that a person wrote; ValueError if it is none, or far beyond what one holds."""
     with path.open("rb") as stream:
         content = stream.read(_MOST_BYTES + 1)
     if len(content) > _MOST_BYTES:

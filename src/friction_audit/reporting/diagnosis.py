@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from friction_audit.diagnosis.result import JointDiagnosis
-from friction_audit.io.tidy_table import TidyTable
+from friction_audit.io.writers.tables import TidyTable
 from friction_audit.pipeline import Diagnosis
 from friction_audit.reporting import diagnosis_tables as tables
 from friction_audit.reporting import diagnosis_words as words

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from friction_audit.friction.history import Coefficient
-from friction_audit.io.tidy_table import TidyTable
+from friction_audit.io.writers.tables import TidyTable
 from friction_audit.pipeline import Estimate
 from friction_audit.preprocessing.energy_cycles import REASONS
 from friction_audit.reporting.documents import CHAIN, NO_OPTIONS, chain_document

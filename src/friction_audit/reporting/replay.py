@@ -11,7 +11,7 @@ from friction_audit.compensation.compensators import Compensator, EnergyCompensa
 from friction_audit.compensation.result import STATUSES, JointReplay, Signals
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.friction.history import Coefficient
-from friction_audit.io.tidy_table import TidyTable
+from friction_audit.io.writers.tables import TidyTable
 from friction_audit.pipeline import LogReplay
 from friction_audit.reporting.documents import CHAIN, NO_OPTIONS, chain_document
 from friction_audit.reporting.notices import log_line, physics_of, reason_lines, replay_notices

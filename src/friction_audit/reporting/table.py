@@ -14,7 +14,7 @@ import numpy as np
 
 from friction_audit import __version__
 from friction_audit.friction.history import Coefficient
-from friction_audit.io.tidy_table import JointRows, TidyTable
+from friction_audit.io.writers.tables import JointRows, TidyTable
 from friction_audit.reporting.words import MARK, NEWTON_METRES, NOTHING, format_coefficient, in_unit, joint_label
 
 Form = Literal["j", "f", "t", "p", "n", "w"]

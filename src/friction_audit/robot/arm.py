@@ -108,10 +108,7 @@ class Arm:
         return np.asarray(np.linalg.norm(twist[:, 3:], axis=1))
 
     def gravity_direction(self, q: Float) -> Float:
-        """Return two components of the unit vector of gravity across each joint's axis, seen from the link it moves.
-
-        They are at right angles, shape (n, j, 2).
-        """
+        """Return the unit vector of gravity across each joint's axis, seen from the link it moves, shape (n, j, 2)."""
         direction, (_, turns, *_) = np.empty((*q.shape, 2)), self._joint_axes()
         for rows in chunks(len(q)):
             _, _, down = self._down(q[rows], turns)

@@ -76,10 +76,7 @@ class ArrayTable(ColumnTable):
 
 
 def arrays_of_frame(frame: Any, where: str) -> dict[str, NDArray[Any]]:  # noqa: ANN401 - a frame of any library
-    """Return the columns of a pandas, polars or Arrow table, or of a mapping of names to arrays.
-
-    An index of times without a name becomes the column ``time``.
-    """
+    """Return the columns of a pandas, polars or Arrow table, or of a mapping; an index of times becomes ``time``."""
     import pyarrow as pa
 
     if isinstance(frame, Mapping):

@@ -19,6 +19,7 @@ QUANTITIES: dict[str, tuple[str, ...]] = {
     "tau_J": ("tau", "torque", "torques", "trq", "tor", "tq", "taum", "effort", "efforts", "moment", "moments"),
     "temperature": ("temperature", "temperatures", "temp"),
 }
+_RANK = {word: rank for among in QUANTITIES.values() for rank, word in enumerate(among)}
 _CURRENT = {"current", "currents", "curr"}  # of a motor, where no other word names the quantity
 # What a word makes of a torque; those of the last row may stand for the torque too.
 _TORQUES = {"ext": "tau_ext_hat_filtered", "external": "tau_ext_hat_filtered", "interaction": "tau_interaction",
@@ -106,16 +107,11 @@ def parse_name(name: str) -> ForeignName | None:
         return None
     place = next((group for group in ("index", "bracketed", "joint") if parts.get(group) is not None), None)
     start, stop = match.span(place) if place else (len(text), len(text))
-    of_word = {word: rank for among in QUANTITIES.values() for rank, word in enumerate(among)}
-    best = min((of_word[word] for word in words if word in of_word), default=len(of_word))
+    best = min((_RANK[word] for word in words if word in _RANK), default=len(_RANK))
+    side = 3 if _MOTOR_SIDE & {*words, *context} else 0
     return ForeignName(
         channel=channel,
-        rank=(
-            (2 if best == len(of_word) else not _MEASURED & {*words, *context})
-            + (3 if _MOTOR_SIDE & {*words, *context} else 0),
-            best,
-            len(words),
-        ),
+        rank=(side + (2 if best == len(_RANK) else not _MEASURED & {*words, *context}), best, len(words)),
         head=parts["head"],
         words=words,
         template=text[:start] + {None: "", "joint": "{joint}"}.get(place, "{i}") + text[stop:],

@@ -5,6 +5,7 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
+from typing import TYPE_CHECKING
 
 from friction_audit.errors import InputError, near_misses
 from friction_audit.io.readers.channel_names import (
@@ -24,6 +25,9 @@ from friction_audit.io.readers.channel_names import (
 )
 from friction_audit.io.readers.time_column import UNITS, TimeColumn, find_time
 from friction_audit.joint_log import JOINT_CHANNELS, TORQUE_CHANNELS, Finding
+
+if TYPE_CHECKING:
+    from friction_audit.io.readers.table import Table
 
 MOST_JOINTS = 1000  # no robot has as many; with more, a table is transposed or a column is not what its name says
 REQUIRED = ("q",)  # a velocity is made from the position where there is none
@@ -59,27 +63,20 @@ class ColumnMap:
 
 
 def map_columns(
-    names: Sequence[str],
-    *,
-    path: str,
-    mapping: Mapping[str, str],
-    labels: Mapping[int, str] | None = None,
-    constant: Collection[int] = (),
-    arm: str = "",
-    needed: Sequence[str] = REQUIRED,
-    may_be_long: bool = False,
+    table: "Table", mapping: Mapping[str, str], arm: str, *, needed: Sequence[str] = REQUIRED, is_long: bool = False
 ) -> ColumnMap:
-    """Find time, joints and channels among the columns of a table; ``labels`` and so on are what a ``Table`` knows.
+    """Find time, joints and channels among the columns of a table.
 
     ``mapping`` is what the user says, channel or ``"t"`` -> name, and wins; ``arm`` is the one to read of several;
     ``needed`` are channels without which it is no log, and with them a torque: none where other files have them.
     """
-    bare = [name.strip() for name in names]
-    _refuse_absent(mapping, bare, path)
-    labels, listed = labels or {}, [one for channel, one in mapping.items() if channel != "t" and one not in bare]
+    path, labels, bare = str(table.path), table.labels, [name.strip() for name in table.names]
+    if lost := [f"--map {c}={mapping[c]}{near_misses(name, bare)}" for c, name in absent(mapping, bare).items()]:
+        raise InputError(f"{path}: no column for {' and no column for '.join(lost)}; found {shorten(bare)}")
+    listed = [one for channel, one in mapping.items() if channel != "t" and one not in bare]
     per_joint = any(_SEVERAL.search(one) or f"{one}[0]" in bare for one in listed)  # is a column
     is_joint = (cell for cell, name in enumerate(bare) if _JOINT_COLUMN.fullmatch(name))
-    joint = next(is_joint, None) if may_be_long and not per_joint else None
+    joint = next(is_joint, None) if is_long and not per_joint else None
     outside = _outside_the_arm(bare, labels, mapping, arm, path) if joint is None else frozenset[int]()
     stated = {c: stated_group(mapping[c], bare, labels, outside) for c in JOINT_CHANNELS if c in mapping}
     taken = {bare[cell] for group in stated.values() for cell in group.cells.values()}
@@ -88,14 +85,19 @@ def map_columns(
         parsed = {cell: name for cell, name in parsed.items() if name and name.index is None and name.joint is None}
     guessed, others = _guessed_groups(parsed, labels, stated)
     groups = {**guessed, **stated}
-    _refuse_several(groups.get("q"), others, path)
+    q = groups.get("q")
+    if q is not None and others and len(q.cells) == 1 and not q.names and "{" not in q.template:
+        raise InputError(  # each may be a joint by a name of its own, or of another arm
+            f"{path}: several columns may be q; name those of one arm in the order of its joints: "
+            f"--map q={','.join((q.template, *others))}, and those of the other channels likewise"
+        )
     if joint is not None and not groups.keys() >= {*needed}:
-        return map_columns(names, path=path, mapping=mapping, labels=labels, constant=constant, arm=arm, needed=needed)
+        return map_columns(table, mapping, arm, needed=needed)
     most = max((len(group.cells) for group in groups.values()), default=0)
     if most > MOST_JOINTS:
         raise InputError(f"{path}: columns for {most} joints; expected at most {MOST_JOINTS}: is the table transposed?")
     # A column that stands still is second choice; where there is no better one, the checks report a stopped clock.
-    time = _stated_time(mapping["t"], bare) if "t" in mapping else find_time(bare, constant) or find_time(bare)
+    time = _stated_time(mapping["t"], bare) if "t" in mapping else find_time(bare, table.constant) or find_time(bare)
     lacks = not groups.keys() >= {*needed} or not groups.keys() & {*(TORQUE_CHANNELS if needed else JOINT_CHANNELS)}
     if time is None or lacks:
         raise InputError(_missing_message(bare, groups, found_time=time is not None, path=path))
@@ -105,21 +107,6 @@ def map_columns(
     message = f"{columns.mapping.get('q')} was read as q; also there: {', '.join(others)}; choose with --map"
     found = (Finding("topic_chosen", message),) if others else ()
     return replace(columns, findings=(*columns.findings, *found))
-
-
-def _refuse_several(q: Group | None, others: Sequence[str], path: str) -> None:
-    """Refuse columns of positions of which each may be a joint by a name of its own, or of another arm."""
-    if q is not None and others and len(q.cells) == 1 and not q.names and "{" not in q.template:
-        raise InputError(
-            f"{path}: several columns may be q; name those of one arm in the order of its joints: "
-            f"--map q={','.join((q.template, *others))}, and those of the other channels likewise"
-        )
-
-
-def _refuse_absent(mapping: Mapping[str, str], names: Sequence[str], path: str) -> None:
-    """Refuse columns that the table lacks, all of them at once."""
-    if lost := [f"--map {c}={mapping[c]}{near_misses(name, names)}" for c, name in absent(mapping, names).items()]:
-        raise InputError(f"{path}: no column for {' and no column for '.join(lost)}; found {shorten(names)}")
 
 
 def absent(mapping: Mapping[str, str], names: Sequence[str]) -> dict[str, str]:
@@ -187,10 +174,7 @@ def _outside_the_arm(
 def _guessed_groups(
     names: Mapping[int, ForeignName | None], labels: Mapping[int, str], stated: Collection[str]
 ) -> tuple[dict[str, Group], list[str]]:
-    """Group the columns by channel and template, and keep the first of the best templates of each channel.
-
-    Also returns the other templates of q that are as good.
-    """
+    """Return the columns of each channel by the first of its best templates, and the other templates of q as good."""
     found: dict[str, dict[tuple[tuple[int, ...], str], dict[int, ForeignName]]] = {}
     rank_of = ranks([name for name in names.values() if name])
     for cell, parsed in names.items():

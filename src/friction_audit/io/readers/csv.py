@@ -115,8 +115,11 @@ class CsvTable(Table):
             self._lines += kept.count(b"\n")
             columns = columns or self._by_line(kept, line)
             for cell, label in self._labels.items():
-                if cell in columns:
-                    self._refuse_moving_label(columns[cell], label, line)
+                words = columns.get(cell, np.empty(0, object))
+                if moved := [row for row in np.flatnonzero(words != label) if words[row].strip() != label]:
+                    where = f"{self.path}: line {line + moved[0]}: joint {words[moved[0]]!r}"
+                    what = f"where the first line has {label!r}; expected one order of the joints"
+                    raise InputError(f"{where} {what}; sort the columns by joint")
             yield columns if time is None or kinds[time.cells[0]] is not str else self._dated(columns, time)
 
     def _pieces(self, rows: int, cells: Sequence[int]) -> Iterator[Block]:
@@ -158,12 +161,6 @@ class CsvTable(Table):
                 f"{self.path}: {self._bad[0]}; expected numbers, in {1.0 - _MOST_BAD:.0%} of the lines; repair them"
             )
 
-    def _refuse_moving_label(self, words: NDArray[Any], label: str, line: int) -> None:
-        for row in np.flatnonzero(words != label):
-            if words[row].strip() != label:
-                where = f"{self.path}: line {line + row}: joint {words[row]!r} where the first line has {label!r}"
-                raise InputError(f"{where}; expected one order of the joints; sort the columns by joint")
-
     def _dated(self, columns: Block, time: TimeColumn) -> Block:
         """Return the rows with dates, which become nanoseconds since 1970; not those beyond what these can hold."""
         import pandas as pd
@@ -189,14 +186,12 @@ class _PartOfClock:
 
     def rows_of(self, stamps: NDArray[Any]) -> NDArray[np.bool_] | None:
         """Return which rows of a block are in the part; None where all come after it."""
+        clock = to_clock(stamps.copy(), self._unit, path=self._path, origin=self._origin)
         if self._origin is None:
-            self._unit = to_clock(stamps.copy(), self._unit, path=self._path).unit
-            self._origin = stamps[np.isfinite(stamps).argmax()]
-        t = to_clock(stamps.copy(), self._unit, path=self._path, origin=self._origin).t
+            self._unit, self._origin = clock.unit, stamps[np.isfinite(stamps).argmax()]
+        t, (start, stop) = clock.t, self._options.window_of_clock()
         self.first_s, self._last_s = min(self.first_s, float(np.nanmin(t))), max(self._last_s, float(np.nanmax(t)))
-        start, stop = self._options.window_of_clock()
-        rows: NDArray[np.bool_] = (t >= start) & (t < stop)
-        return None if np.nanmin(t) > stop else rows
+        return None if np.nanmin(t) > stop else (t >= start) & (t < stop)
 
     def clock(self, stamps: NDArray[Any]) -> Clock:
         """Return the clock of the rows that were read."""

@@ -60,12 +60,9 @@ def _refuse_lacks(parts: Sequence[tuple[Path, Recording]], joined: Recording) ->
     lost = [] if "q" in joined.channels else ["q"]
     lost += [] if joined.channels.keys() & {*TORQUE_CHANNELS} else [f"a torque ({', '.join(TORQUE_CHANNELS)})"]
     if lost:
-        names = ", ".join(path.name for path, _ in parts)
         held = "; ".join(f"{path.name} has {', '.join(part.channels) or 'none'}" for path, part in parts)
-        raise InputError(
-            f"{parts[0][0]}: no {' and no '.join(lost)} in {names}; {held}; join the file that has it with --join, or "
-            "name its columns with --map"
-        )
+        what = f"{parts[0][0]}: no {' and no '.join(lost)}; {held}"
+        raise InputError(f"{what}; join the file that has it with --join, or name its columns with --map")
 
 
 def _on_clock_of(first_path: Path, first: Recording, path: Path, other: Recording) -> Float:
@@ -87,14 +84,13 @@ def _with_channels(first_path: Path, first: Recording, path: Path, other: Record
             f"with --map, or leave out --join {path}"
         )
     order = _joints_in_order(first_path, first, path, other)
-    rows = np.argsort(stamps, kind="stable")
-    rows = rows[np.isfinite(stamps[rows])]
-    rows = rows[np.append(True, np.diff(stamps[rows]) > 0.0)]
-    longest = LONGEST_GAP * float(np.median(np.diff(stamps[rows]))) if len(rows) > 1 else 0.0
+    stamps, rows = np.unique(stamps, return_index=True)  # NaN comes last
+    stamps = stamps[np.isfinite(stamps)]
+    longest = LONGEST_GAP * float(np.median(np.diff(stamps))) if len(stamps) > 1 else 0.0
     channels = dict(first.channels)
     for channel in new:
-        values = other.channels[channel][rows]
-        columns = [interpolated(first.t, stamps[rows], values[:, joint], longest) for joint in order]
+        values = other.channels[channel][rows[: len(stamps)]]
+        columns = [interpolated(first.t, stamps, values[:, joint], longest) for joint in order]
         channels[channel] = np.asfortranarray(np.column_stack(columns))
     findings = [replace(one, message=f"{path.name}: {one.message}") for one in other.findings]
     both = [channel for channel in other.channels if channel in first.channels]

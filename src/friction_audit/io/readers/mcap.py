@@ -10,19 +10,9 @@ from typing import Any, BinaryIO
 from zlib import crc32
 
 from friction_audit.io.readers.message_kinds import LATEST_TIME_NS
-from friction_audit.io.readers.message_stream import (
-    LARGEST_CHUNK,
-    Block,
-    BlockCollector,
-    Connection,
-    Heads,
-    MessageStream,
-    Window,
-    open_log,
-)
+from friction_audit.io.readers.message_stream import Block, BlockCollector, Connection, Heads, MessageStream, Window
 from friction_audit.io.readers.messages import read_messages, topics_of
 
-MAGIC = b"\x89MCAP0\r\n"
 _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK, _METADATA = 3, 4, 5, 6, 12  # opcodes of records
 _LOOSE = (_SCHEMA, _CHANNEL, _MESSAGE, _METADATA)  # outside of chunks; the others are indices and the like
 # What the mcap library raises on a record that is not what its opcode says.
@@ -38,14 +28,13 @@ _LOOSE_BYTES = 1 << 20
 
 
 class McapStream(MessageStream):
-    """The messages in one MCAP file.
+    """The messages in one MCAP file; to walk the records here needs no index, and saves most of the library's time."""
 
-    The records are walked here, which needs no index; in the mcap library, that is where the time would go.
-    """
+    magic, kind = b"\x89MCAP0\r\n", "an MCAP file"
 
     def __init__(self, path: Path) -> None:
         super().__init__(path)
-        with open_log(path, MAGIC, "an MCAP file") as file:
+        with self._open() as file:
             is_whole = self._read_summary(file)
         if not is_whole:  # everything is read once, to find the channels
             self._channels, self._schemas, self._counts = dict[int, Any](), dict[int, Any](), Counter[int]()
@@ -78,8 +67,8 @@ class McapStream(MessageStream):
 
     def _records(self, window: Window | None) -> Iterator[tuple[int, bytes]]:
         """Yield offset and records of each chunk, and those between chunks; up to a break. Indices are not read."""
-        offset, loose, begin = len(MAGIC), bytearray(), 0
-        with open_log(self._path) as file:
+        offset, loose, begin = len(self.magic), bytearray(), 0
+        with self._open() as file:
             while True:
                 file.seek(offset)
                 start = file.read(_RECORD_START.size)
@@ -105,7 +94,7 @@ class McapStream(MessageStream):
     def _records_of_chunk(self, file: BinaryIO, offset: int, length: int, *, cut: bool) -> Iterator[tuple[int, bytes]]:
         """Yield offset and records of a chunk, nothing if it is damaged; of a cut one the checksum says nothing."""
         try:
-            chunk = _parse(_CHUNK, file.read(min(length, LARGEST_CHUNK) if cut else length))
+            chunk = _parse(_CHUNK, file.read(min(length, self.largest_chunk) if cut else length))
         except _BROKEN as error:  # of a cut one: before its first message
             return self._note(offset, f"a record is broken: {error}")
         data = self._unpack(offset, chunk.compression, chunk.data, chunk.uncompressed_size, cut=cut)

@@ -284,17 +284,14 @@ class _Walk:
             elif detail[0] == "string":
                 self.strings[path] = tuple(self.string() for _ in range(count))
             else:
-                self.numeric(detail[0], path, count)
-
-    def numeric(self, base: str, path: str, count: int) -> None:
-        if base not in _NUMBER_TYPES:
-            raise BrokenError(f"{path} is of type {base}")
-        width = np.dtype(_NUMBER_TYPES[base]).itemsize
-        self.align(width if count else 1)
-        self.numbers[path] = Leaf(self.position, _NUMBER_TYPES[base], count)
-        self.position += count * width
-        if self.position > len(self.payload):
-            raise BrokenError(f"{path} ends after the payload")
+                if (kind := _NUMBER_TYPES.get(detail[0])) is None:
+                    raise BrokenError(f"{path} is of type {detail[0]}")
+                width = np.dtype(kind).itemsize
+                self.align(width if count else 1)
+                self.numbers[path] = Leaf(self.position, kind, count)
+                self.position += count * width
+                if self.position > len(self.payload):
+                    raise BrokenError(f"{path} ends after the payload")
 
     def deciding(self, size: int) -> bytes:
         """Return bytes that decide the layout."""

@@ -213,10 +213,9 @@ def _refuse_several_arms(path: Path, candidates: Sequence[Candidate]) -> None:
     prefixes = {arm for candidate in candidates for arm in candidate.choices} - {""}
     if max(len(namespaces), len(prefixes)) <= 1:
         return
-    best: dict[str, str] = {}
-    for candidate in sorted(candidates, key=lambda one: one.preference):
-        for arm, choice in candidate.choices.items():
-            best.setdefault(arm_name(arm) or namespace(candidate.topic), choice)
+    ranked = sorted(candidates, key=lambda one: one.preference)
+    choices = [(arm_name(arm) or namespace(c.topic), choice) for c in ranked for arm, choice in c.choices.items()]
+    best = dict(reversed(choices))  # the first one of each arm
     listed = [f"--topic '{choice}' ({c.messages} messages)" for c in candidates for choice in c.choices.values()]
     message = f"{path}: several arms in one log; choose one with {' or '.join(listed)}"
     raise SeveralLogsError(message, [best[arm] for arm in sorted(best)])
@@ -237,14 +236,11 @@ def _named(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic],
 def _nothing_to_read(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic]) -> str:
     broken = next((candidate for candidate in candidates if not candidate.rows), None)
     what = f"no topic with measured joint states; {_EXPECTED}"
-    advice = "name the fields with --topic and --map if one of them holds the joints"
     if not any(topic.messages for topic in topics):
         what = "0 messages on any topic; expected joint states"
-        advice = "check that the robot and the recording were running, and record again"
     elif broken:
         what = f"the first messages on topic {broken.topic} of type {broken.type} do not fit their definition"
-        advice = "choose another one with --topic, or record again"
-    return f"{path}: {what}; {_listed(topics)}; {advice}"
+    return f"{path}: {what}; {_listed(topics)}; name a topic with --topic and its fields with --map, or record again"
 
 
 def _listed(topics: Sequence[Topic]) -> str:

@@ -132,7 +132,8 @@ class JointDecoder:
                 there = (columns >= 0) & (columns < len(values))
                 array[there, at] = values[columns[there]]
         stamps, readings = [row.stamp for _, row, _ in found], [row.robot_time for _, row, _ in found]
-        own = {"header_stamp": stamps, "robot_time": readings, "log_time": [log_time for log_time, *_ in found]}
+        own: dict[str, list[Any]] = {"header_stamp": stamps, "robot_time": readings}
+        own["log_time"] = [log_time for log_time, *_ in found]
         times = {name: np.array(values) for name, values in own.items() if None not in values}
         return Piece(times, {name: list(array) for name, array in arrays.items()})
 
@@ -206,11 +207,9 @@ def _disagreement(t: Float, log_t: Float, chosen: str) -> list[Finding]:
     drift = float(centred @ difference / (centred @ centred))
     sd_s = float(np.std(difference - drift * centred))
     limit_s = max(_DISAGREEMENT_SD_S, _DISAGREEMENT_STEPS * float(t.max()) / (len(t) - 1))
-    code, used, found = "clock_disagreement", f"{chosen} was used", list[Finding]()
+    texts = {}
     if sd_s > limit_s:
-        text = f"{_TITLES[chosen]} and the log time differ irregularly, standard deviation {sd_s * 1e3:.3g} ms"
-        found.append(Finding(code, f"{text}; {used}", amount=sd_s))
+        texts[f"{_TITLES[chosen]} and the log time differ irregularly, standard deviation {sd_s * 1e3:.3g} ms"] = sd_s
     if abs(drift) > _DISAGREEMENT_DRIFT and abs(drift) * t.max() > limit_s:
-        text = f"the log time runs {drift * 100:+.3g} % against {_TITLES[chosen]}"
-        found.append(Finding(code, f"{text}; {used}", amount=drift))
-    return found
+        texts[f"the log time runs {drift * 100:+.3g} % against {_TITLES[chosen]}"] = drift
+    return [Finding("clock_disagreement", f"{text}; {chosen} was used", amount=one) for text, one in texts.items()]

@@ -34,10 +34,7 @@ def bound_of(packed_bytes: int) -> int:
 
 
 def unpack(compression: str, packed: bytes, claimed: int, *, cut: bool = False) -> bytes:
-    """Decompress data whose header claims a size, and no more than that; of ``cut`` data what there is.
-
-    BrokenError if they cannot be decompressed, or are of another size.
-    """
+    """Decompress data up to the size that a header claims, BrokenError if they have another; of ``cut`` data all."""
     if compression in ("none", ""):
         return packed
     most = min(bound_of(len(packed)), LARGEST_CHUNK)
@@ -149,6 +146,8 @@ class Damage:
 class MessageStream(AbstractContextManager["MessageStream"]):
     """An open container of messages."""
 
+    magic, kind = b"", ""  # what a file begins with, and what it then is
+    largest_chunk = LARGEST_CHUNK
     connections: tuple[Connection, ...]  # in the file
     is_lasting = True  # False if what it reads is deleted when it is closed
     stated: Mapping[str, int] = {}  # number of messages of each topic that a file next to it states
@@ -170,6 +169,19 @@ class MessageStream(AbstractContextManager["MessageStream"]):
     @abstractmethod
     def blocks(self, keys: Collection[int], window: Window | None = None) -> Iterator[Block]:
         """Yield the messages of some connections, in the order of the file; the window may be exceeded."""
+
+    @contextmanager
+    def _open(self) -> Iterator[BinaryIO]:
+        """Open the file for reading after its first bytes; InputError if they are others, or it cannot be read."""
+        try:
+            with self._path.open("rb") as file:
+                if (found := file.read(len(self.magic))) != self.magic:
+                    how = f"does not begin as {self.kind}" if found else "is empty"
+                    raise InputError(f"{self._path}: {how}; expected the bytes {self.magic!r}; copy it whole")
+                yield file
+        except OSError as error:
+            why = f"cannot be read: {error.strerror}; check the path and its permissions"
+            raise InputError(f"{self._path}: {why}") from error
 
     def _note(self, byte: int | None, reason: str, whole: int | None = None) -> None:
         self._damage[reason if byte is None else byte] = Damage(byte, whole or self._bytes, reason)
@@ -239,16 +251,3 @@ def one_block(key: int, log_time: Sequence[int], payloads: Sequence[bytes]) -> B
     size = np.fromiter(map(len, payloads), np.int64, len(payloads))
     start = np.concatenate(([0], np.cumsum(size)[:-1])).astype(np.int64)
     return Block(key, np.array(log_time, np.int64), b"".join(payloads), start, size)
-
-
-@contextmanager
-def open_log(path: Path, magic: bytes = b"", what: str = "") -> Iterator[BinaryIO]:
-    """Open a log for reading after its first bytes; InputError if it cannot be read, or does not begin with these."""
-    try:
-        with path.open("rb") as file:
-            if (found := file.read(len(magic))) != magic:
-                how = f"does not begin as {what}" if found else "is empty"
-                raise InputError(f"{path}: {how}; expected the bytes {magic!r}; copy the whole file again")
-            yield file
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}; check the path and its permissions") from error

@@ -41,6 +41,14 @@ READERS: tuple[Reader, ...] = (
 _FORMATS = ", ".join(f"{reader.name} ({' '.join(reader.suffixes) or 'directory'})" for reader in READERS)
 _DEFAULT = ReadOptions()
 _FACTORS = {"torque_constant": "torque constant {} N m/A", "gear_ratio": "gear ratio {}", "torque_scale": "scale {}"}
+_AS_READ = (
+    "robot",
+    "serial",
+    "clock",
+    "topic",
+    "clock_windows",
+    "findings",
+)  # what a source says as its recording does
 Listen = Callable[[JointLog], Take | None]
 _PACKED = {b"\x1f\x8b": "gzip", b"BZh": "bzip2", b"\xfd7zXZ": "xz", b"\x28\xb5\x2f\xfd": "zstd"}
 
@@ -146,18 +154,13 @@ def to_joint_log(
     first = float(recording.t[0]) if blocks is None else recording.first_s or 0.0
     torque = next(name for name in TORQUE_CHANNELS if name in recording.channels)
     source = Source(
+        **{name: getattr(recording, name) for name in _AS_READ},
         path=path,
         sha256=sha256,
         format=format,
-        robot=recording.robot,
-        serial=recording.serial,
-        clock=recording.clock,
         start_s=None if recording.start_s is None else recording.start_s + first,
-        topic=recording.topic,
         channels=dict(recording.mapping),
         torque_unit=recording.torque_unit or torque_unit(recording.mapping.get(torque, "")),
-        clock_windows=recording.clock_windows,
-        findings=recording.findings,
         window=(options.t_start_s, options.t_end_s),
         skipped_s=first if options.has_window else 0.0,
         joined=joined,
@@ -165,18 +168,8 @@ def to_joint_log(
     held: dict[str, Any] = {**recording.channels, "joint_names": recording.joint_names, "source": source}
     if blocks is None:
         return JointLog(t=recording.t if first == 0.0 else recording.t - first, **held)
-    return LogInBlocks(
-        t=recording.t,
-        **held,
-        first=0,
-        mean_of=blocks.mean_of,
-        numbers=blocks.numbers,
-        listener=blocks.listener,
-        clock=blocks.clock,
-        gaps=blocks.gaps,
-        read=blocks.read,
-        read_whole=partial(read_log, path, ReadOptions.of(options)),
-    )
+    held |= {name: getattr(blocks, name) for name in ("mean_of", "numbers", "listener", "clock", "gaps", "read")}
+    return LogInBlocks(t=recording.t, **held, first=0, read_whole=partial(read_log, path, ReadOptions.of(options)))
 
 
 def list_topics(path: str | Path) -> tuple[str, tuple[Topic, ...]]:
@@ -286,8 +279,8 @@ def _doubt_current(recording: Recording) -> Finding | None:
         return None
     arm = PRESETS[names[0]].label if len(names) == 1 else "these arms"
     if kinds == {CURRENT} and "effort" in name.lower() and not recording.torque_unit:
-        message = f"{name}: the ROS driver of {arm} gives the motor current [A] as effort, unless it is set to torques"
-        return Finding("effort_is_current", f"{message}; if it is in A, put :A after the names in --map tau_J")
+        message = f"{name}: the ROS driver of {arm} gives the motor current [A] as effort; if so, --map tau_J=NAME:A"
+        return Finding("effort_is_current", message)
     if kinds == {ESTIMATE}:
         message = f"{arm}: {name} is estimated from the motor current: its friction is that of motor, gear and joint"
         return Finding("torque_from_current", message)

@@ -41,7 +41,7 @@ def refuse_bomb(path: Path, unpacked: int, packed: int) -> None:
     """Refuse more content than a recording can be packed to, both in bytes."""
     if unpacked > max(_BOMB_BYTES, _BOMB_RATIO * packed):
         size = f"{unpacked / _GIGABYTE:.3g} GB packed into {packed / _GIGABYTE:.3g} GB"
-        raise InputError(f"{path}: {size}; expected at most {_BOMB_RATIO} times; the file is damaged or no recording")
+        raise InputError(f"{path}: {size}; expected at most {_BOMB_RATIO} times as much; it is damaged or no recording")
 
 
 def refuse_lfs_pointer(path: Path) -> None:

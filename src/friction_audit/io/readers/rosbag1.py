@@ -22,11 +22,9 @@ from friction_audit.io.readers.message_stream import (
     MessageStream,
     Window,
     bound_of,
-    open_log,
 )
 from friction_audit.io.readers.messages import read_messages, topics_of
 
-_MAGIC = b"#ROSBAG V2.0\n"
 _MESSAGE, _BAG_HEADER, _INDEX, _CHUNK, _CHUNK_INFO, _CONNECTION = 2, 3, 4, 5, 6, 7
 _LARGEST_HEADER = 1 << 24  # a header names a topic, a time and a size; definitions are in the data [byte]
 _LENGTH = struct.Struct("<I")
@@ -46,10 +44,9 @@ class Chunk(NamedTuple):
 
 
 class Rosbag1Stream(MessageStream):
-    """The messages in a ROS 1 bag of version 2.0.
+    """The messages in a ROS 1 bag of version 2.0, walked from its start: bags may lack the index at the end."""
 
-    The records are walked from the start of the file, not through the index at its end, which bags may lack.
-    """
+    magic, kind = b"#ROSBAG V2.0\n", "a ROS 1 bag of version 2.0"
 
     def __init__(self, path: Path) -> None:
         super().__init__(path)
@@ -58,7 +55,7 @@ class Rosbag1Stream(MessageStream):
         self._chunks: list[Chunk] = []
         self._times: dict[int, tuple[int, int]] = {}
         self._uncounted = 0  # of the chunks, the last ones, which no index follows
-        with open_log(path, _MAGIC, "a ROS 1 bag of version 2.0") as file:
+        with self._open() as file:
             self._survey(file)
         if self._damage or self._uncounted or not self._connections:
             counted = self._chunks[: len(self._chunks) - self._uncounted]
@@ -84,7 +81,7 @@ class Rosbag1Stream(MessageStream):
 
     def _unpacked(self, window: Window | None = None) -> Iterator[tuple[Chunk, bytes]]:
         """Yield the chunks whose records can be decompressed."""
-        with open_log(self._path) as file:
+        with self._open() as file:
             for chunk in self._chunks:
                 if window and not window.keeps(*self._times.get(chunk.record, (1, 0))).any():
                     continue

@@ -10,10 +10,10 @@ from tempfile import TemporaryDirectory
 
 from friction_audit.errors import InputError, few
 from friction_audit.io.files import METADATA, STORAGES, starts_with
-from friction_audit.io.readers.mcap import MAGIC, McapStream
+from friction_audit.io.readers.mcap import McapStream
 from friction_audit.io.readers.message_stream import MOST_TIMES_PACKED, Block, Damage, MessageStream, Window, bound_of
 from friction_audit.io.readers.messages import read_messages, topics_of
-from friction_audit.io.readers.rosbag2_sqlite import SQLITE_MAGIC, Sqlite3Stream
+from friction_audit.io.readers.rosbag2_sqlite import Sqlite3Stream
 
 _COMPRESSED_SUFFIXES = (".zstd", ".zst")
 _STORAGE_NAMES = tuple(suffix + packed for suffix in STORAGES for packed in ("", *_COMPRESSED_SUFFIXES))
@@ -65,8 +65,8 @@ def _opened(path: Path) -> Iterator[MessageStream]:
         streams = list[MessageStream]()
         for packed in files:  # by what it holds; by its name if it holds neither
             file = _decompress_file(packed, folder) if packed.suffix in _COMPRESSED_SUFFIXES else packed
-            is_sqlite = starts_with(file, SQLITE_MAGIC)
-            is_mcap = starts_with(file, MAGIC) or (file.suffix == ".mcap" and not is_sqlite)
+            is_sqlite = starts_with(file, Sqlite3Stream.magic)
+            is_mcap = starts_with(file, McapStream.magic) or (file.suffix == ".mcap" and not is_sqlite)
             streams.append(McapStream(file) if is_mcap else Sqlite3Stream(file))
         stream = Rosbag2Stream(path, streams, metadata)
         stream.is_lasting = not is_packed
@@ -109,7 +109,7 @@ def _decompress_file(path: Path, folder: Path) -> Path:
             while block := stream.read(_COPIED_BYTES):
                 left -= file.write(block)
                 if left < 0:
-                    what = f"holds more than {file.tell()} bytes; expected at most {MOST_TIMES_PACKED} times its size"
+                    what = f"decompressed to {file.tell()} bytes; expected at most {MOST_TIMES_PACKED} times its size"
                     raise InputError(f"{path}: {what}; record it again")
     except (zstandard.ZstdError, OSError) as error:
         raise InputError(
@@ -122,7 +122,7 @@ def recognises(path: Path) -> bool:
     """Return True for a database, a compressed storage file, or a folder with one."""
     if not path.is_dir():
         is_packed = path.suffix in _COMPRESSED_SUFFIXES and path.name.endswith(_STORAGE_NAMES)
-        return is_packed or starts_with(path, SQLITE_MAGIC)
+        return is_packed or starts_with(path, Sqlite3Stream.magic)
     try:
         return any(entry.name.endswith(_STORAGE_NAMES) for entry in path.iterdir())
     except OSError:

@@ -1,7 +1,6 @@
-"""The sqlite3 storage of a ROS 2 bag, also where pages are broken or cut off.
+"""The sqlite3 storage of a ROS 2 bag; where pages are broken or cut off, without SQLite from the leaf pages.
 
-Of such a file the messages on its leaf pages are read without SQLite, which would look for the pages above; for the
-layout of pages and records see https://www.sqlite.org/fileformat2.html.
+For the layout of pages and records see https://www.sqlite.org/fileformat2.html.
 """
 
 import re
@@ -23,11 +22,9 @@ from friction_audit.io.readers.message_stream import (
     MessageStream,
     Window,
     one_block,
-    open_log,
     unpack,
 )
 
-SQLITE_MAGIC = b"SQLite format 3\x00"
 _HEADER_BYTES, _LARGEST_PAGE = 100, 65_536
 _VARINT = rb"[\x80-\xff]{0,7}[\0-\x7f]"
 # Length and id of a message, length of its header, type of the id, of topic_id and timestamp, and of the data.
@@ -43,12 +40,12 @@ class _Leaves:
     def __init__(self, path: Path, header: bytes, page_bytes: int) -> None:
         self._path, self._size = path, page_bytes
         self._usable, self._pages = self._size - header[20], path.stat().st_size // self._size
-        with open_log(path) as file:
+        with path.open("rb") as file:
             self._leaves = list(self._find_leaves(file, int.from_bytes(header[32:36], "big")))
 
     def messages(self) -> Iterator[tuple[int, int, int, bytes]]:
         """Yield id, topic, time stamp and content."""
-        with open_log(self._path) as file:
+        with self._path.open("rb") as file:
             for page in (self._page(file, number) for number in self._leaves):
                 yield from (found for cell in _messages_on(page) if (found := self._message(file, page, cell)))
 
@@ -121,10 +118,12 @@ Row = tuple[int, int, bytes]  # id, time stamp and content of a message
 class Sqlite3Stream(MessageStream):
     """The messages in one sqlite3 storage file."""
 
+    magic, kind = b"SQLite format 3\x00", "an SQLite file"
+
     def __init__(self, path: Path) -> None:
         super().__init__(path)
-        with open_log(path, SQLITE_MAGIC, "an SQLite file") as file:
-            self._header = SQLITE_MAGIC + file.read(_HEADER_BYTES - len(SQLITE_MAGIC))
+        with self._open() as file:
+            self._header = self.magic + file.read(_HEADER_BYTES - len(self.magic))
         is_stated = len(self._header) == _HEADER_BYTES and self._header[24:28] == self._header[92:96]
         page = int.from_bytes(self._header[16:18], "big")
         self._page_bytes = _LARGEST_PAGE if page == 1 else page
@@ -203,10 +202,10 @@ class Sqlite3Stream(MessageStream):
     def _read_connections(self, database: sqlite3.Connection) -> tuple[Connection, ...]:
         tables = {name for (name,) in database.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
         if missing := {"topics", "messages"} - tables:
-            raise InputError(
-                f"{self._path}: no table {' and no table '.join(sorted(missing))}; expected the sqlite3 storage of a "
-                f"ROS 2 bag; tables are {', '.join(sorted(tables)) or 'none'}"
+            what = (
+                f"no table {' and no table '.join(sorted(missing))}; tables are {', '.join(sorted(tables)) or 'none'}"
             )
+            raise InputError(f"{self._path}: {what}; expected the sqlite3 storage of a ROS 2 bag; choose another file")
         query = "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions"
         known = database.execute(query) if "message_definitions" in tables else ()
         definitions = {name: (str(language), str(text).encode()) for name, language, text in known}

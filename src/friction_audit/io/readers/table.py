@@ -162,16 +162,8 @@ def read_table(table: Table, options: ReadOptions) -> Recording:
         lost = absent(mapping, table.names)
         mapping = {channel: name for channel, name in mapping.items() if channel not in lost}
     try:
-        columns = map_columns(
-            table.names,
-            path=path,
-            mapping=mapping,
-            labels=table.labels,
-            constant=table.constant,
-            arm=arm,
-            needed=() if options.partial else REQUIRED,
-            may_be_long=table.may_be_long,
-        )
+        needed = () if options.partial else REQUIRED
+        columns = map_columns(table, mapping, arm, needed=needed, is_long=table.may_be_long)
     except InputError as error:
         damage = (finding.message for finding in table.findings())
         raise InputError("; ".join((str(error), *damage))) from error

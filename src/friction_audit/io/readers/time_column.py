@@ -86,10 +86,8 @@ def to_clock(
     far = max(-np.nanmin(elapsed), np.nanmax(elapsed))
     if _LONGEST_S < far < np.inf:  # before its square overflows
         row = int(np.nanargmax(np.abs(elapsed)))
-        raise InputError(
-            f"{path}: the stamp of row {row + 1} is {elapsed[row]:.3g} s from the first one; expected one recording; "
-            "remove the row, or name another clock with --map t=<column>"
-        )
+        what = f"the stamp of row {row + 1} is {elapsed[row]:.3g} s from the first one; expected one recording"
+        raise InputError(f"{path}: {what}; remove the row, or name another clock with --map t=<column>")
     start_s = float(begin) / UNITS[found]
     return Clock(elapsed, start_s if _EPOCH_S[0] < start_s < _EPOCH_S[1] else None, found, start_s)
 

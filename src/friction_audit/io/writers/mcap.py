@@ -70,25 +70,26 @@ _JSON_SCHEMA = {
         "joints": {"type": "array", "items": {"type": "object", "properties": _JOINT}},
     },
 }
-_PROTOBUF = """
-file {
-  name: "foxglove/JointState.proto" package: "foxglove" syntax: "proto3"
-  message_type {
-    name: "JointState"
-    field { name: "name" number: 1 label: LABEL_OPTIONAL type: TYPE_STRING }
-    %s
-  }
-}
-file {
+_NUMBERS = "".join(  # optional, so that a number that is not there is none
+    f'field {{ name: "{name}" number: {place + 2} label: LABEL_OPTIONAL type: TYPE_DOUBLE oneof_index: {place} '
+    f'proto3_optional: true }} oneof_decl {{ name: "_{name}" }}'
+    for place, name in enumerate(name for name in _JOINT if name != "name")
+)
+_PROTOBUF = f"""
+file {{
+  name: "foxglove/JointState.proto" package: "foxglove" syntax: "proto3" message_type {{
+    name: "JointState" field {{ name: "name" number: 1 label: LABEL_OPTIONAL type: TYPE_STRING }} {_NUMBERS}
+  }}
+}}
+file {{
   name: "foxglove/JointStates.proto" package: "foxglove" syntax: "proto3"
-  dependency: "google/protobuf/timestamp.proto" dependency: "foxglove/JointState.proto"
-  message_type {
+  dependency: "google/protobuf/timestamp.proto" dependency: "foxglove/JointState.proto" message_type {{
     name: "JointStates"
-    field { name: "timestamp" number: 1 label: LABEL_OPTIONAL type: TYPE_MESSAGE
-            type_name: ".google.protobuf.Timestamp" }
-    field { name: "joints" number: 2 label: LABEL_REPEATED type: TYPE_MESSAGE type_name: ".foxglove.JointState" }
-  }
-}
+    field {{ name: "timestamp" number: 1 label: LABEL_OPTIONAL type: TYPE_MESSAGE
+            type_name: ".google.protobuf.Timestamp" }}
+    field {{ name: "joints" number: 2 label: LABEL_REPEATED type: TYPE_MESSAGE type_name: ".foxglove.JointState" }}
+  }}
+}}
 """
 
 
@@ -96,16 +97,9 @@ def _descriptors() -> Any:  # noqa: ANN401 - a FileDescriptorSet
     from google.protobuf import text_format, timestamp_pb2
     from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
-    fields = (  # optional, so that a number that is not there is none
-        f'field {{ name: "{name}" number: {place + 1} label: LABEL_OPTIONAL type: TYPE_DOUBLE oneof_index: {place - 1} '
-        f'proto3_optional: true }} oneof_decl {{ name: "_{name}" }}'
-        for place, name in enumerate(_JOINT)
-        if name != "name"
-    )
     found = FileDescriptorSet()
     timestamp_pb2.DESCRIPTOR.CopyToProto(found.file.add())
-    text_format.Merge(_PROTOBUF % "\n".join(fields), found)
-    return found
+    return text_format.Merge(_PROTOBUF, found)
 
 
 def _write_foxglove(log: JointLog, path: Path, *, encoding: str) -> None:

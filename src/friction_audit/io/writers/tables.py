@@ -1,15 +1,14 @@
-"""What a writer is, and the columns of a log as tables have them."""
+"""What a writer is, the columns of a log as tables have them, and tables of results, joint by joint."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import csv_text, encodable
-from friction_audit.io.tidy_table import Column, TidyTable
 from friction_audit.joint_log import DERIVATIVE, JOINT_CHANNELS, Float, JointLog
 
 if TYPE_CHECKING:
@@ -60,6 +59,32 @@ def tidy_columns(log: JointLog) -> dict[str, ColumnOf]:
     """Return ``time`` [s], then ``q_1``, ``q_2``, ... of every channel that was recorded."""
     channels = logged_channels(log).items()
     return {"time": log.t, **{f"{name}_{j}": column for name, a in channels for j, column in enumerate(a.T, start=1)}}
+
+
+Column = NDArray[Any] | Sequence[Any]  # numbers (NaN where there is none), flags, or words
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class JointRows:
+    """The rows of one joint."""
+
+    joint: int  # number for people
+    name: str  # name in the log
+    columns: Mapping[str, Column]  # by name, all of one length
+
+    def __len__(self) -> int:
+        return len(next(iter(self.columns.values())))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class TidyTable:
+    """A table: one row per joint and the quantity of its name."""
+
+    name: str  # what a file of it is called
+    summary: str  # what a row is, in a line
+    types: Mapping[str, type]  # what is in each column: str, int, float or bool
+    time: str | None  # the column that says when a row was known [s], None for what the whole log says
+    rows: tuple[JointRows, ...]  # joint after joint
 
 
 # Columns that every table of joints begins with.

@@ -1,7 +1,6 @@
 """TidyTables and trajectories -> MCAP; of tables a topic per table and joint: JSON messages with their schema.
 
-Foxglove and PlotJuggler show them with the log that they were made from. What is known at a moment of the log is
-stamped with that moment, what the whole log says with its last sample.
+What is known at a moment of the log is stamped with that moment, what the whole log says with its last sample.
 """
 
 import heapq
@@ -14,10 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from friction_audit.errors import encodable
-from friction_audit.io.tidy_table import JointRows, TidyTable
 from friction_audit.io.writers.mcap import Channel, ros_channel, write_channels
 from friction_audit.io.writers.ros_messages import MessageType, load_types
-from friction_audit.io.writers.tables import NANOSECONDS, UNKNOWN_START_NS
+from friction_audit.io.writers.tables import NANOSECONDS, UNKNOWN_START_NS, JointRows, TidyTable
 from friction_audit.joint_log import Float, JointLog
 
 _BLOCK = 8192  # rows that are turned into messages at once
