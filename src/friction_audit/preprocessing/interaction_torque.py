@@ -183,14 +183,19 @@ def _refuse_wrong_model(log: JointLog, coarse: CoarseLog, balance: Balance, sett
         return
     where = log.source.path
     rms = [" ".join(f"{value:.2f}" for value in np.std(torque, axis=0)) for torque in (left, measured)]
-    joints = ", ".join(str(number + 1) for number in np.flatnonzero(alive))
+    numbers = np.flatnonzero(alive) + 1
+    joints, sign = ", ".join(map(str, numbers)), ""
+    as_is, turned = (np.var(torque, axis=0) for torque in (left, 2.0 * measured - balance.sign * left))
+    if np.any(2.0 * turned < as_is):  # the model fits the opposite sign; of all joints where none fits this one
+        wrong = numbers if not np.any(2.0 * as_is < turned) else numbers[2.0 * turned < as_is]
+        sign = f" With the opposite sign it would explain it: --flip {','.join(map(str, wrong))}."
     without = settings.command(where, gravity="auto", inertia="auto", robot="none", urdf=None, payload=None)
     removed = settings.command(where, torque="auto", gravity="removed", inertia="auto")
     raise UsageError(
         f"{where}: the model of {plan.arm.name if plan.arm else 'the arm'} is further from the torque than no model: "
-        f"tau_J less the model has {rms[0]} N m rms about its mean on joints {joints}, tau_J alone {rms[1]} N m. If "
-        f"it is another arm: {without}, or give its --urdf. If gravity is already removed from tau_J: "
-        f"{removed}. If the base does not stand upright, give its --gravity-vector"
+        f"tau_J less the model has {rms[0]} N m rms about its mean on joints {joints}, tau_J alone {rms[1]} N m."
+        f"{sign} If it is another arm, or its joints are in another order: {without}, or give its --urdf. If gravity "
+        f"is already removed from tau_J: {removed}. If the base does not stand upright, give its --gravity-vector"
     )
 
 

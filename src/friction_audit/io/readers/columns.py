@@ -243,7 +243,8 @@ def _missing_message(names: Sequence[str], groups: Mapping[str, Group], *, found
     examples = [f"--map {c}=<column{'' if c == 't' else ' with {i} for the joint'}>" for c in wanted]
     examples += ["--map tau_J=<column with {i} for the joint>"] if torques else []
     numbers = "" if wanted == ["t"] and not torques else ", or by numbers, e.g. #2-#8"
-    parts.append(f"name what is missing with {' '.join(examples)}{numbers}")
+    other = ", or add the file of this log that has it with --join FILE" if groups else ""
+    parts.append(f"name what is missing with {' '.join(examples)}{numbers}{other}")
     counter = None if found_time else next((name for name in names if _COUNTER.fullmatch(name)), None)
     if counter:
         parts.append(f"a counter of milliseconds is a clock too: --map t={counter}:ms")
