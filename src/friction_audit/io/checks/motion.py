@@ -211,14 +211,15 @@ def find_frozen(recording: Recording, columns: Mapping[str, Column], clock: Cloc
     q, dq, found = columns["q"].sample, columns["dq"].sample, list[Finding]()
     step_s = (clock.last_s - clock.first_s) / len(q)
     names = [name for name in ("q", "dq", *TORQUE_CHANNELS) if name in columns]
+    dead = {finding.joint for finding in recording.findings if finding.code == "torque_dead"}
     for name, joint in product(names, range(q.shape[1])):
         values = columns[name].sample[:, joint]
         edges = np.concatenate([[0], np.flatnonzero(np.diff(values)) + 1, [len(values)]])
         longest = int(np.argmax(np.diff(edges)))
         part = slice(edges[longest], edges[longest + 1])
         lasts_s, speed = (part.stop - part.start) * step_s, dq[part, joint]
-        if lasts_s < _FROZEN_S or len(edges) == 2:  # noqa: PLR2004 - in all of the log: reported elsewhere
-            continue
+        if lasts_s < _FROZEN_S or len(edges) == 2 or (name in TORQUE_CHANNELS and joint + 1 in dead):  # noqa: PLR2004
+            continue  # or in all of the log, which is reported elsewhere
         reverses = speed.min() < -_REVERSED_RAD_S and speed.max() > _REVERSED_RAD_S
         apart = np.ptp(q[part, joint] - step_s * np.cumsum(speed)) > _TRAVELLED
         if reverses if name not in ("q", "dq") else apart and (name == "dq" or np.abs(speed).max() > _REVERSED_RAD_S):
