@@ -36,7 +36,7 @@ RULES = {
     "holes": _Rule(0.1, "limit", "gaps take {value:.0%} of the time"),
     "stale": _Rule(0.3, "fault", "{value:.0%} of the samples are duplicates"),
     "torque_constant": _Rule(
-        0.0, "fault", f"the torque reads {{reads:.4g}} N m in all samples: the torque {DEAD} {{channel}}=..."
+        0.0, "fault", f"the torque reads {{reads}} N m in all samples: the torque {DEAD} {{channel}}=..."
     ),
     "dq_constant": _Rule(
         0.0,
@@ -145,10 +145,11 @@ def _constant_channels(log: JointLog, interaction: Interaction, data: JointData)
     channel = CHANNELS[interaction.choice.source]
     torque: Float = getattr(log, channel)[:, data.own_column]
     q, dq = log.q[:, data.own_column], log.dq[:, data.own_column]
-    no_torque = bool(data.used.any()) and np.ptp(torque) == 0.0
+    constant, dead = np.ptp(torque) == 0.0, data.own_column + 1 in log.source.dead_torque  # a few counts of noise
+    reads = f"{torque[0]:.4g}" if constant else f"{torque.min():.3g} to {torque.max():.3g}"
     no_speed = np.ptp(q) > RESTING_RAD and np.ptp(dq) == 0.0
     return (
-        _judged("torque_constant", float(no_torque), reads=torque[0], channel=channel),
+        _judged("torque_constant", float(data.used.any() and (constant or dead)), reads=reads, channel=channel),
         _judged("dq_constant", float(no_speed), reads=dq[0], moved=np.ptp(q)),
     )
 
