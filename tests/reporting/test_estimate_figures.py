@@ -109,3 +109,8 @@ def test_a_coefficient_that_the_model_lacks_is_no_failure(single: Estimate) -> N
     history = history.with_coefficient("viscous", nothing, nothing, nothing)
     figure = COEFFICIENTS(with_friction(single, model="coulomb", viscous=UNDETERMINED, history=history), 1)
     assert [text.get_text() for axes in figure.axes for text in axes.texts] == ["not in the coulomb model"]
+
+
+def test_coefficients_of_a_regression_have_no_window(single: Estimate) -> None:
+    assert "from torque regression" in words_in(COEFFICIENTS(with_friction(single, method="regression"), 1))
+    assert "window: 5 cycles" in words_in(COEFFICIENTS(single, 1))

@@ -172,10 +172,15 @@ def _velocity(interaction: Interaction, data: JointData) -> tuple[DataFinding, .
     error = abs(float(scale) - 1)
     turned = "dq and the derivative of q have opposite signs: one column has the wrong sign"
     most_delay = max(MOST_DELAY_S, MOST_DELAY_STEPS * median_step(interaction.t))
+    delay = abs(float(shift / scale)) if scale else NAN
+    for one in interaction.warnings:  # a delay of another clock is too long for the first term of its series
+        if one.code == "dq_other_clock":
+            lags = dict(zip(one.numbers["joints"], one.numbers["lags_s"], strict=True))
+            delay = lags.get(interaction.joint_numbers[data.joint], delay)
     return (
         _judged("dq_against_q", explained, why=": they do not belong together"),
         _judged("dq_scale", error, how=f"dq differs from the derivative of q by {error:.0%}" if scale > 0 else turned),
-        _judged("dq_delay", abs(float(shift / scale)) if scale else NAN, most_delay),
+        _judged("dq_delay", delay, most_delay),
         noise,
     )
 
