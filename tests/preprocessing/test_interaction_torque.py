@@ -194,6 +194,15 @@ def test_a_hole_in_the_log_refuses_no_model() -> None:
     assert_allclose(found.torque[away], extract(log).torque[kept][away], atol=0.02)
 
 
+@pytest.mark.parametrize("log", [hand_log(), robot_log(), robot_log(gravity=GRAVITY)], ids=["hand", "robot", "logged"])
+def test_a_joint_whose_torque_has_the_opposite_sign_is_named(log: JointLog) -> None:
+    assert log.tau_J is not None
+    assert "torque_flipped" not in codes(extract(log))
+    found = extract(replace(log, tau_J=np.where(np.arange(7) == 3, -log.tau_J, log.tau_J)))
+    (caution,) = [one for one in found.warnings if one.code == "torque_flipped"]
+    assert sentence_of(caution) == "joint 4: gravity fits the torque with the opposite sign: turn it with --flip 4"
+
+
 @pytest.mark.parametrize(("turned", "joints"), [((2, 4), "2,4"), (range(1, 8), "1,2,3,4,5,6,7")])
 def test_a_torque_of_the_opposite_sign_is_refused_with_the_option(turned: tuple[int, ...], joints: str) -> None:
     log = robot_log()

@@ -192,7 +192,7 @@ def join_turns(recording: Recording, columns: Mapping[str, Column]) -> Recording
         before: Float | None = None
         turns = np.zeros(len(wrapped))
         for t, channels in blocks:
-            if "q" in channels:
+            if "q" in channels and len(t):
                 q = channels["q"][:, wrapped]
                 steps = np.diff(q, axis=0, prepend=q[:1] if before is None else before)
                 ends = np.where(np.abs(np.abs(steps) - turn) < _OF_A_TURN * turn, -np.sign(steps), 0.0)
