@@ -29,7 +29,8 @@ MOST_JOINTS = 1000  # no robot has as many; with more, a table is transposed or 
 REQUIRED = ("q",)  # a velocity is made from the position where there is none
 _SHOWN_JOINTS = 60
 _COMPARED = 1000  # columns among which near misses are looked for: each comparison takes a fraction of a millisecond
-_JOINT_COLUMN = re.compile(r"name|(?:joint|axis|motor|actuator)[ _-]?(?:name|id|index|idx|number|no)?", re.IGNORECASE)
+_NUMBER = "[ _-]?(?:name|id|index|idx|number|no)"
+_JOINT_COLUMN = re.compile(rf"name|(?:joint|axis)(?:{_NUMBER})?|(?:motor|actuator){_NUMBER}", re.IGNORECASE)
 _COUNTER = re.compile(
     r".*(?:seq|index|counter|count|tick|frame|step|msg|sample)(?:[ _]?(?:id|no|number))?s?", re.IGNORECASE
 )
