@@ -1,7 +1,9 @@
 """The names at the top of the package: few, told of, quick to import, typed as the settings behind them."""
 
 import ast
+import importlib
 import inspect
+import re
 import subprocess
 import sys
 from dataclasses import fields, replace
@@ -118,6 +120,12 @@ def names(*results: ModuleType) -> tuple[str, ...]:
     return tuple(table.name for result in results for table in result.TABLES)
 
 
+def test_the_names_below_the_top_are_where_their_page_says() -> None:
+    named = re.findall(r"^\| `(friction_audit[.\w]*)\.(\w+)", (DOCS / "python.md").read_text(), re.MULTILINE)
+    assert len(named) > 2
+    assert all(hasattr(importlib.import_module(module), name) for module, name in named)
+
+
 def test_results_become_frames(log: JointLog, tmp_path: Path) -> None:
     result = friction_audit.estimate_log(log)
     frames = friction_audit.to_frames(result)
@@ -144,6 +152,9 @@ def test_a_residual_lies_in_the_cycle_that_it_names(log: JointLog) -> None:
 def test_a_log_is_simulated_written_and_read(tmp_path: Path) -> None:
     effect = "torque_bias:torque_nm=0.1"
     made = friction_audit.simulate_log("joint", seed=1, duration_s=5.0, effects=[effect])
+    assert len(repr(made)) < 200
+    with pytest.raises(UsageError, match=r"Simulation: expected a log, .* pass its \.log"):
+        friction_audit.estimate_log(made)  # type: ignore[arg-type]
     friction_audit.write_log(made.log, tmp_path / "run.csv")
     with pytest.raises(UsageError, match="exists already"):
         friction_audit.write_log(made.log, tmp_path / "run.csv")

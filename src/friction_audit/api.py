@@ -212,8 +212,8 @@ def estimate_log(log: JointLog, **options: Unpack[EstimateOptions]) -> Estimate:
         InputError: If the log lacks a channel that the options ask for.
     """
     if not isinstance(log, JointLog):
-        found = type(log).__name__
-        raise UsageError(f"{found}: expected a log, as read_log returns it; read a file with read_log first")
+        how = "pass its .log" if isinstance(log, Simulation) else "read a file with read_log first"
+        raise UsageError(f"{type(log).__name__}: expected a log, as read_log returns it; {how}")
     return audit.estimate_log(log, audit_settings(options))
 
 

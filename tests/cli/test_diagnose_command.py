@@ -74,7 +74,10 @@ def test_of_a_long_log_a_part_is_diagnosed_and_that_is_said(run: Run, logs: Path
     assert run("diagnose", logs / "moved1.csv", "--at-most", "0").code == 2
 
 
-DEAD = {"torque of zeros": ("tau_interaction", 0.0), "frozen torque": ("tau_interaction", 0.37), "no dq": ("dq", 0.0)}
+DEAD = {
+    "torque of zeros": ("tau_interaction", 0.0), "frozen torque": ("tau_interaction", 0.37), "no dq": ("dq", 0.0),
+    "a few counts": ("tau_interaction", 0.001 * np.random.default_rng(1).integers(-2, 3, 1 << 16)),
+}  # fmt: skip
 
 
 @pytest.fixture
@@ -83,7 +86,7 @@ def dead(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
     channel, value = DEAD[request.param]
     log = build_estimate(2, count=24, rate=250.0).log
     column = getattr(log, channel).copy()
-    column[:, 1] = value
+    column[:, 1] = np.resize(value, len(column))
     write_log(replace(log, **{channel: column}), tmp_path / "dead.csv")
     return tmp_path / "dead.csv"
 

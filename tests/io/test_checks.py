@@ -275,6 +275,38 @@ def test_a_motor_or_an_encoder_of_an_arm_is_not_taken_for_degrees(tmp_path: Path
         read_log(tmp_path / "arm.csv")
 
 
+def test_an_axis_in_millimetres_does_not_turn_the_others_into_radians(tmp_path: Path) -> None:
+    frame = tidy_frame(3000)
+    frame[["q_3", "dq_3"]] *= 500.0
+    frame.to_csv(tmp_path / "lift.csv", index=False)
+    with pytest.raises(InputError, match="leave an axis in mm out"):
+        read_log(tmp_path / "lift.csv")
+    both = {"q": "q_1,q_2", "dq": "dq_1,dq_2", "tau_J": "tau_J_1,tau_J_2"}
+    np.testing.assert_array_equal(
+        read_log(tmp_path / "lift.csv", ReadOptions(mapping=both)).q, motion(3000)["q"][:, :2]
+    )
+
+
+@pytest.mark.parametrize(("turn", "low"), [(2.0 * np.pi, 0.2), (360.0, 0.0)])
+def test_turns_are_joined(turn: float, low: float) -> None:
+    rec, unit = recording(), 2.0 * np.pi / turn
+    turned = (rec.channels["q"] + 0.1) / unit
+    rec.channels |= {"q": np.mod(turned - low, turn) + low, "dq": rec.channels["dq"] / unit}
+    log = vetted(rec)
+    assert codes(log)[:3] == ["turns_joined"] * 3
+    np.testing.assert_allclose(np.diff(log.q, axis=0), np.diff(motion()["q"], axis=0), atol=1e-9)
+
+
+@pytest.mark.parametrize("channel", ["q", "dq", "tau_J"])
+def test_a_channel_that_keeps_its_value_is_named_with_the_part(channel: str) -> None:
+    def freeze(rec: Recording) -> None:
+        rec.channels[channel][1200:, 1] = rec.channels[channel][1200, 1]
+
+    found = vetted(changed(freeze)).source.findings
+    assert (found[0].code, found[0].joint) == ("channel_frozen", 2)
+    assert "from about 1.2 to 3 s" in found[0].message
+
+
 def test_two_recordings_in_one_file_are_named_with_the_row(tmp_path: Path) -> None:
     pd.concat([tidy_frame(3000)] * 2).to_csv(tmp_path / "two.csv", index=False)
     with pytest.raises(InputError, match=r"2 recordings in one file: cut it before row 3001"):

@@ -184,6 +184,8 @@ FAULTS: dict[str, Change] = {
     "clock": changed(["time"], 1.2),
     "dead": put(["tau_interaction_4"], 0.5),
     "turns": lambda frame: frame.assign(q_1=frame["q_1"] + 20.0),
+    "wrapped": lambda frame: frame.assign(q_2=np.mod(frame["q_2"], 2.0 * np.pi)),
+    "frozen": put(["q_3", "tau_interaction_3"], 0.2, slice(9800, 16_000)),
     "order": swapped,
     "repeats": with_repeats,
     "gaps": lambda frame: frame.drop(index=[*range(4990, 5010), *range(10_000, 12_000)]),

@@ -100,6 +100,14 @@ def test_long_table_with_a_row_missing(tmp_path: Path) -> None:
     np.testing.assert_array_equal(log.q, np.delete(arrays["q"], 50, axis=0))
 
 
+@pytest.mark.parametrize("text", ["[{}, {}]", "array('d', [{}, {}])", "({}, {})"])
+def test_a_list_in_a_cell_is_refused_with_the_way_out(tmp_path: Path, text: str) -> None:
+    arrays = motion(300, 2)
+    lists = {name: [text.format(*row) for row in arrays[name]] for name in ("q", "dq", "tau_J")}
+    with pytest.raises(InputError, match="expected one column per joint; split the lists"):
+        read_text(tmp_path, pd.DataFrame({"time": arrays["t"], **lists}))
+
+
 def test_no_header(tmp_path: Path) -> None:
     mapping = {"t": "#1", "q": "#2-#3", "dq": "#4-#5", "tau_J": "#6,#7"}
     log = read_text(tmp_path, tidy_frame(300, 2).to_csv(index=False, header=False), mapping=mapping)

@@ -182,6 +182,34 @@ def test_a_model_further_from_the_torque_than_none_is_refused_with_the_numbers(d
     assert extract(replace(log, source=dead, tau_J=torque), drive=drive).choice.robot == "panda"
 
 
+def test_a_hole_in_the_log_refuses_no_model() -> None:
+    """A spline of the inertial torque must not go on into the hole: it once had millions of newton metres there."""
+    log, kept = robot_log(), (T < 4.0) | (T > 7.0)
+    assert log.tau_J is not None
+    found = extract(replace(log, t=T[kept], q=Q[kept], dq=DQ[kept], tau_J=log.tau_J[kept]))
+    assert found.choice.robot == "panda"
+    away = (np.abs(T[kept] - 4.0) > 0.3) & (np.abs(T[kept] - 7.0) > 0.3)
+    assert_allclose(found.torque[away], extract(log).torque[kept][away], atol=0.02)
+
+
+@pytest.mark.parametrize("log", [hand_log(), robot_log(), robot_log(gravity=GRAVITY)], ids=["hand", "robot", "logged"])
+def test_a_joint_whose_torque_has_the_opposite_sign_is_named(log: JointLog) -> None:
+    assert log.tau_J is not None
+    assert "torque_flipped" not in codes(extract(log))
+    found = extract(replace(log, tau_J=np.where(np.arange(7) == 3, -log.tau_J, log.tau_J)))
+    (caution,) = [one for one in found.warnings if one.code == "torque_flipped"]
+    assert sentence_of(caution) == "joint 4: gravity fits the torque with the opposite sign: turn it with --flip 4"
+
+
+@pytest.mark.parametrize(("turned", "joints"), [((2, 4), "2,4"), (range(1, 8), "1,2,3,4,5,6,7")])
+def test_a_torque_of_the_opposite_sign_is_refused_with_the_option(turned: tuple[int, ...], joints: str) -> None:
+    log = robot_log()
+    assert log.tau_J is not None
+    sign = np.where(np.isin(np.arange(1, 8), turned), -1.0, 1.0)
+    with pytest.raises(UsageError, match=f"opposite sign it would explain it: --flip {joints}\\."):
+        extract(replace(log, tau_J=sign * log.tau_J))
+
+
 @pytest.mark.parametrize(
     "wrong",
     [{"payload": (3.0, 0.0, 0.0, 0.1)}, {"gravity_vector": (2.5, 0.0, -9.5)}, {"gravity_vector": (0.0, 2.5, -9.5)}],

@@ -110,6 +110,17 @@ def test_the_lead_names_the_joints() -> None:
     )
 
 
+def test_a_verdict_counts_without_an_estimate_and_a_regression_is_said() -> None:
+    both = log_report_by_hand.cut(report(), 1, 2)
+    first, second = both.estimate.friction.joints
+    joints = (replace(first, reason="gravity is in the torque"), replace(second, method="regression"))
+    found = replace(both, estimate=replace(both.estimate, friction=replace(both.estimate.friction, joints=joints)))
+    assert lead_sentence(found).startswith(
+        "Friction is estimated on joint 2 of 2. The model misses stribeck on joint 1;"
+    )
+    assert "From torque regression, as too few energy cycles count: joint 2." in of_log(found)
+
+
 def test_the_lead_of_a_batch_claims_no_more_than_was_tested() -> None:
     steady, bare = batch_by_hand.arm(24, 1, robot="steady"), replace(batch_by_hand.arm(3, 1, robot="short"), joints=())
     assert "short: 3 comparable sessions, at least 4 are needed" in write_page(batch_by_hand.batch(bare), {})

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.result import ContactTrace
+from friction_audit.diagnosis.result import ContactTrace, ResidualCheck
 from friction_audit.effects.registry import NAMES
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.pipeline import Estimate
@@ -122,6 +122,18 @@ def test_the_longest_sentence_has_two_hundred_characters() -> None:
                 for verdict in ("ambiguous", "unexplained"):
                     text = joint_message(replace(NAMED, verdict=verdict, effects=effects))
                     assert len(text) <= 200, text
+
+
+def test_structure_in_what_is_called_noise_is_said_and_a_gravity_error_asks_for_the_payload() -> None:
+    line = ResidualCheck(code="line", along="path", frequency=0.53, share=0.2)
+    gap = replace(NAMED.gap, after=6.1, floor=6.1)
+    text = joint_message(replace(NAMED, verdict="unexplained", effects=(), gap=gap, checks=(line,)))
+    assert text.startswith(
+        "the residual (6.1 N m RMS), with a spectral line at 0.53 waves per rad of path, is unexplained"
+    )
+    gravity = replace(STRIBECK, name="gravity_error", alternatives=())
+    assert "give payload or model of the arm" in joint_message(replace(NAMED, effects=(gravity,)))
+    assert words.in_unit("left 12.1 J in its ledger", "A") == "left 12.1 A rad in its ledger"
 
 
 def test_contacts_are_left_out_and_joints_with_the_same_answer_share_a_line() -> None:

@@ -36,7 +36,7 @@ RULES = {
     "holes": _Rule(0.1, "limit", "gaps take {value:.0%} of the time"),
     "stale": _Rule(0.3, "fault", "{value:.0%} of the samples are duplicates"),
     "torque_constant": _Rule(
-        0.0, "fault", f"the torque reads {{reads:.4g}} N m in all samples: the torque {DEAD} {{channel}}=..."
+        0.0, "fault", f"the torque reads {{reads}} N m in all samples: the torque {DEAD} {{channel}}=..."
     ),
     "dq_constant": _Rule(
         0.0,
@@ -145,10 +145,11 @@ def _constant_channels(log: JointLog, interaction: Interaction, data: JointData)
     channel = CHANNELS[interaction.choice.source]
     torque: Float = getattr(log, channel)[:, data.own_column]
     q, dq = log.q[:, data.own_column], log.dq[:, data.own_column]
-    no_torque = bool(data.used.any()) and np.ptp(torque) == 0.0
+    constant, dead = np.ptp(torque) == 0.0, data.own_column + 1 in log.source.dead_torque  # a few counts of noise
+    reads = f"{torque[0]:.4g}" if constant else f"{torque.min():.3g} to {torque.max():.3g}"
     no_speed = np.ptp(q) > RESTING_RAD and np.ptp(dq) == 0.0
     return (
-        _judged("torque_constant", float(no_torque), reads=torque[0], channel=channel),
+        _judged("torque_constant", float(data.used.any() and (constant or dead)), reads=reads, channel=channel),
         _judged("dq_constant", float(no_speed), reads=dq[0], moved=np.ptp(q)),
     )
 
@@ -171,10 +172,15 @@ def _velocity(interaction: Interaction, data: JointData) -> tuple[DataFinding, .
     error = abs(float(scale) - 1)
     turned = "dq and the derivative of q have opposite signs: one column has the wrong sign"
     most_delay = max(MOST_DELAY_S, MOST_DELAY_STEPS * median_step(interaction.t))
+    delay = abs(float(shift / scale)) if scale else NAN
+    for one in interaction.warnings:  # a delay of another clock is too long for the first term of its series
+        if one.code == "dq_other_clock":
+            lags = dict(zip(one.numbers["joints"], one.numbers["lags_s"], strict=True))
+            delay = lags.get(interaction.joint_numbers[data.joint], delay)
     return (
         _judged("dq_against_q", explained, why=": they do not belong together"),
         _judged("dq_scale", error, how=f"dq differs from the derivative of q by {error:.0%}" if scale > 0 else turned),
-        _judged("dq_delay", abs(float(shift / scale)) if scale else NAN, most_delay),
+        _judged("dq_delay", delay, most_delay),
         noise,
     )
 

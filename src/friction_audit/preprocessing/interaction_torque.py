@@ -106,7 +106,13 @@ def choose_torque(
         columns=columns,
         stride=max(round(log.rate_hz / settings.model_rate_hz), 1),
         choice=_choice(balance, settings, turned=turned),
-        warnings=(*plan.warnings, *late, *unused, *sign_cautions(log, balance, settings, turned=turned)),
+        warnings=(
+            *plan.warnings,
+            *late,
+            *unused,
+            *_flipped(coarse, balance),
+            *sign_cautions(log, balance, settings, turned=turned),
+        ),
     )
     direction = None if plan.arm is None else plan.arm.gravity_direction(coarse.q)[:, columns]
     return replace(port, warnings=port.warnings + gravity_cautions(log, coarse, balance, columns, direction))
@@ -183,15 +189,35 @@ def _refuse_wrong_model(log: JointLog, coarse: CoarseLog, balance: Balance, sett
         return
     where = log.source.path
     rms = [" ".join(f"{value:.2f}" for value in np.std(torque, axis=0)) for torque in (left, measured)]
-    joints = ", ".join(str(number + 1) for number in np.flatnonzero(alive))
+    numbers = np.flatnonzero(alive) + 1
+    joints, sign = ", ".join(map(str, numbers)), ""
+    opposite, as_is = _fits_opposite(measured, balance.sign * left)
+    if opposite.any():  # of all joints where none fits as it is
+        wrong = numbers[opposite] if as_is.any() else numbers
+        sign = f" With the opposite sign it would explain it: --flip {','.join(map(str, wrong))}."
     without = settings.command(where, gravity="auto", inertia="auto", robot="none", urdf=None, payload=None)
     removed = settings.command(where, torque="auto", gravity="removed", inertia="auto")
     raise UsageError(
         f"{where}: the model of {plan.arm.name if plan.arm else 'the arm'} is further from the torque than no model: "
-        f"tau_J less the model has {rms[0]} N m rms about its mean on joints {joints}, tau_J alone {rms[1]} N m. If "
-        f"it is another arm: {without}, or give its --urdf. If gravity is already removed from tau_J: "
-        f"{removed}. If the base does not stand upright, give its --gravity-vector"
+        f"tau_J less the model has {rms[0]} N m rms about its mean on joints {joints}, tau_J alone {rms[1]} N m."
+        f"{sign} If it is another arm, or its joints are in another order: {without}, or give its --urdf. If gravity "
+        f"is already removed from tau_J: {removed}. If the base does not stand upright, give its --gravity-vector"
     )
+
+
+def _fits_opposite(measured: Float, left: Float) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return which joints' torque what was removed fits far better with the opposite sign, and which as it is."""
+    turned, as_is = np.var(2.0 * measured - left, axis=0), np.var(left, axis=0)
+    return 2.0 * turned < as_is, 2.0 * as_is < turned
+
+
+def _flipped(coarse: CoarseLog, balance: Balance) -> tuple[Caution, ...]:
+    """Warn of joints whose torque has the opposite sign of that of the others."""
+    if balance.plan.gravity not in ("model", "logged"):
+        return ()
+    opposite, as_is = _fits_opposite(coarse.mean(balance.source), balance.sign * balance.coarse(coarse))
+    joints = (np.flatnonzero(opposite) + 1).tolist()
+    return (Caution(code="torque_flipped", numbers={"joints": joints}),) if joints and as_is.any() else ()
 
 
 def _hand_speed(log: JointLog, settings: TorqueSettings, grids: tuple[Grid, ...]) -> Float:

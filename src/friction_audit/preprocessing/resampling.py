@@ -49,7 +49,10 @@ class GridTorque:
     values: tuple[Float, ...]
 
     def subtract_from(self, torque: Float, t: Float, columns: list[int]) -> None:
-        """Subtract the torque of some joints (0-based) from an array in place, whose rows are at increasing times."""
+        """Subtract the torque of some joints (0-based) from an array in place, whose rows are at increasing times.
+
+        In a hole of the log it stays as at the begin: a spline would leave all bounds.
+        """
         from scipy.interpolate import CubicSpline
 
         borders = [0, *np.searchsorted(t, [grid.t[0] for grid in self.grids[1:]]).tolist(), len(t)]
@@ -58,7 +61,8 @@ class GridTorque:
                 rows = slice(first, min(first + BLOCK, stop))
                 low, high = np.searchsorted(grid.t, t[rows][[0, -1]])
                 knots = slice(max(int(low) - SPLINE_REACH, 0), int(high) + SPLINE_REACH)
-                torque[rows] -= CubicSpline(grid.t[knots], values[knots, columns])(t[rows])
+                near = np.clip(t[rows], grid.t[0], grid.t[-1])
+                torque[rows] -= CubicSpline(grid.t[knots], values[knots, columns])(near)
 
 
 def grids_of(log: JointLog, rate_hz: float) -> tuple[Grid, ...]:

@@ -20,7 +20,7 @@ RECORDING = (
     "torque_dead", "torque_ambiguous", "wild_samples", "non_finite", "no_numbers", "damaged_numbers", "truncated",
     "missing_messages", "undecodable_messages", "file_grew", "empty_channel", "sparse_channel", "channel_empty",
     "incomplete_channel", "empty_joint", "first_row", "first_part", "topic_chosen", "suffix_mismatch", "few_cycles",
-    "model_not_used", "dq_other_clock", "cycles", "speed_spread", "reversals", "standstill", "holes",
+    "model_not_used", "cycles", "speed_spread", "reversals", "standstill", "holes",
     "channels_left_out", "log_left_out", "joint_on_one_side", "not_compared", "same_recording", "joined",
     "not_joined", "wrong_shape",
 )  # fmt: skip

@@ -36,6 +36,7 @@ SENTENCES: Mapping[str, str] = {
     "significantly; move back and forth more often, or give --drive",
     "sign_disagrees": "its net energy {verdict} ({torque:.2f} ± {error:.2f} N m against the motion), that of most "
     "joints does not: its gravity, payload or inertia is wrong",
+    "torque_flipped": "{joints}: gravity fits the torque with the opposite sign: turn it with --flip {numbers}",
     "torque_offset": "constant torque of {mean:.1f} N m that is not friction; over {moved:.2g} rad a sensor offset "
     "cannot be separated from gravity",
     "gravity_error": "gravity of at least {rms:.1f} N m rms over {moved:.2g} rad is left in the torque{cause}",
@@ -133,6 +134,7 @@ def _lags(one: Numbers) -> dict[str, str]:
 # What the numbers of a caution are in words, where the sentence has some.
 WORDS: Mapping[str, Callable[[Numbers], dict[str, str]]] = {
     **dict.fromkeys(("dq_late", "dq_other_clock"), _lags),
+    "torque_flipped": lambda one: {"joints": joints_label(one["joints"]), "numbers": ",".join(map(str, one["joints"]))},
     **dict.fromkeys(
         ("gravity_in_torque", "inertia_in_torque"),
         lambda one: {"remedy": one["command"] and f"; {one['lead']}{one['command']}"},

@@ -208,7 +208,7 @@ class Simulation:
     """A synthetic log and its truth."""
 
     log: JointLog
-    truth: Truth
+    truth: Truth = field(repr=False)
 
 
 FASTEST_RAD_S, STRONGEST_NM = 1e3, 1e6  # far beyond all joints of arms

@@ -154,6 +154,7 @@ def examine(
     first_s = look.clock.first_s if read_s is None else read_s
     numbered = read_s is None and look.recording.rows == as_read
     step_s = look.clock.step_s
+    look = look.after(motion.join_turns(look.recording, look.survey.columns))
     look = look.after(with_velocity(look.recording, step_s))
     look = look.after(leave_out_wild(look.recording, look.survey.columns, step_s, first_s=first_s, numbered=numbered))
     look = look.after(with_velocity(look.recording, step_s))  # anew from what is left, here and below
@@ -164,6 +165,7 @@ def examine(
     look = look.after(drop_stale_samples(look.recording, look.survey.stale, look.survey.columns))
     look = look.after(with_velocity(look.recording, look.clock.step_s))
     look = look.after(check_torque(look.recording, look.survey.columns))
+    look = look.after(motion.find_frozen(look.recording, look.survey.columns, look.clock))
     look = look.after(motion.check_motion(look.recording, look.survey.ratios, path, scaled=time_scale != 1.0))
     if window != (None, None):
         origin_s = look.clock.first_s if read_s is None else read_s

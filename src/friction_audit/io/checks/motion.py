@@ -6,8 +6,9 @@ well, 57.3 if q is in degrees, 1000 if the clock was read in the wrong unit, 1.0
 """
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +16,8 @@ from numpy.typing import NDArray
 from friction_audit.errors import InputError
 from friction_audit.io.checks.clock import Clock, gap_threshold_s
 from friction_audit.io.checks.columns import Column
-from friction_audit.io.recording import Recording
-from friction_audit.joint_log import DERIVATIVE, Finding, Float
+from friction_audit.io.recording import Block, Recording
+from friction_audit.joint_log import DERIVATIVE, TORQUE_CHANNELS, Finding, Float
 
 _TRAVELLED = 0.1  # range of q that no noise of a joint at rest makes [rad]
 _DISAGREES = 0.05
@@ -171,6 +172,66 @@ _TINY = 1e-3  # no clock is wrong by more than units are: with a smaller ratio q
 _UNIT_FACTORS = (1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9)
 
 
+_TURNS, _OF_A_TURN = (2.0 * np.pi, 360.0), 0.08  # by which q jumps at the end of a turn, to this share
+_FROZEN_S = 0.5  # in which a channel of a moving joint does not change by the last digit
+_REVERSED_RAD_S = 0.05  # speed that is no noise; in both directions no torque with friction is one number
+
+
+def join_turns(recording: Recording, columns: Mapping[str, Column]) -> Recording:
+    """Return the recording with positions that go on where a joint passes the end of its turn, in radians or degrees.
+
+    A joint of many turns may report its angle from 0 to 360 degrees, or between -pi and pi.
+    """
+    jump = columns["q"].jump
+    turn = next((turn for turn in _TURNS if (np.abs(jump - turn) < _OF_A_TURN * turn).any()), None)
+    if turn is None:
+        return recording
+    wrapped = np.flatnonzero(np.abs(jump - turn) < _OF_A_TURN * turn)
+
+    def mend(blocks: Iterator[Block]) -> Iterator[Block]:
+        before: Float | None = None
+        turns = np.zeros(len(wrapped))
+        for t, channels in blocks:
+            if "q" in channels and len(t):
+                q = channels["q"][:, wrapped]
+                steps = np.diff(q, axis=0, prepend=q[:1] if before is None else before)
+                ends = np.where(np.abs(np.abs(steps) - turn) < _OF_A_TURN * turn, -np.sign(steps), 0.0)
+                before, passed = q[-1:], turns + np.cumsum(ends, axis=0)
+                channels["q"][:, wrapped] += turn * passed
+                turns = passed[-1]
+            yield t, channels
+
+    text = "{} jumps by a turn at the end of its range; it is made continuous"
+    found = [Finding("turns_joined", text.format(recording.name_of("q", j)), j + 1) for j in wrapped.tolist()]
+    return recording.mended(mend).with_findings(*found)
+
+
+def find_frozen(recording: Recording, columns: Mapping[str, Column], clock: Clock) -> Recording:
+    """Notice channels that keep one value for a part of the log although the joint moves there."""
+    q, dq, found = columns["q"].sample, columns["dq"].sample, list[Finding]()
+    step_s = (clock.last_s - clock.first_s) / len(q)
+    names = [name for name in ("q", "dq", *TORQUE_CHANNELS) if name in columns]
+    dead = {finding.joint for finding in recording.findings if finding.code == "torque_dead"}
+    for name, joint in product(names, range(q.shape[1])):
+        values = columns[name].sample[:, joint]
+        edges = np.concatenate([[0], np.flatnonzero(np.diff(values)) + 1, [len(values)]])
+        longest = int(np.argmax(np.diff(edges)))
+        part = slice(edges[longest], edges[longest + 1])
+        lasts_s, speed = (part.stop - part.start) * step_s, dq[part, joint]
+        if lasts_s < _FROZEN_S or len(edges) == 2 or (name in TORQUE_CHANNELS and joint + 1 in dead):  # noqa: PLR2004
+            continue  # or in all of the log, which is reported elsewhere
+        reverses = speed.min() < -_REVERSED_RAD_S and speed.max() > _REVERSED_RAD_S
+        apart = np.ptp(q[part, joint] - step_s * np.cumsum(speed)) > _TRAVELLED
+        if reverses if name not in ("q", "dq") else apart and (name == "dq" or np.abs(speed).max() > _REVERSED_RAD_S):
+            text = (
+                f"{recording.name_of(name, joint)} keeps the value {values[part.start]:.4g} from about "
+                f"{part.start * step_s:.3g} to {part.stop * step_s:.3g} s while the joint moves: it was not recorded "
+                "there; leave that part out with --t-start and --t-end"
+            )
+            found.append(Finding("channel_frozen", text, joint + 1, lasts_s))
+    return recording.with_findings(*found)
+
+
 def refuse_dead_velocity(recording: Recording, columns: Mapping[str, Column], clock: Clock, path: str) -> Recording:
     """Name the joints whose dq is one number while q moves; InputError where no joint that moves has a velocity."""
     q, dq = columns["q"], columns["dq"]
@@ -209,10 +270,8 @@ def check_motion(recording: Recording, ratios: MotionRatio, path: str, *, scaled
 
 def turn_degrees(recording: Recording, columns: Mapping[str, Column], ratio: float, path: str) -> Recording:
     """Turn q, dq or both into radians where their ratio and their magnitudes say degrees, and rpm into rad/s."""
-    largest_q, largest_dq = (
-        float(max(-column.lowest.min(), column.highest.max(), column.lowest.max(), -column.highest.min()))
-        for column in (columns["q"], columns["dq"])
-    )
+    every_q, every_dq = (np.fmax(-column.lowest, column.highest) for column in (columns["q"], columns["dq"]))
+    largest_q, largest_dq = float(every_q.max()), float(every_dq.max())
     degrees = list[str]()
     if _near(ratio, 1.0 / _RPM_PER_RAD_S, 0.05):
         message = (
@@ -229,7 +288,9 @@ def turn_degrees(recording: Recording, columns: Mapping[str, Column], ratio: flo
         if re.search("rad|deg", recording.mapping.get("q", "")):
             return recording
         of_motor = "motor" in recording.mapping.get("q", "").lower()
-        if len(recording.joint_names) == 1 or largest_q > _LARGEST_Q_DEG or of_motor:
+        moves = columns["q"].highest - columns["q"].lowest > _TRAVELLED
+        mixed = 2 * np.count_nonzero(every_q[moves] > _LARGEST_Q_RAD) < np.count_nonzero(moves)
+        if len(recording.joint_names) == 1 or largest_q > _LARGEST_Q_DEG or of_motor or mixed:
             forwards = float(np.mean(columns["dq"].sample > 0.0))
             _refuse_degrees(recording, forwards, largest_q, largest_dq, path)
             message = (
@@ -258,7 +319,8 @@ def _refuse_degrees(recording: Recording, forwards: float, largest_q: float, lar
         raise InputError(
             f"{path}: q ({named[0][1]}) oscillates up to {largest_q:.4g} and dq up to {largest_dq:.4g}: degrees, or a "
             f"motor of many turns; expected rad and rad/s of the joint; use {degrees}, or {radians}; divide the "
-            "columns of a motor by the gear ratio, and those of an encoder by its counts per radian"
+            "columns of a motor by the gear ratio, those of an encoder by its counts per radian, and leave an axis in "
+            "mm out (--map q=... of the other joints)"
         )
 
 

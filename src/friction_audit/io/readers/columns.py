@@ -33,7 +33,8 @@ MOST_JOINTS = 1000  # no robot has as many; with more, a table is transposed or 
 REQUIRED = ("q",)  # a velocity is made from the position where there is none
 _SHOWN_JOINTS = 60
 _COMPARED = 1000  # columns among which near misses are looked for: each comparison takes a fraction of a millisecond
-_JOINT_COLUMN = re.compile(r"name|(?:joint|axis|motor|actuator)[ _-]?(?:name|id|index|idx|number|no)?", re.IGNORECASE)
+_NUMBER = "[ _-]?(?:name|id|index|idx|number|no)"
+_JOINT_COLUMN = re.compile(rf"name|(?:joint|axis)(?:{_NUMBER})?|(?:motor|actuator){_NUMBER}", re.IGNORECASE)
 _COUNTER = re.compile(
     r".*(?:seq|index|counter|count|tick|frame|step|msg|sample)(?:[ _]?(?:id|no|number))?s?", re.IGNORECASE
 )
@@ -215,7 +216,8 @@ def _missing_message(names: Sequence[str], groups: Mapping[str, Group], *, found
     mapped = wanted + ["dq"] * ("q" in wanted and "dq" not in groups) + (["tau_J"] if torques else [])
     examples = [f"--map {c}=<column{'' if c == 't' else ' with {i} for the joint'}>" for c in mapped]
     numbers = "" if mapped == ["t"] else ", or by numbers, e.g. #2-#8"
-    parts.append(f"name what is missing with {' '.join(examples)}{numbers}")
+    other = ", or add the file of this log that has it with --join FILE" if groups else ""
+    parts.append(f"name what is missing with {' '.join(examples)}{numbers}{other}")
     counter = None if found_time else next((name for name in names if _COUNTER.fullmatch(name)), None)
     if counter:
         parts.append(f"a counter of milliseconds is a clock too: --map t={counter}:ms")

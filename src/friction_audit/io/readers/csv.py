@@ -1,5 +1,6 @@
 """Text tables -> Recording: libfranka's logToCSV, rostopic echo -p, bag exports, tidy and long tables."""
 
+import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -21,6 +22,7 @@ from friction_audit.io.recording import Recording, WholeLogError
 from friction_audit.joint_log import Finding, find_window
 
 _SHOWN_TEXT, _SHOWN_CELLS = 40, 3
+_LIST = re.compile(r": [\"'](?:array)?[\[(]")  # in one cell, as pandas writes arrays
 _MOST_BAD = 0.01  # of the lines with a cell that is no number; beyond, a column is not what its name says
 _LONG_INTEGER = 16  # digits from which a stamp no longer fits a float exactly
 _EXCEPTION_LOG_ROWS, _EXCEPTION_LOG_S = 60, 0.1
@@ -157,9 +159,10 @@ class CsvTable(Table):
         self._bad_lines += lines
         self._bad += [what] if len(self._bad) < _SHOWN_CELLS else []
         if self._bad_lines > _MOST_BAD * self._lines:
-            raise InputError(
-                f"{self.path}: {self._bad[0]}; expected numbers, in {1.0 - _MOST_BAD:.0%} of the lines; repair them"
-            )
+            advice = f"expected numbers, in {1.0 - _MOST_BAD:.0%} of the lines; repair them"
+            if _LIST.search(self._bad[0]):
+                advice = "expected one column per joint; split the lists, or give them to log_from_frame as arrays"
+            raise InputError(f"{self.path}: {self._bad[0]}; {advice}")
 
     def _dated(self, columns: Block, time: TimeColumn) -> Block:
         """Return the rows with dates, which become nanoseconds since 1970; not those beyond what these can hold."""

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import csv_text, encodable
 from friction_audit.joint_log import DERIVATIVE, JOINT_CHANNELS, Float, JointLog
+from friction_audit.presets import candidates
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -35,8 +36,11 @@ class Writer:
         return found + ([] if self.joints in (None, joints) else [f"{self.joints} joints (the log has {joints})"])
 
     def left_out(self, log: JointLog) -> tuple[str, ...]:
-        """Return the channels of a log that this dialect has no place for."""
-        return tuple(name for name in log.channels() if name not in self.holds)
+        """Return what of a log this dialect has no place for: channels, and the arm where joint names do not say it."""
+        robot, kept = log.source.robot, self.name.startswith(("parquet", "csv-libfranka"))
+        known = kept or robot == "unknown" or candidates(log.joint_names) == (robot,)
+        lost = () if known else (f"the name of the arm (read it with --robot {robot})",)
+        return (*(name for name in log.channels() if name not in self.holds), *lost)
 
 
 NANOSECONDS = 1_000_000_000

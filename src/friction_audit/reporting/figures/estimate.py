@@ -13,6 +13,7 @@ from friction_audit.pipeline import Estimate
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures import style as theme
+from friction_audit.reporting.words import count_of
 
 MOST_SHADED = 80  # cycles in one panel above which stripes would only be grey
 
@@ -110,8 +111,9 @@ def _draw_coefficients(panels: Sequence[Axes], estimate: Estimate, friction: Joi
     series, history = series_of(estimate, friction), friction.history
     coulomb = (history.coulomb_nm, history.coulomb_low_nm, history.coulomb_high_nm)
     viscous = (history.viscous_nms_per_rad, history.viscous_low_nms_per_rad, history.viscous_high_nms_per_rad)
-    window = min(friction.window, friction.cycles)
-    panels[-1].set_title(f"window: {window} cycle{'s' if window > 1 else ''}", loc="right", color=theme.MUTED)
+    window = f"window: {count_of(min(friction.window, friction.cycles), 'cycle')}"
+    title = window if friction.method == "energy" else "from torque regression"
+    panels[-1].set_title(title, loc="right", color=theme.MUTED)
     t = np.maximum.accumulate(np.append(history.stop_s, series.t[-1]))
     fits = (("Coulomb [N m]", coulomb, friction.coulomb), ("Viscous [N m s/rad]", viscous, friction.viscous))
     for axes, (label, values, whole) in zip(panels, fits, strict=True):

@@ -21,6 +21,7 @@ from friction_audit.reporting.words import NEWTON_METRES, SHORTEST_NAME, in_unit
 
 HANDLE_PT, LETTER_PT, LONGEST_FORMULA = 26.0, 3.5, 24  # room that a label of a legend takes; of formulas, less is seen
 TICKS_ON_SHEET, TICKS_IN_COLUMN = 4, 6
+MOST_WITH_REASON = 5  # panels of a figure: those of one joint in the replay
 
 Joint = Any  # a part of a result that belongs to one joint, whose number it has
 Drawn = TypeVar("Drawn", bound="Figure | Axes")
@@ -144,7 +145,9 @@ def label_panel(axes: Axes, title: str = "", *, y: str | None = None, across: in
         axis.set_major_locator(MaxNLocator(most, steps=[1, 2, 2.5, 5, 10]))
 
 
-def write_message(axes: Axes, sentence: str, *, characters: int = 44, instead: bool = False) -> None:
+def write_message(
+    axes: Axes, sentence: str, *, characters: int = 44, instead: bool = False, height: float = 0.5
+) -> None:
     """Write a sentence, if any, into a panel, wrapped; without ticks where it stands ``instead`` of curves."""
     if not sentence:
         return
@@ -153,13 +156,16 @@ def write_message(axes: Axes, sentence: str, *, characters: int = 44, instead: b
         axes.set_yticks([])
     box: Look = {"facecolor": "white", "edgecolor": theme.MUTED, "linewidth": 0.4, "pad": 2.5, "alpha": 0.92}
     axes.text(
-        0.5, 0.5, fill(sentence, characters), transform=axes.transAxes, ha="center", va="center", fontsize=6.5,
+        0.5, height, fill(sentence, characters), transform=axes.transAxes, ha="center", va="center", fontsize=6.5,
         color=theme.BORDER, bbox=box, zorder=10,
     )  # fmt: skip
 
 
 def write_reason(axes: Axes, lack: str, reason: str, *, characters: int = 44) -> None:
-    """Write why a result is lacking, if there is a reason, without the advice in it."""
+    """Write why a result is lacking, if there is a reason, without the advice in it; on a sheet that it is lacking."""
+    if len(axes.figure.axes) > MOST_WITH_REASON:  # a sentence in each small panel would cover what it shows
+        write_message(axes, reason and lack, height=0.94)
+        return
     write_message(axes, reason and f"{lack}: {reason.partition(';')[0]}", characters=characters)
 
 
