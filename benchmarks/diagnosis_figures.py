@@ -3,8 +3,9 @@
 python -m benchmarks.diagnosis_figures [KIND ...] [--rows FOLDER] [--first SEED] [--real FOLDER] [--page FILE.md]
 
 Kinds, all if none is given: strengths (the costly search), limits and separations (what the logs hold, without the
-engine), none, effects, on_arms, pairs, outside, arms, smoothed, stranger_none, stranger, real (of a folder of measured
-logs), time (on an idle machine). Each is a table in the folder of rows, and is gone on with; ``--table`` runs none.
+engine), none, effects, on_arms, pairs, outside, arms, coarse, smoothed, stranger_none, stranger, real (of a folder of
+measured logs), time (on an idle machine). Each is a table in the folder of rows, and is gone on with; ``--table`` runs
+none.
 """
 
 import argparse
@@ -13,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks import bench_diagnose, smoothed_sign
+from benchmarks import bench_diagnose, coarse_encoders, smoothed_sign
 from benchmarks.answers import CLEAR, answered
 from benchmarks.diagnosis_summary import EFFECT_KINDS, Tables, load, page, real, separated, simulated
 from benchmarks.hidden_effects import limits, run, separable, strengths
@@ -26,11 +27,12 @@ from benchmarks.stranger import run as stranger
 from friction_audit.simulation.effects import EFFECTS
 
 ROWS = Path(__file__).parent / "rows"
-SIMULATED = ("none", "effects", "on_arms", "pairs", "outside", "arms", "smoothed", "stranger_none", "stranger")
+SIMULATED = ("none", "effects", "on_arms", "pairs", "outside", "arms", "smoothed", "coarse", "stranger_none",
+             "stranger")  # fmt: skip
 KINDS = ("strengths", "limits", "separations", *SIMULATED, "real", "time")
 ON_ARMS = ("torque_crosstalk", "inertial_coupling")
-NUMBERS = {"none": 200, "smoothed": 200, "stranger_none": 40, "stranger": 2, "effects": 10, "on_arms": 4, "pairs": 40,
-           "outside": 10, "arms": 2}  # fmt: skip
+NUMBERS = {"none": 200, "coarse": 50, "smoothed": 200, "stranger_none": 40, "stranger": 2, "effects": 10, "on_arms": 4,
+           "pairs": 40, "outside": 10, "arms": 2}  # fmt: skip
 """Seeds of each kind, from the first on; of ``effects``, ``outside`` and ``stranger`` for every effect."""
 
 
@@ -64,6 +66,7 @@ class Figures:
             "strengths": lambda: strengths.job([task for each in EFFECT_KINDS for task in self.wanted(each)]),
             "limits": lambda: Job(limits.FIELDS, limits.judged(doubtful), limits.limits_of),
             "separations": lambda: separable.job(judged),
+            "coarse": lambda: coarse_encoders.job(seeds),
             "smoothed": lambda: smoothed_sign.job(seeds),
             "stranger_none": lambda: stranger.job("none", seeds),
             "stranger": lambda: stranger.job("all", seeds),

@@ -36,7 +36,8 @@ from friction_audit.effects.registry import effects
 
 CATALOGUE = {effect.name for effect in effects()}
 EFFECT_KINDS = ("effects", "on_arms", "pairs")
-ROW_KINDS = ("none", "arms", "effects", "on_arms", "pairs", "outside", "smoothed", "stranger_none", "stranger", "real")
+CLEAN = ("none", "arms", "smoothed", "coarse", "stranger_none")
+ROW_KINDS = (*CLEAN, "effects", "on_arms", "pairs", "outside", "stranger", "real")
 Tables = dict[str, list[Row]]
 Figure = tuple[str, str, str, str, str]
 """What is measured, before, goal, measured with its 95 % interval, number."""
@@ -82,7 +83,8 @@ def middle(label: str, before: str, goal: str, values: Sequence[float], form: st
 def clean(tables: Tables) -> list[Figure]:
     """Logs with nothing hidden."""
     own = answered((*tables["none"], *tables["arms"]))
-    others = {"sign smoothed over 1 to 10 mrad/s": tables["smoothed"], "second generator": tables["stranger_none"]}
+    others = {"sign smoothed over 1 to 10 mrad/s": tables["smoothed"], "second generator": tables["stranger_none"],
+              "position or velocity in coarse steps": tables["coarse"]}  # fmt: skip
     found = [
         figure("own simulator, nothing hidden: a name [%]", "0.4", "at most 1, upper bound 2.5", map(named, own), 1)
     ]
@@ -241,7 +243,7 @@ def mistake(kind: str, row: Row, visible: set[tuple[str, str]]) -> str:
     shown = kind == "real" and row["verdict"] not in UNANSWERED and row["truth"] not in row["untestable"].split(";")
     needed = shown or float(row.get("partial") or 0.0) >= CLEAR
     outside = kind == "outside" or row["truth"] in OUTSIDE
-    plain = kind in {"none", "arms", "smoothed", "stranger_none"} or row["truth"] in RECORDED or not hidden_here(row)
+    plain = kind in CLEAN or row["truth"] in RECORDED or not hidden_here(row)
     looked_for = bool(truth_of(row)) and not plain and not outside
     needed_here = looked_for and (needed or (row["truth"], row["seed"]) in visible)
     found = {

@@ -154,9 +154,18 @@ def test_least_effect_is_a_torque(torque: float) -> None:
 
 
 @pytest.mark.parametrize("scenario", ["joint-sine", "joint-loaded"])
-def test_a_coarse_encoder_is_no_contact(scenario: str) -> None:
+def test_a_coarse_encoder_is_no_effect_and_hides_some(scenario: str) -> None:
     log, step_rad = recorded(scenario=scenario), 3e-4
     source = replace(log.source, channels={**log.source.channels, "dq": DERIVATIVE})
-    coarse = replace(log, q=step_rad * np.round(log.q / step_rad), source=source)
-    found = diagnosed(coarse, candidates=("contact_event", "stribeck"))
+    found = diagnosed(replace(log, q=step_rad * np.round(log.q / step_rad), source=source))
     assert (found.verdict, found.effects) == ("adequate", ())
+    assert "q is read in steps of 0.0003 rad, too coarse" in found.untestable["joint_elasticity"]
+    assert "too coarse" not in " ".join(found.untestable.get(name, "") for name in ("stribeck", "gravity_error"))
+
+
+def test_a_coarse_velocity_is_no_effect() -> None:
+    """Most samples of a slow joint read the same, which is no sign of a quiet velocity."""
+    log = recorded(scenario="joint-slow", duration_s=180.0)
+    found = diagnosed(replace(log, dq=0.05 * np.round(log.dq / 0.05)))
+    assert (found.verdict, found.effects) == ("adequate", ())
+    assert not any("too coarse" in why for why in found.untestable.values())

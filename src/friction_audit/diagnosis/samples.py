@@ -41,6 +41,7 @@ LOWEST_CORNER_HZ = 8.0
 # Of the torque's noise: what a regressor's may be. With a third, a delay of 4 ms is lost; with all of it, half of the
 # clean logs have a spring that is significant, if too small for a name.
 QUIET_SHARE = 0.5
+OBSERVED = 0.62  # of white noise, what a density from second differences finds: the grid's low-pass takes the rest
 MOST_UNCERTAIN = 0.02  # share of the filter's weight that may come from samples without a certain direction
 MOST_LAGS = 8
 LOADING = 0.05  # white part of the variance: plain AR weights frequencies that hold nothing but the filter's stop band
@@ -130,17 +131,40 @@ def corner_for(data: JointData, inertia_kg_m2: float) -> float:
     joints' accelerations in the torque.
     """
     # With 25 Hz everywhere, none_none_16001 is named time_delay, and effects_backlash_16001 presliding as well.
-    order = 2 if data.derived_from == "q" else 1
-    load = np.zeros(len(data.t)) if data.load is None else data.load
-    torque = noise_density(data.torque + load, data.step_s, 0)
-    # White noise of a median size per sample of the log, at least that of the rounding.
-    rounded = (2.0 * np.pi) ** order * data.rounding / SIGMA_PER_MEDIAN * np.sqrt(data.sample_s / (np.pi * data.step_s))
-    own = inertia_kg_m2 * max(noise_density(data.ddq, data.step_s, order), float(rounded))
-    inertial = float(np.hypot(own, noise_density(load, data.step_s, order)))
-    crossing = (QUIET_SHARE * torque / inertial) ** (1.0 / order) if inertial > 0 else CORNER_HZ
+    order, quiet = _order_of(data), QUIET_SHARE * _torque_noise(data)
+    own = inertia_kg_m2 * max(noise_density(data.ddq, data.step_s, order), _rounding_noise(data))
+    load = 0.0 if data.load is None else noise_density(data.load, data.step_s, order)
+    inertial = float(np.hypot(own, load))
+    crossing = (quiet / inertial) ** (1.0 / order) if inertial > 0 else CORNER_HZ
     # f^2 / sqrt(f^2 + crossover^2) in the place of f, solved for f
     crossing = np.sqrt((crossing**2 + np.hypot(crossing**2, 2.0 * crossing * data.crossover_hz)) / 2.0)
     return float(np.clip(crossing, LOWEST_CORNER_HZ, CORNER_HZ))
+
+
+def coarseness(data: JointData, inertia_kg_m2: float) -> float:
+    """How many times too large the steps are in which the position, or the velocity, is read.
+
+    Above 1 their noise in inertia times acceleration is more than half of that of the torque at every corner: columns
+    that follow the acceleration then explain that noise (errors in variables: W. A. Fuller, Measurement Error Models
+    (1987), section 1.1), which correlates with what is left. Steps of 1 mrad without a logged velocity do that, and the
+    residual of clean joints follows their past motion.
+    """
+    noise = inertia_kg_m2 * _rounding_noise(data) * LOWEST_CORNER_HZ ** _order_of(data)
+    return noise / max(QUIET_SHARE * _torque_noise(data), np.finfo(float).tiny)
+
+
+def _order_of(data: JointData) -> int:
+    return 2 if data.derived_from == "q" else 1
+
+
+def _torque_noise(data: JointData) -> float:
+    return noise_density(data.torque if data.load is None else data.torque + data.load, data.step_s, 0)
+
+
+def _rounding_noise(data: JointData) -> float:
+    """What :func:`noise_density` is for the acceleration where rounding, white in the log's samples, is all noise."""
+    median = data.rounding / SIGMA_PER_MEDIAN * float(np.sqrt(data.sample_s / (np.pi * data.step_s)))
+    return OBSERVED * (2.0 * np.pi) ** _order_of(data) * median
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
