@@ -73,7 +73,7 @@ class JointData:
     sample_s: float = 0.0  # usual step of the log itself, 0 where a torque late by part of it is of no interest [s]
     crossover_hz: float = 0.0  # below it a velocity from "dq" is mainly the derivative of the position [Hz]
 
-    @property
+    @cached_property
     def used(self) -> NDArray[np.bool_]:
         """Samples on which a model is fitted: moving, valid and in a cycle."""
         return self.moving & self.valid & (self.cycle >= 0)
