@@ -69,9 +69,8 @@ class _Model:
         total, right = grams.sum(axis=0) + np.diag(self.prior[which]), rights.sum(axis=0)
         scale = np.sqrt(np.maximum(np.diag(grams.sum(axis=0)), 1e-300))
         coefficients = np.zeros((len(grams), len(self.prior)))
-        for k in range(len(grams)):
-            whole = (total - grams[k]) / scale[:, None] / scale
-            coefficients[k, which] = np.linalg.lstsq(whole, (right - rights[k]) / scale, rcond=1e-11)[0] / scale
+        inverses = np.linalg.pinv((total - grams) / scale[:, None] / scale, rcond=1e-11, hermitian=True)
+        coefficients[:, which] = np.einsum("fij,fj->fi", inverses, (right - rights) / scale) / scale
         residual, innovation = gram.problem.y[gram.order], gram.y.copy()
         for own, part in zip(coefficients, gram.slices, strict=True):
             residual[part] -= own @ self.raw[:, part]

@@ -153,12 +153,11 @@ def _certain_for_good(dq: Float, certain: int, dead_speed: float, most: int) -> 
 
 def _start_of(q: Float, earliest: int, latest: int) -> int:
     """Sample from which a path that was constant grows as the cube of the time, by least squares."""
-    tried = np.arange(earliest, latest)
-    since = np.maximum(np.arange(len(q))[:, None] - tried, 0.0)
-    grown = since * since * since
-    grown -= grown.mean(axis=0)
-    explained = (grown.T @ (q - q.mean())) ** 2 / np.sum(grown**2, axis=0)
-    return int(tried[np.argmax(explained)])
+    tried, cubes = slice(earliest, latest), np.arange(float(len(q))) ** 3
+    # Of the cubes since each sample: products with the path less its mean, sum, and sum of squares.
+    along = np.convolve((q - q.mean())[::-1], cubes)[len(q) - 1 :: -1][tried]
+    grown, squares = np.cumsum(cubes)[::-1][tried], np.cumsum(cubes**2)[::-1][tried]
+    return earliest + int(np.argmax(along**2 / (squares - grown**2 / len(q))))
 
 
 SHORTEST_REST_S = 0.02  # A rest is at least so long: a reversal is none

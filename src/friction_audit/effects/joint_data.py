@@ -69,7 +69,7 @@ class JointData:
     rounding: float = 0.0  # standard deviation of the rounding of that [rad or rad/s]
     crossover_hz: float = 0.0  # below it a velocity from "dq" is mainly the derivative of the position [Hz]
 
-    @property
+    @cached_property
     def used(self) -> NDArray[np.bool_]:
         """Samples on which a model is fitted: moving, valid and in a cycle."""
         return self.moving & self.valid & (self.cycle >= 0)

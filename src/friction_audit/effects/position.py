@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from functools import partial
 from itertools import product
+from math import cos, sin
 
 import numpy as np
 
@@ -17,6 +18,39 @@ WAVES = 10
 PATCHES = (8, 16)  # half widths of patches, as how many of them the range takes
 ORDER, CENTRE, WIDTH = "position_friction_order", "position_friction_centre_rad", "position_friction_width_rad"
 EVERYWHERE = 1e6  # width of a bell that does not matter
+SAME_STEP = 1e-12  # differences of the spacing of orders that are rounding, as a share of an order
+
+
+class Wave:
+    """Cosine and sine of k q for one order k after the other: of evenly spaced ones by turning by the same angle.
+
+    That takes four products where cosine and sine take many; a turn is right to rounding, and so are a hundred.
+    """
+
+    def __init__(self, q: Float) -> None:
+        """Begin at order 0."""
+        self._q, self._order, self._step = q, 0.0, 0.0
+        self._turn = self._wave = np.stack([np.ones(len(q)), np.zeros(len(q))])
+
+    def of(self, order: float) -> Float:
+        """Cosine and sine of an order, shape (2, n)."""
+        step = order - self._order
+        if step == 0.0:
+            return self._wave
+        if abs(step - self._step) > SAME_STEP * abs(order):
+            self._step, self._turn = step, np.stack([np.cos(step * self._q), np.sin(step * self._q)])
+        self._order, self._wave = order, _turned(self._wave, self._turn)
+        return self._wave
+
+
+@compiled()
+def _turned(wave: Float, turn: Float) -> Float:
+    """Cosine and sine of the sum of two angles, shape (2, n) each."""
+    out = np.empty_like(wave)
+    for i in range(wave.shape[1]):
+        out[0, i] = wave[0, i] * turn[0, i] - wave[1, i] * turn[1, i]
+        out[1, i] = wave[0, i] * turn[1, i] + wave[1, i] * turn[0, i]
+    return out
 
 
 class PositionDependentFriction(Effect):
@@ -28,7 +62,7 @@ class PositionDependentFriction(Effect):
 
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield sgn(dq) exp(-((q - c) / w)^2 / 2) times cos and sin of k (q - c), two columns; equal bells are one."""
-        known, phasor = 0.0, np.ones(0, complex)
+        wave = Wave(motion.q)
         for centre, width in dict.fromkeys((centre, width) for _, centre, width in many):
             off = motion.q - centre
             bell = motion.direction if width >= EVERYWHERE else motion.direction * np.exp(-0.5 * (off / width) ** 2)
@@ -38,11 +72,9 @@ class PositionDependentFriction(Effect):
                 columns = np.zeros((2, len(bell)))
                 if order == 0.0:
                     columns[0] = bell
-                else:
-                    if order != known:  # neighbours under bells of one width have one order
-                        known, phasor = order, np.exp(1j * order * motion.q)
-                    wave = phasor * np.exp(-1j * order * centre)
-                    columns[0], columns[1] = bell * wave.real, bell * wave.imag
+                else:  # neighbours under bells of one width have one order
+                    (cosine, sine), c, s = wave.of(order), cos(order * centre), sin(order * centre)
+                    columns[0], columns[1] = bell * (c * cosine + s * sine), bell * (c * sine - s * cosine)
                 yield place, columns.T
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
@@ -81,7 +113,6 @@ POSITION_DEPENDENT_FRICTION = PositionDependentFriction(
 )
 
 
-SAME_STEP = 1e-12  # differences of the spacing of orders that are rounding, as a share of the largest
 # Distance of orders times the standard deviation of the position: a phase is off by half of it, rms, at most.
 FINEST, COARSEST = 1.0, 1.4
 # As many as the time of a search allows; where they do not reach, they lie as far apart as they may. The others are
@@ -99,21 +130,9 @@ class TorqueRipple(Effect):
     alternative, Biometrika 74 (1987) 33.
     """
 
-    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
-        angle = values[0] * motion.q
-        return np.stack([np.cos(angle), np.sin(angle)]).T
-
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
-        """Yield cos(k q) and sin(k q); of even orders by turning the phase, four products instead of a sine."""
-        orders = np.array([order for (order,) in many])
-        steps = np.diff(orders)
-        if len(steps) == 0 or np.ptp(steps) > SAME_STEP * np.abs(orders).max():
-            yield from ((place, self.columns(motion, values)) for place, values in enumerate(many))
-            return
-        turn, wave = self.columns(motion, [float(np.mean(steps))]).T, self.columns(motion, many[0]).T
-        for place in range(len(orders)):
-            yield place, wave.T
-            wave = _turned(wave, turn)
+        wave = Wave(motion.q)
+        yield from ((place, wave.of(order).T) for place, (order,) in enumerate(many))
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         first, last = order_range(data)
@@ -121,16 +140,6 @@ class TorqueRipple(Effect):
         spread = max(float(np.std(data.q[data.used])) if data.used.any() else 0.0, 1e-3)
         step = np.clip((last - first) / MOST_ORDERS, FINEST / spread, COARSEST / spread)
         return self.points((order,) for order in np.arange(first, last, step)[:MOST_ORDERS].tolist() or [first])
-
-
-@compiled()
-def _turned(wave: Float, turn: Float) -> Float:
-    """Cosine and sine of the sum of two angles, shape (2, n) each."""
-    out = np.empty_like(wave)
-    for i in range(wave.shape[1]):
-        out[0, i] = wave[0, i] * turn[0, i] - wave[1, i] * turn[1, i]
-        out[1, i] = wave[0, i] * turn[1, i] + wave[1, i] * turn[0, i]
-    return out
 
 
 def order_range(data: JointData) -> tuple[float, float]:

@@ -1,7 +1,7 @@
 """Friction that follows from the speed alone: Stribeck's, one that is curved, one that a compensator takes away."""
 
 from collections.abc import Sequence
-from functools import partial
+from functools import lru_cache, partial
 from itertools import product
 
 import numpy as np
@@ -123,6 +123,7 @@ def bend(pace: Float, freedom: float) -> Float:
     return np.asarray(np.interp(place, np.arange(TABLE), bend_table(freedom)))
 
 
+@lru_cache(maxsize=8)  # of the grid, for all joints and all points next to one
 def bend_table(freedom: float) -> Float:
     """Return the bend at TABLE even angles from 0 to pi / 2, shape (TABLE,)."""
     from scipy.special import betainc

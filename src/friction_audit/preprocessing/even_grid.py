@@ -78,18 +78,21 @@ def filtered(rows: Float, kernel: Float, centre: NDArray[np.int64]) -> Float:
     """Weighted sums of an odd number of samples about some, ascending, (m,), the ends held; rows (p, n): (p, m)."""
     half, n = len(kernel) // 2, rows.shape[1]
     out = np.zeros((len(rows), len(centre)))
+    # Up to a whole number of what a processor takes at once: the rest, one by one, takes as long as all of them.
+    weights = np.zeros((len(kernel) + 15) // 16 * 16)
+    weights[: len(kernel)] = kernel
     for k in range(len(rows)):
         row, i = rows[k], 0
         if not row.any():  # of effects with many columns most are zero
             continue
         while i < len(centre):
-            if i + 3 < len(centre) and centre[i] >= half and centre[i + 3] + half < n:
+            if i + 3 < len(centre) and centre[i] >= half and centre[i + 3] - half + len(weights) <= n:
                 # Four at a time read each weight once, which takes two thirds of the time.
                 one, two = row[centre[i] - half :], row[centre[i + 1] - half :]
                 three, four = row[centre[i + 2] - half :], row[centre[i + 3] - half :]
                 a, b, c, d = 0.0, 0.0, 0.0, 0.0
-                for j in range(len(kernel)):
-                    weight = kernel[j]
+                for j in range(len(weights)):
+                    weight = weights[j]
                     a += weight * one[j]
                     b += weight * two[j]
                     c += weight * three[j]
@@ -129,7 +132,10 @@ class EvenSpline:
         x = samples - whole
         near = np.take(self.coefficients, np.arange(n + 3) + (whole + HELD - 1), axis=0, mode="clip")
         weights = ((1.0 - x) ** 3, 4.0 + 3.0 * x**2 * (x - 2.0), 1.0 + 3.0 * x * (1.0 + x * (1.0 - x)), x**3)
-        return np.asarray(sum(weight / 6.0 * near[k : n + k] for k, weight in enumerate(weights)))
+        out = weights[0] / 6.0 * near[:n]
+        for k in (1, 2, 3):
+            out += weights[k] / 6.0 * near[k : n + k]
+        return np.asarray(out)
 
 
 def natural_spline(x: Float, y: Float, at: Float) -> Float:
