@@ -11,7 +11,7 @@ from friction_audit.joint_log import Float, JointLog, LogPart
 from friction_audit.parallel import ahead
 
 # A longer log is judged by means of stretches that are spread evenly over it: an hour at 50 Hz, in pieces of 20 s.
-MOST_MEANS, STRETCH = 1 << 18, 1 << 10
+MOST_MEANS, STRETCH = 180_000, 1 << 10
 COARSE_HZ = 50.0  # of the means by which the sign of a torque is proved: above the motion, and cheap for hours of log
 
 

@@ -59,11 +59,10 @@ class Column:
         every = max(rows // MOST_SAMPLES, 1)
         self._picked: tuple[Picked, ...] = ()
         if whole is None:
-            usual, late = np.arange(0, rows, every), np.arange(LAG, rows, every)
-            self._picked = Picked(usual, joints), Picked(late - LAG, joints), Picked(late, joints)
-            self.sample, self._changing, self.changed = (one.values for one in self._picked)
+            self._picked = tuple(Picked(np.arange(first, rows, every), joints) for first in (0, LAG))
+            self.sample, self.changed = (one.values for one in self._picked)
         else:
-            self.sample, self._changing, self.changed = whole[::every], whole[:-LAG:every], whole[LAG::every]
+            self.sample, self.changed = whole[::every], whole[LAG::every]
         self.lowest, self.highest = np.full(joints, np.inf), np.full(joints, -np.inf)
         self.jump, self.zeroed = np.zeros(joints), np.zeros(joints, np.bool_)
         self._to_zero = to_zero
@@ -85,4 +84,4 @@ class Column:
 
     def changes(self, joint: int) -> Float:
         """Changes over LAG rows that are spread evenly over the recording, shape (m,)."""
-        return np.asarray(self.changed[:, joint] - self._changing[:, joint])
+        return np.asarray(self.changed[:, joint] - self.sample[: len(self.changed), joint])
