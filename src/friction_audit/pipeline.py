@@ -126,7 +126,7 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
         own = found[column] = joints[column].search.cycles()
         if in_blocks:  # of a day, these products would take most of the memory
             release_memory()
-            found[column] = replace(own, products=own.products[:0])
+            found[column] = replace(own, products=own.products[:0].copy())
         return own
 
     friction = friction_of(part, [one.gathered for one in joints], cycles_of, settings.friction, dead_torque)

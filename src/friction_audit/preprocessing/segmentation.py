@@ -95,6 +95,7 @@ class CycleSearch:
         # A cycle that has lasted too long already: its samples up to now are added up and forgotten; where it began.
         self._begun: tuple[EnergyCycles, Float] | None = None
         self._found: list[EnergyCycles] = []
+        self._joined = 0  # so many of these are of many blocks
         self._above, self._fastest, self._peak_power_w, self._begin_s, self._last_s = 0, 0.0, 0.0, 0.0, 0.0
 
     def take(self, part: Interaction, filtered: Float, signal: Float | None = None, *, more: bool = False) -> None:
@@ -133,8 +134,9 @@ class CycleSearch:
             borders = borders[self._close_runs(borders, place, more=more)]
         if len(borders) > 1:
             self._found.append(self._cycles_between(part, borders))
-            if len(self._found) == MOST_PIECES:
-                self._found = [join_cycles(self._found)]
+            if len(self._found) > MOST_PIECES + self._joined:
+                self._found[self._joined :] = [join_cycles(self._found[self._joined :])]
+                self._joined += 1
             self._go_on(int(borders[-1]), moving=False)
             self._begun, self._at_border = None, True
         elif not (more or self._found):
