@@ -11,7 +11,7 @@ from friction_audit.joint_log import Float, JointLog, LogPart
 from friction_audit.parallel import ahead
 
 # A longer log is judged by means of stretches that are spread evenly over it: an hour at 50 Hz, in pieces of 20 s.
-MOST_MEANS, STRETCH = 1 << 18, 1 << 10
+MOST_MEANS, STRETCH = 180_000, 1 << 10
 COARSE_HZ = 50.0  # of the means by which the sign of a torque is proved: above the motion, and cheap for hours of log
 
 
@@ -77,11 +77,11 @@ def samples_per_mean(step_s: float, samples: int) -> int:
     return max(1, min(round(1.0 / step_s / COARSE_HZ), samples // 2))
 
 
-def block_means(column: Float, samples: int) -> Float:
-    """Return the means of neighbouring blocks of samples, shape (n,) -> (n // samples,)."""
-    blocks = len(column) // samples
-    whole = column[: blocks * samples]
-    return np.asarray(np.add.reduceat(whole, np.arange(0, len(whole), samples)) / samples)  # half the time of mean()
+def block_means(signal: Float, samples: int) -> Float:
+    """Return the means of neighbouring blocks of samples, shape (n, j) -> (n // samples, j)."""
+    blocks = len(signal) // samples
+    whole = np.asfortranarray(signal[: blocks * samples]).T.reshape(signal.shape[1], blocks, samples)
+    return np.asarray(np.einsum("jmi->mj", whole) / samples)  # a quarter of the time of mean()
 
 
 class Means:
@@ -105,17 +105,13 @@ class Means:
 
     def take(self, t: Float, channels: dict[str, Float]) -> None:
         """Take the rows of a piece."""
-        size, done, first = self.of, self._seen // self.of, -(self._seen % self.of)
+        size, done, first = self.of, self._seen // self.of, -self._seen % self.of
         self._seen += len(t)
-        own = self._is_kept[done : self._seen // size]
+        own, left = self._is_kept[done : self._seen // size], self._seen % size
         places = slice(self._kept, self._kept + int(np.count_nonzero(own)))
         self._kept = places.stop
-        starts, rows, left = np.arange(first, len(t), size).clip(0), {"t": t[:, None], **channels}, self._seen % size
-        for name, means in (("t", self.t), *self.channels.items()):
-            piece = rows[name]
-            begun = np.concatenate([self._rest[name], piece[: size + first]])  # of the mean that was begun
-            for joint, column in enumerate(piece.T):
-                sums = np.add.reduceat(column, starts)
-                sums[:1] = np.add.reduceat(begun[:, joint], [0])
-                means[places, joint] = sums[: len(own)][own] / size
+        for name, piece in (("t", t[:, None]), *channels.items()):
+            begun = np.concatenate([self._rest[name], piece[:first]])  # of the mean that was begun
+            found = np.concatenate([block_means(begun, size), block_means(piece[first:], size)])
+            (self.t if name == "t" else self.channels[name])[places] = found[: len(own)][own]
             self._rest[name] = begun if left > len(t) else piece[len(t) - left :].copy()

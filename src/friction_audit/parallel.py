@@ -10,6 +10,7 @@ import threading
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import wait as wait_for
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
@@ -54,15 +55,33 @@ def one_joint_at_a_time() -> Iterator[None]:
 
 
 def per_joint(work: Callable[[int], Result], joints: int) -> list[Result]:
-    """Return the result of the work for each joint (0-based), in order, by threads."""
+    """Return the result of the work for each joint (0-based), in order, by this thread and those that are free."""
     if _ALONE.get():
         return [work(joint) for joint in range(joints)]
+    left, done = iter(range(joints)), dict[int, Future[Result]]()
+
+    def share() -> None:
+        for joint in left:
+            one = done[joint] = Future()
+            try:
+                one.set_result(work(joint))
+            except Exception as error:  # noqa: BLE001 - raised below, in the order of the joints
+                one.set_exception(error)
+
     # Matrices of a joint are tall and narrow: threads inside a product would only wait for each other.
-    with (
-        _libraries(len(sys.modules)).limit(limits=1, user_api="blas"),
-        ThreadPoolExecutor(max_workers=WORKERS, thread_name_prefix="joint") as pool,
-    ):
-        return list(pool.map(work, range(joints)))
+    with _libraries(len(sys.modules)).limit(limits=1, user_api="blas"):
+        helpers = [_threads(os.getpid()).submit(share) for _ in range(min(WORKERS, joints) - 1)]
+        try:
+            share()
+        finally:
+            wait_for([one for one in helpers if not one.cancel()])
+    return [done[joint].result() for joint in range(joints)]
+
+
+@lru_cache(maxsize=1)
+def _threads(process: int) -> ThreadPoolExecutor:  # noqa: ARG001 - a forked one has none of its parent's threads
+    """Return the threads that, with the one that asks them, are as many as the cores: more would only take turns."""
+    return ThreadPoolExecutor(max_workers=max(WORKERS - 1, 1), thread_name_prefix="helper")
 
 
 @lru_cache(maxsize=1)
@@ -74,12 +93,14 @@ def _libraries(modules: int) -> Any:  # noqa: ANN401, ARG001 - with more of them
 
 
 def ahead(items: Iterator[Result]) -> Iterator[Result]:
-    """Yield items of which the next one is made in a thread while one is worked on."""
-    with ThreadPoolExecutor(max_workers=1, thread_name_prefix="ahead") as pool:
-        coming = pool.submit(next, items, None)
-        while (item := coming.result()) is not None:
-            coming = pool.submit(next, items, None)
+    """Yield items of which the next one is made in a thread while one is worked on, by this one if none was free."""
+    coming = _threads(os.getpid()).submit(next, items, None)
+    try:
+        while (item := next(items, None) if coming.cancel() else coming.result()) is not None:
+            coming = _threads(os.getpid()).submit(next, items, None)
             yield item
+    finally:
+        wait_for([] if coming.cancel() else [coming])
 
 
 def workers_for(pieces: int, working_bytes: int = 0) -> int:

@@ -124,9 +124,9 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
 
     def cycles_of(column: int) -> EnergyCycles:
         own = found[column] = joints[column].search.cycles()
-        if in_blocks:  # of a day, parts of cycles would take most of the memory
+        if in_blocks:  # of a day, these products would take most of the memory
             release_memory()
-            found[column] = replace(own, parts=own.parts.rows(np.zeros(0, np.int64)))
+            found[column] = replace(own, products=own.products[:0].copy())
         return own
 
     friction = friction_of(part, [one.gathered for one in joints], cycles_of, settings.friction, dead_torque)

@@ -94,7 +94,7 @@ def _estimate_joint(
     dead_torque: frozenset[int],
 ) -> tuple[JointFriction, tuple[Caution, ...]]:
     number, seen, rows = port.joint_numbers[column], every[column].seen, [one.rows for one in every]
-    kept = own.rows(own.reason == KEPT)
+    kept = own if (own.reason == KEPT).all() else own.rows(own.reason == KEPT)
     dead = dead_channel(seen, dead_torque=number in dead_torque)
     reason = dead or missing_motion(own, settings, seen.duration_s)
     alone = bool(reason) and not dead and settings.estimator == "weighted" and settings.model == "combined"

@@ -77,8 +77,7 @@ class Extremes:
         self._column, self._every = column, max(samples // ENOUGH, 1)
         self.low, self.high = np.full(3, np.inf), np.full(3, -np.inf)  # of torque, q and dq
         self.first_torque, self._begin_s, self.duration_s = np.nan, np.nan, 0.0
-        self._speed: list[Float] = []
-        self._torque: list[Float] = []
+        self._speed, self._torque = np.empty((2, -(-samples // self._every)))
 
     def take(self, part: Interaction) -> None:
         """Take the next samples."""
@@ -90,14 +89,14 @@ class Extremes:
         self.high = np.maximum(self.high, [one.max() for one in (torque, q, dq)])
         thin = slice(-part.first % self._every, None, self._every)
         active = 0.0 if part.compensation is None else part.compensation[thin, self._column]
-        self._torque.append(torque[thin] + active)
-        self._speed.append(dq[thin].copy())
+        own = slice(*(-(-row // self._every) for row in (part.first, part.first + len(part.t))))
+        self._torque[own], self._speed[own] = torque[thin] + active, dq[thin]
 
     def in_motion(self, standstill_rad_s: float) -> tuple[float, float]:
         """Return root mean squares of the torque [N m] and the speed [rad/s] of the samples that move."""
-        speed, torque = np.concatenate(self._speed), np.concatenate(self._torque)
-        moving = np.abs(speed) > standstill_rad_s
-        return float(np.sqrt(np.mean(torque[moving] ** 2))), float(np.sqrt(np.mean(speed[moving] ** 2)))
+        moving = np.abs(self._speed) > standstill_rad_s
+        torque, speed = (float(np.sqrt(np.mean(one[moving] ** 2))) for one in (self._torque, self._speed))
+        return torque, speed
 
 
 def dead_channel(seen: Extremes, *, dead_torque: bool) -> str:
@@ -136,15 +135,12 @@ def missing_motion(cycles: EnergyCycles, settings: FrictionSettings, duration_s:
 
 def one_speed(cycles: EnergyCycles) -> str:
     """Say that all motion has one speed, which cannot separate Coulomb and viscous friction; empty if it can."""
-    parts = cycles.parts
-    path, square = parts.path_rad.ravel(), parts.square_speed_rad2_s.ravel()
-    used = (path > 0) & (square > 0)
-    path, speed = path[used], square[used] / path[used]
-    mean = float(np.average(speed, weights=path))
-    spread = float(np.sqrt(np.average((speed - mean) ** 2, weights=path))) / mean
+    path, first, second = cycles.speeds.sum(axis=0).tolist()
+    mean = first / path
+    spread = max(second / path - mean**2, 0.0) ** 0.5 / mean
     if spread >= SMALLEST_SPREAD:
         return ""
-    level = float(parts.dissipated_j.sum() / path.sum())
+    level = float(cycles.dissipated_j.sum()) / path
     return (
         f"all motion has one speed ({mean:.2g} rad/s, spread {100 * spread:.0f} %): friction there is {level:.3f} N m, "
         "but its Coulomb and viscous parts cannot be separated; move at two or more speeds"

@@ -11,6 +11,7 @@ position are instruments for them.
 Rows of one stroke share their errors, so strokes are left out one at a time, as cycles are by the default estimator.
 """
 
+from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
@@ -168,12 +169,13 @@ class RegressionRows:
         self._response = np.convolve(response, SIMPSON)
         # Weights of the averages of three neighbouring blocks, with a sample more at both ends.
         self._blocks = np.pad(np.repeat(np.eye(3) / block, block, axis=0), ((1, 1), (0, 0)))
-        self._found: list[dict[str, Float]] = []
+        self._found: dict[str, Float] = defaultdict(partial(np.empty, len(self._index)))
 
     def take(self, part: Interaction, velocity: Float, start: int, stop: int) -> None:
         """Take the rows of some samples, by their numbers in the log; the velocity is filtered at CUTOFF_HZ."""
         column, around = self._column, self.around
-        index = self._index[slice(*np.searchsorted(self._index, (start, stop)))] - part.first
+        own = slice(*np.searchsorted(self._index, (start, stop)))
+        index = self._index[own] - part.first
         load = part.torque[:, column]
         if part.compensation is not None:
             load = load + part.compensation[:, column]
@@ -181,19 +183,19 @@ class RegressionRows:
         window = index[:, None] + np.arange(-around, around + 1)
         times, places = (signal[window] - signal[index, None] for signal in (part.t, part.q[:, column]))
         by_position = differences(*((signal @ self._blocks).T for signal in (times, places)))
-        self._found.append(
-            {
-                "lasting": part.t[index + around] - part.t[index - around],
-                "velocity": velocity[index],
-                "direction": np.sign(near[:, 1]),
-                "coulomb": np.sign(near) @ SIMPSON,
-                "viscous": near @ SIMPSON,
-                "inertia": 0.5 * (near[:, 2] - near[:, 0]) / (times @ self._weights),
-                **dict(zip(("gravity_x", "gravity_y"), _gravity(part, column, index), strict=True)),
-                **dict(zip(("velocity by position", "acceleration by position"), by_position, strict=True)),
-                "torque": self._filtered(load, index),
-            }
-        )
+        found = {
+            "lasting": part.t[index + around] - part.t[index - around],
+            "velocity": velocity[index],
+            "direction": np.sign(near[:, 1]),
+            "coulomb": np.sign(near) @ SIMPSON,
+            "viscous": near @ SIMPSON,
+            "inertia": 0.5 * (near[:, 2] - near[:, 0]) / (times @ self._weights),
+            **dict(zip(("gravity_x", "gravity_y"), _gravity(part, column, index), strict=True)),
+            **dict(zip(("velocity by position", "acceleration by position"), by_position, strict=True)),
+            "torque": self._filtered(load, index),
+        }
+        for name, values in found.items():
+            self._found[name][own] = values
 
     def _filtered(self, load: Float, index: NDArray[np.int64]) -> Float:
         """Return a torque at the rows, filtered and averaged over neighbours as the velocity is."""
@@ -212,14 +214,13 @@ class RegressionRows:
 
     def velocity(self) -> Float:
         """Return the velocity at all rows, those at which the joint rests among them. [rad/s]"""
-        return np.concatenate([one["velocity"] for one in self._found])
+        return self._found["velocity"]
 
     def moving(self, dead_band_rad_s: float) -> _Rows:
         """Return the rows at which the joint moves, after the last part."""
-        whole = {name: np.concatenate([one[name] for one in self._found]) for name in self._found[0]}
-        moving = np.abs(whole["velocity"]) > dead_band_rad_s
-        place = np.flatnonzero(moving & (whole["lasting"] < LONGEST * 2 * self.around * self._step_s))
-        own = {name: column[place] for name, column in whole.items()}
+        moving = np.abs(self._found["velocity"]) > dead_band_rad_s
+        place = np.flatnonzero(moving & (self._found["lasting"] < LONGEST * 2 * self.around * self._step_s))
+        own = {name: column[place] for name, column in self._found.items()}
         columns = {name: own[name] for name in ("coulomb", "viscous")}
         columns |= {"offset": np.ones(len(place)), "inertia": own["inertia"]}
         columns |= {n: own[n] for n in ("gravity_x", "gravity_y") if len(place) and np.ptp(own[n]) > LEAST_SWING}

@@ -14,9 +14,10 @@ import numpy as np
 
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_log import Float
-from friction_audit.preprocessing.energy_cycles import EnergyCycles
+from friction_audit.preprocessing.energy_cycles import BALANCE, PAIRS, EnergyCycles
 
 FRICTION = {"combined": ("coulomb", "viscous"), "coulomb": ("coulomb",), "viscous": ("viscous",)}
+COLUMNS = ("coulomb", "viscous", "offset", "inertia", "gravity_x", "gravity_y")  # in the order of BALANCE
 NUISANCE = ("offset", "inertia", "gravity_x", "gravity_y")
 # A nuisance column counts if at least this share of its length is independent of the columns before it; a column that
 # the motion hardly excites (gravity about a vertical axis) would add nothing but variance.
@@ -51,37 +52,28 @@ def set_up(cycles: EnergyCycles, model: str) -> Equations:
     The noise of an energy is the torque's noise weighted with the velocity, so its variance grows with the integral of
     the squared speed; each row is divided by its square root. Columns are scaled to unit length.
     """
-    parts = cycles.parts
-    usable = parts.square_speed_rad2_s > 0
-    weight = np.sqrt(np.divide(1.0, parts.square_speed_rad2_s, out=np.zeros(usable.shape), where=usable))
-    columns = {
-        "coulomb": parts.path_rad * weight,
-        "viscous": parts.square_speed_rad2_s * weight,
-        "offset": parts.displacement_rad * weight,
-        "inertia": parts.half_square_speed_change * weight,
-        "gravity_x": parts.gravity_x_rad * weight,
-        "gravity_y": parts.gravity_y_rad * weight,
-    }
-    names = _independent(columns, FRICTION[model])
-    matrix = np.stack([columns[name] for name in names], axis=-1)
-    scale = np.sqrt((matrix**2).sum(axis=(0, 1)))
-    matrix = matrix / scale
-    right = np.einsum("gip,gi->gp", matrix, parts.dissipated_j * weight)
-    return Equations(names=names, normal=np.swapaxes(matrix, 1, 2) @ matrix, right=right, scale=scale)
+    place = np.zeros((len(BALANCE), len(BALANCE)), np.int64)  # of each product among those of a cycle
+    place[PAIRS] = place.T[PAIRS] = np.arange(len(PAIRS[0]))
+    total = cycles.products.sum(axis=0)[place]
+    scale = np.sqrt(np.diag(total))
+    used = _independent(total / np.outer(scale, scale).clip(min=np.finfo(float).tiny), FRICTION[model])
+    scale = scale[used]
+    return Equations(
+        names=tuple(COLUMNS[one] for one in used),
+        normal=cycles.products[:, place[np.ix_(used, used)]] / np.outer(scale, scale),
+        right=cycles.products[:, place[used, -1]] / scale,
+        scale=scale,
+    )
 
 
-def _independent(columns: dict[str, Float], friction: tuple[str, ...]) -> tuple[str, ...]:
+def _independent(gram: Float, friction: tuple[str, ...]) -> list[int]:
     """Return the friction columns and those nuisance columns that are independent of the ones before."""
-    names = list(friction)
-    basis = np.linalg.qr(np.stack([columns[name].ravel() for name in names], axis=1))[0]
-    for name in NUISANCE:
-        column = columns[name].ravel()
-        length = np.linalg.norm(column)
-        rest = column - basis @ (basis.T @ column)
-        if length > 0 and np.linalg.norm(rest) > INDEPENDENT_SHARE * length:
-            basis = np.column_stack([basis, rest / np.linalg.norm(rest)])
-            names.append(name)
-    return tuple(names)
+    used = [COLUMNS.index(name) for name in friction]
+    for one in (COLUMNS.index(name) for name in NUISANCE):
+        by_others = np.linalg.lstsq(gram[np.ix_(used, used)], gram[used, one], rcond=None)[0]
+        if gram[one, one] - gram[one, used] @ by_others > INDEPENDENT_SHARE**2:
+            used.append(one)
+    return used
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

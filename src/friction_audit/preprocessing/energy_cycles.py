@@ -18,6 +18,17 @@ Int = NDArray[np.int64]
 # joint has moved enough, the joint never reversed, longer than energies can be compared over.
 KEPT, GAP, OPEN, SMALL, ONE_WAY, LONG = range(6)
 REASONS = ("", "gap", "open", "small", "one_way", "long")
+# What the energy balance of a part of a cycle is about, the energy last; see ``EnergyCycles.products``.
+BALANCE = (
+    "path_rad",
+    "square_speed_rad2_s",
+    "displacement_rad",
+    "half_square_speed_change",
+    "gravity_x_rad",
+    "gravity_y_rad",
+    "dissipated_j",
+)
+PAIRS = np.triu_indices(len(BALANCE))
 PER_JOINT = ("initiation", "termination", "fastest", "standstill_rad_s", "moving_s", "peak_power_w")
 
 
@@ -61,7 +72,11 @@ class EnergyCycles:
     stop_s: Float  # t[stop] [s]
     peak_speed_rad_s: Float  # largest filtered speed [rad/s]
     sums: EnergySums  # over the whole cycle, arrays of shape (m,)
-    parts: EnergySums  # over parts of equal path, arrays of shape (m, PARTS); they add up to ``sums``
+    # Of parts of equal path, the products of PAIRS of BALANCE over the part's square speed, summed over each cycle; the
+    # parts of a day would take most of the memory. Shape (m, len(PAIRS[0])).
+    products: Float
+    # path, and first and second moment of the mean speed of the parts over it, of those that move, shape (m, 3)
+    speeds: Float
     open: NDArray[np.bool_]  # True where a joint does not end where it began, shape (m,)
     reason: Int  # index into REASONS; KEPT where the cycle counts, shape (m,)
     initiation: Float  # threshold used per joint of the Interaction, shape (j,) [speed_unit]
@@ -96,5 +111,6 @@ class EnergyCycles:
     def rows(self, mask: NDArray[np.bool_]) -> "EnergyCycles":
         """Return the rows selected by a mask of shape (m,)."""
         per_cycle = ("joint", "start", "stop", "start_s", "stop_s", "peak_speed_rad_s", "open", "reason")
+        per_cycle += ("products", "speeds")
         kept = {name: getattr(self, name)[mask] for name in per_cycle}
-        return replace(self, **kept, sums=self.sums.rows(mask), parts=self.parts.rows(mask))
+        return replace(self, **kept, sums=self.sums.rows(mask))

@@ -10,11 +10,13 @@ from friction_audit.joint_log import Float, JointLog, median_step
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing import cycle_sums
 from friction_audit.preprocessing.energy_cycles import (
+    BALANCE,
     GAP,
     KEPT,
     LONG,
     ONE_WAY,
     OPEN,
+    PAIRS,
     PER_JOINT,
     SMALL,
     EnergyCycles,
@@ -28,6 +30,7 @@ from friction_audit.preprocessing.velocity import filter_velocity, settling_samp
 # Parts of equal path into which each cycle is cut. Within a stroke the speed runs through its whole range, so the parts
 # separate Coulomb from viscous friction even where all strokes are equally fast.
 PARTS = 8
+MOST_PIECES = 64  # of a day, lists of few cycles each would take more memory than the cycles
 LONGEST_RUN = 8  # strokes tried before a start is given up
 # A longer cycle is rest, or has no end: what a torque offset adds over it is more than friction takes. A log of any
 # length is then read with memory for so much of it.
@@ -92,6 +95,7 @@ class CycleSearch:
         # A cycle that has lasted too long already: its samples up to now are added up and forgotten; where it began.
         self._begun: tuple[EnergyCycles, Float] | None = None
         self._found: list[EnergyCycles] = []
+        self._joined = 0  # so many of these are of many blocks
         self._above, self._fastest, self._peak_power_w, self._begin_s, self._last_s = 0, 0.0, 0.0, 0.0, 0.0
 
     def take(self, part: Interaction, filtered: Float, signal: Float | None = None, *, more: bool = False) -> None:
@@ -130,6 +134,9 @@ class CycleSearch:
             borders = borders[self._close_runs(borders, place, more=more)]
         if len(borders) > 1:
             self._found.append(self._cycles_between(part, borders))
+            if len(self._found) > MOST_PIECES + self._joined:
+                self._found[self._joined :] = [join_cycles(self._found[self._joined :])]
+                self._joined += 1
             self._go_on(int(borders[-1]), moving=False)
             self._begun, self._at_border = None, True
         elif not (more or self._found):
@@ -174,6 +181,7 @@ class CycleSearch:
         # At a low rate a single lost sample is no hole: its neighbours still describe the motion in between.
         reason[longest_step > max(settings.maximum_gap_s, LONGEST_STEP / self._rate_hz)] = GAP
         later: dict[str, Any] = {name: np.empty(0) for name in PER_JOINT}
+        products, speeds = _moments(parts)
         return EnergyCycles(
             joint=np.full(len(start), self._column),
             start=start,
@@ -182,7 +190,8 @@ class CycleSearch:
             stop_s=t[borders[1:]],
             peak_speed_rad_s=peak,
             sums=sums,
-            parts=parts,
+            products=products,
+            speeds=speeds,
             open=is_open,
             reason=reason,
             speed_unit="rad/s" if self._hand is None else "m/s",
@@ -305,6 +314,17 @@ def _gravity_work(interaction: Interaction, column: int, edges: Int) -> tuple[Fl
     work[1:] = np.cumsum(0.5 * (direction[1:] + direction[:-1]) * np.diff(q[index])[:, None], axis=0)
     x, y = (np.diff(np.interp(edges, index, work[:, k]), axis=1) for k in range(2))
     return x, y
+
+
+def _moments(parts: EnergySums) -> tuple[Float, Float]:
+    """Return ``products`` and ``speeds`` of cycles from the sums over their parts, shape (m, PARTS) each."""
+    path, square = parts.path_rad, parts.square_speed_rad2_s
+    weight = np.divide(1.0, square, out=np.zeros(square.shape), where=square > 0.0)
+    balance = np.stack([getattr(parts, name) for name in BALANCE], axis=1)
+    products = (balance * weight[:, None]) @ np.swapaxes(balance, 1, 2)
+    moves = (path > 0.0) & (square > 0.0)
+    second = np.divide(square**2, path, out=np.zeros(path.shape), where=moves)
+    return products[:, *PAIRS], np.stack([path * moves, square * moves, second], axis=-1).sum(axis=1)
 
 
 def join_cycles(joints: Sequence[EnergyCycles]) -> EnergyCycles:

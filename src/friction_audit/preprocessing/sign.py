@@ -47,14 +47,14 @@ class CoarseLog:
 
     def mean(self, signal: Float) -> Float:
         """Return the block means of another signal of the log, shape (n, j) -> (m, j)."""
-        return signal.copy(order="F") if self.of_means else _block_mean(signal, self.samples)
+        return signal.copy(order="F") if self.of_means else block_means(signal, self.samples)
 
 
 def coarse_log(log: JointLog) -> CoarseLog:
     """Return block means of a log at about COARSE_HZ."""
     means = log if isinstance(log, LogInBlocks) else None
     samples = means.mean_of if means else samples_per_mean(median_step(log.t), len(log.t))
-    t, q, dq = (a if means else _block_mean(a, samples) for a in (log.t[:, None], log.q, log.dq))
+    t, q, dq = (a if means else block_means(a, samples) for a in (log.t[:, None], log.q, log.dq))
     numbers = means.numbers if means else np.arange(len(t))
     holes = log.gaps_longer_than(max(BRIDGED_S, 3.0 / log.rate_hz))[:, 0].astype(np.int64)
     # Means of two stretches that are far apart are no neighbours.
@@ -138,7 +138,3 @@ def _coefficient(column: Float, others: Float, torque: Float, stroke: NDArray[np
     strokes = len(scores)
     # Few strokes fit the column, the offset and the place by themselves: three of them do not count.
     return value, float(np.sqrt(scores @ scores * strokes / (strokes - 3)) / square)
-
-
-def _block_mean(signal: Float, samples: int) -> Float:
-    return np.column_stack(per_joint(lambda joint: block_means(signal[:, joint], samples), signal.shape[1]))

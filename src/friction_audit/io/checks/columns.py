@@ -59,11 +59,10 @@ class Column:
         every = max(rows // MOST_SAMPLES, 1)
         self._picked: tuple[Picked, ...] = ()
         if whole is None:
-            usual, late = np.arange(0, rows, every), np.arange(LAG, rows, every)
-            self._picked = Picked(usual, joints), Picked(late - LAG, joints), Picked(late, joints)
-            self.sample, self._changing, self.changed = (one.values for one in self._picked)
+            self._picked = tuple(Picked(np.arange(first, rows, every), joints) for first in (0, LAG))
+            self.sample, self.changed = (one.values for one in self._picked)
         else:
-            self.sample, self._changing, self.changed = whole[::every], whole[:-LAG:every], whole[LAG::every]
+            self.sample, self.changed = whole[::every], whole[LAG::every]
         self.lowest, self.highest = np.full(joints, np.inf), np.full(joints, -np.inf)
         self.jump, self.zeroed = np.zeros(joints), np.zeros(joints, np.bool_)
         self._to_zero = to_zero
@@ -71,18 +70,18 @@ class Column:
     def take(self, first: int, before: Float, piece: Float, lowest: Float, highest: Float) -> None:
         """Take the rows of a piece, given the row before it and its range."""
         self.lowest, self.highest = np.minimum(self.lowest, lowest), np.maximum(self.highest, highest)
-        for joint, column in enumerate(piece.T):
-            steps = np.empty_like(column)
-            steps[0] = column[0] - before[joint]
-            np.subtract(column[1:], column[:-1], out=steps[1:])
-            jump = max(steps.max(), -steps.min())
-            self.jump[joint] = max(self.jump[joint], jump)
-            if jump > self._to_zero and lowest[joint] <= 0.0 <= highest[joint]:
-                large = np.flatnonzero(np.abs(steps) > self._to_zero)
-                self.zeroed[joint] |= bool(((column[large] == 0.0) | (column[large] == steps[large])).any())
+        steps = np.empty_like(piece)
+        steps[0] = piece[0] - before
+        np.subtract(piece[1:], piece[:-1], out=steps[1:])
+        jump = np.maximum(steps.max(axis=0), -steps.min(axis=0))
+        self.jump = np.maximum(self.jump, jump)
+        for joint in np.flatnonzero((jump > self._to_zero) & (lowest <= 0.0) & (highest >= 0.0)):
+            large = np.flatnonzero(np.abs(steps[:, joint]) > self._to_zero)
+            column = piece[large, joint]
+            self.zeroed[joint] |= bool(((column == 0.0) | (column == steps[large, joint])).any())
         for picked in self._picked:
             picked.take(first, piece)
 
     def changes(self, joint: int) -> Float:
         """Changes over LAG rows that are spread evenly over the recording, shape (m,)."""
-        return np.asarray(self.changed[:, joint] - self._changing[:, joint])
+        return np.asarray(self.changed[:, joint] - self.sample[: len(self.changed), joint])
