@@ -11,10 +11,8 @@ from friction_audit.compensation.comparison import METHODS, SCENES
 from friction_audit.compensation.settings import COMPETITORS, COUNTERFACTUALS
 from friction_audit.reproduce import REPRODUCTIONS
 
-HEAVY = (
-    *("numpy", "scipy", "pandas", "pyarrow", "numba", "matplotlib"),
-    *("rich", "rosbags", "mcap", "mujoco", "statsmodels"),
-)
+HEAVY: tuple[str, ...] = ("numpy", "scipy", "pandas", "pyarrow", "numba", "matplotlib")
+HEAVY += ("rich", "rosbags", "mcap", "mujoco", "statsmodels")
 
 SCRIPT = """
 import sys
