@@ -322,12 +322,8 @@ def plot(
 
 
 DRAWN: dict[type, str] = {Estimate: "estimate", LogReplay: "replay", Diagnosis: "diagnosis"}
-TABLES: dict[type, Callable[[Any], Sequence[TidyTable]]] = {
-    Estimate: estimate_tables,
-    LogReplay: replay_tables,
-    Diagnosis: diagnose_tables,
-    LogReport: report_tables,
-}
+TABLES: dict[type, Callable[[Any], Sequence[TidyTable]]] = {Estimate: estimate_tables, LogReplay: replay_tables}
+TABLES |= {Diagnosis: diagnose_tables, LogReport: report_tables}
 
 
 def _of_kind(result: object, call: str, kinds: Mapping[type, Any]) -> Any:  # noqa: ANN401 - of any kind

@@ -102,8 +102,7 @@ class Voice:
     def stages(self, lengths: int | Sequence[float]) -> "Iterator[Voice]":
         """Show one bar over several steps; yield the voice whose steps move it on, each named while it is under way.
 
-        Args:
-            lengths: How many steps, or how long each takes compared with the others, from which the time left follows.
+        ``lengths``: how many steps, or how long each takes compared with the others, from which the time left follows.
         """
         if self.quiet or not sys.stderr.isatty():
             yield self

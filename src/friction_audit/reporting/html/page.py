@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 from xml.etree import ElementTree as ET
 
 import numpy as np
+from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
 from friction_audit import __version__
 from friction_audit.errors import UsageError, printable
@@ -19,10 +20,8 @@ from friction_audit.reporting.figures.style import figure_style
 from friction_audit.reporting.table import Column, Record, Row, Table, Tone
 
 if TYPE_CHECKING:
-    from jinja2 import Environment
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure as Drawing
-
 
 J = TypeVar("J", bound=Any)  # of a joint, which has its number
 
@@ -150,29 +149,24 @@ def terms_of(record: Record, row: Row, unit: str) -> Terms:
 def render_page(page: Page, *, paper: bool = False) -> str:
     """Return the page as HTML; for paper with sections open, without script and the long tables that a screen folds."""
     script = "" if paper else _resource("page.js")
-    text = _environment().get_template("page.html.j2").render(
-        page=page,
-        paper=paper,
-        version=__version__,
-        style=_resource("page.css"),
-        script=script,
-        # Lets the browser run this script and no other.
-        script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
-    )  # fmt: skip
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()  # the browser runs no other script
+    text = (
+        _environment()
+        .get_template("page.html.j2")
+        .render(
+            page=page, paper=paper, version=__version__, style=_resource("page.css"), script=script, script_hash=digest
+        )
+    )
     return printable(text)
 
 
 @cache
-def _environment() -> "Environment":
-    from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
-
+def _environment() -> Environment:
+    loader = PackageLoader("friction_audit.reporting.html")
     environment = Environment(
-        loader=PackageLoader("friction_audit.reporting.html"),
+        loader=loader, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
         autoescape=select_autoescape(("html.j2",)),  # in Markdown a filter escapes the words
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    )  # fmt: skip
     environment.tests["kind"] = lambda part, name: type(part).__name__ == name
     # A fence of Markdown is longer than any run of backticks in the command.
     environment.filters["fence"] = lambda line: "`" * max(3, *(len(run) + 1 for run in re.findall("`+", line)), 0)
