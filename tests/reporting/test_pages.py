@@ -15,7 +15,7 @@ from friction_audit.reporting.html import batch_page
 from friction_audit.reporting.html import log_page as page_of_log
 from friction_audit.reporting.html import page as html_page
 from friction_audit.reporting.html.batch_page import write_page
-from friction_audit.reporting.html.log_page import LOG_FIGURES, REPORT_FORMATS, log_page
+from friction_audit.reporting.html.log_page import LOG_FIGURES, log_page
 from friction_audit.reporting.html.page import Page, render_page, write_markdown, write_pdf
 from friction_audit.reporting.report import Unanswered, lead_sentence, verdict_word
 from friction_audit.reporting.table import Column, Table
@@ -179,9 +179,3 @@ def test_without_what_prints_it_one_command_is_named(monkeypatch: pytest.MonkeyP
     monkeypatch.setitem(sys.modules, "weasyprint", None)
     with pytest.raises(UsageError, match=r"pip install 'friction-audit\[pdf\]'"):
         write_pdf(Page(title="a", lead="b"))
-
-
-def test_formats_of_the_options_are_those_of_the_report() -> None:
-    from friction_audit.cli import choices  # noqa: PLC0415
-
-    assert {name: ending for name, (ending, _) in REPORT_FORMATS.items()} == choices.REPORT_FORMATS
