@@ -50,7 +50,7 @@ class ReplayOptions:
         panel=REPLAY,
     )  # fmt: skip
     factor: float = option("Scale factor on the estimated friction.", default=1.0, metavar="FACTOR", panel=REPLAY)
-    model: str | None = option("Friction model of energy. Default: combined.", "--compensator-model", one_of=MODELS)
+    model: str | None = option("Model that energy estimates. Default: combined.", "--compensator-model", one_of=MODELS)
     window: int | None = option(
         "Cycles per estimate of the energy compensator. Default: 4 (2 with one coefficient); paper: 2.",
         "--compensator-window", metavar="K",
@@ -60,7 +60,7 @@ class ReplayOptions:
         metavar="coulomb=NM,viscous=NMS",
     )
     no_passivity: bool = flag("No passivity controller.")
-    max_damping: float | None = option("Most damping, passivity controller [N m s/rad]. Default: 5.", metavar="NMS")
+    max_damping: float | None = option("Damping limit of the passivity control [N m s/rad]. Default: 5.", metavar="NMS")
     max_torque: float | None = option("Maximum torque [N m]. Default: limits of the arm, or none.", metavar="NM")
     max_rate: float | None = option("Maximum torque rate [N m/s]. Default: 1000 for a Panda, or none.", metavar="NM/S")
     observer_gain: float | None = option("Gain of disturbance_observer [1/s]. Default: 20.", metavar="1/S")
