@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 
 class ReadingOptions(TypedDict, total=False):
-    """How a log is read: the fields of ``ingest.ReadOptions``."""
+    """How a log is read: the fields of ``io.readers.ReadOptions``."""
 
     topic: str | None
     mapping: Mapping[str, str]
@@ -88,7 +88,7 @@ class EstimateOptions(TypedDict, total=False):
 
 
 class ReplayOptions(TypedDict, total=False):
-    """How a log is replayed: the fields of ``replay.settings.ReplaySettings``."""
+    """How a log is replayed: the fields of ``compensation.settings.ReplaySettings``."""
 
     assume: str
     compensator: Compensator
@@ -100,7 +100,7 @@ class ReplayOptions(TypedDict, total=False):
 
 
 class DiagnosisOptions(TypedDict, total=False):
-    """What is asked of a diagnosis: the fields of ``discrepancy.settings.DiagnosisSettings``."""
+    """What is asked of a diagnosis: the fields of ``diagnosis.settings.DiagnosisSettings``."""
 
     candidates: tuple[str, ...] | None
     min_effect_nm: float
@@ -310,7 +310,7 @@ def plot(
     Args:
         result: What ``estimate_log``, ``replay_log`` or ``diagnose_log`` returned.
         kind: ``"velocity-torque"``, ``"replay-velocity-torque"`` or ``"ladder"``; without ``ax`` any of
-            ``friction-audit plot --list``. None takes the one of these three that fits the result.
+            ``friction-audit plot --help``. None takes the one of these three that fits the result.
         joint: Number of the joint (1..n), or None for all; with ``ax`` one joint.
         ax: Axes to draw into; None for a figure of its own. Your rcParams hold in both.
 
@@ -321,12 +321,8 @@ def plot(
 
 
 DRAWN: dict[type, str] = {Estimate: "estimate", LogReplay: "replay", Diagnosis: "diagnosis"}
-TABLES: dict[type, Callable[[Any], Sequence[TidyTable]]] = {
-    Estimate: estimate_tables,
-    LogReplay: replay_tables,
-    Diagnosis: diagnose_tables,
-    LogReport: report_tables,
-}
+TABLES: dict[type, Callable[[Any], Sequence[TidyTable]]] = {Estimate: estimate_tables, LogReplay: replay_tables}
+TABLES |= {Diagnosis: diagnose_tables, LogReport: report_tables}
 
 
 def _of_kind(result: object, call: str, kinds: Mapping[type, Any]) -> Any:  # noqa: ANN401 - of any kind

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from math import inf, radians
 
 BUILT_IN = "panda"  # the arm whose rigid-body model comes with this package
+UR_JOINTS = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
 SENSOR, CURRENT, ESTIMATE = "sensor", "current", "estimate"
 TORQUES = {
     SENSOR: "joint torque sensors",
@@ -40,65 +41,49 @@ def _radians(*degrees: float) -> tuple[float, ...]:
     return tuple(map(radians, degrees))
 
 
+def _seven(prefix: str) -> tuple[str, ...]:
+    return tuple(f"{prefix}{number}" for number in range(1, 8))
+
+
 def _universal_robots(name: str, speeds: Sequence[float], torques: Sequence[float]) -> Preset:
     """Return an e-Series or later arm: shoulder, elbow and wrist have figures of their own."""
     return Preset(
-        label=f"Universal Robots {name.upper().replace('E', 'e')}",
-        pattern=name,
-        joints=tuple(
-            f"{one}_joint" for one in ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
-        ),
-        low_rad=_radians(-360, -360, -180, -360, -360, -360),
-        high_rad=_radians(360, 360, 180, 360, 360, 360),
-        speed_rad_s=_radians(*speeds),
-        torque_nm=tuple(torques),
-        torque=CURRENT,
+        label=f"Universal Robots {name.upper().replace('E', 'e')}", pattern=name, torque=CURRENT,
+        joints=tuple(f"{one}_joint" for one in UR_JOINTS), shared=r"(?:shoulder_(?:pan|lift)|elbow|wrist_[123])_joint",
+        low_rad=_radians(-360, -360, -180, -360, -360, -360), high_rad=_radians(360, 360, 180, 360, 360, 360),
+        speed_rad_s=_radians(*speeds), torque_nm=tuple(torques),
         source="Universal_Robots_ROS2_Description, config/*/joint_limits.yaml; effort: ur_robot_driver",
-        shared=r"(?:shoulder_(?:pan|lift)|elbow|wrist_[123])_joint",
-    )
+    )  # fmt: skip
 
 
 def _iiwa(name: str, model: str, speeds: Sequence[float], torques: Sequence[float]) -> Preset:
     return Preset(
-        label=f"KUKA LBR iiwa {model}",
-        pattern=name.replace("iiwa", "iiwa_?"),
-        joints=tuple(f"lbr_A{number}" for number in range(1, 8)),
+        label=f"KUKA LBR iiwa {model}", pattern=name.replace("iiwa", "iiwa_?"), torque=SENSOR,
+        joints=_seven("lbr_A"), shared=r"(?:lbr_|iiwa_|lbr_iiwa_)(?:joint_?|a)[1-7]",
         low_rad=_radians(-170, -120, -170, -120, -170, -120, -175),
         high_rad=_radians(170, 120, 170, 120, 170, 120, 175),
-        speed_rad_s=_radians(*speeds),
-        torque_nm=tuple(torques),
-        torque=SENSOR,
+        speed_rad_s=_radians(*speeds), torque_nm=tuple(torques),
         source="KUKA brochure Sensitive robotics LBR iiwa; names: lbr_fri_ros2_stack",
-        shared=r"(?:lbr_|iiwa_|lbr_iiwa_)(?:joint_?|a)[1-7]",
-    )
+    )  # fmt: skip
 
 
 PRESETS: dict[str, Preset] = {
     "panda": Preset(
-        label="Franka Emika Panda (FER)",
-        pattern="panda|fer",
-        joints=tuple(f"panda_joint{number}" for number in range(1, 8)),
+        label="Franka Emika Panda (FER)", pattern="panda|fer", joints=_seven("panda_joint"), torque=SENSOR,
         low_rad=(-2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -2.8973),
         high_rad=(2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, 2.8973),
         speed_rad_s=(2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61),
-        torque_nm=(87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0),
-        torque=SENSOR,
-        source="Franka Control Interface documentation; libfranka 0.9",
+        torque_nm=(87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0), torque_rate_nm_s=1000.0,
         acceleration_rad_s2=(15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0),
-        torque_rate_nm_s=1000.0,
+        source="Franka Control Interface documentation; libfranka 0.9",
     ),
     "fr3": Preset(
-        label="Franka Research 3",
-        pattern=r"fr3(?:v\d)?",
-        joints=tuple(f"fr3_joint{number}" for number in range(1, 8)),
+        label="Franka Research 3", pattern=r"fr3(?:v\d)?", joints=_seven("fr3_joint"), torque=SENSOR,
         low_rad=(-2.7437, -1.7837, -2.9007, -3.0421, -2.8065, 0.5445, -3.0159),
         high_rad=(2.7437, 1.7837, 2.9007, -0.1518, 2.8065, 4.5169, 3.0159),
-        speed_rad_s=(2.62, 2.62, 2.62, 2.62, 5.26, 4.18, 5.26),
-        torque_nm=(87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0),
-        torque=SENSOR,
+        speed_rad_s=(2.62, 2.62, 2.62, 2.62, 5.26, 4.18, 5.26), acceleration_rad_s2=(10.0,) * 7,
+        torque_nm=(87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0), torque_rate_nm_s=1000.0,
         source="franka_description/robots/fr3; libfranka 0.13",
-        acceleration_rad_s2=(10.0,) * 7,
-        torque_rate_nm_s=1000.0,
     ),
     "ur3e": _universal_robots("ur3e", (180, 180, 180, 360, 360, 360), (56, 56, 28, 12, 12, 12)),
     "ur5e": _universal_robots("ur5e", (180,) * 6, (150, 150, 150, 28, 28, 28)),
@@ -109,28 +94,20 @@ PRESETS: dict[str, Preset] = {
     "iiwa7": _iiwa("iiwa7", "7 R800", (98, 98, 100, 130, 140, 180, 180), (176, 176, 110, 110, 110, 40, 40)),
     "iiwa14": _iiwa("iiwa14", "14 R820", (85, 85, 100, 75, 130, 135, 135), (320, 320, 176, 176, 110, 40, 40)),
     "gen3": Preset(
-        label="Kinova Gen3, 7 joints",
-        pattern="gen3(?!_lite)",
-        joints=tuple(f"joint_{number}" for number in range(1, 8)),
-        low_rad=(-inf, -2.41, -inf, -2.66, -inf, -2.23, -inf),
-        high_rad=(inf, 2.41, inf, 2.66, inf, 2.23, inf),
+        label="Kinova Gen3, 7 joints", pattern="gen3(?!_lite)", joints=_seven("joint_"), torque=SENSOR,
+        low_rad=(-inf, -2.41, -inf, -2.66, -inf, -2.23, -inf), high_rad=(inf, 2.41, inf, 2.66, inf, 2.23, inf),
         speed_rad_s=(1.3963, 1.3963, 1.3963, 1.3963, 1.2218, 1.2218, 1.2218),
         torque_nm=(39.0, 39.0, 39.0, 39.0, 9.0, 9.0, 9.0),
-        torque=SENSOR,
         source="kortex_description/arms/gen3/7dof; torque: Kortex API, ActuatorCyclic",
     ),
     "xarm7": Preset(
-        label="UFACTORY xArm 7",
-        pattern="xarm7",
-        joints=tuple(f"joint{number}" for number in range(1, 8)),
+        label="UFACTORY xArm 7", pattern="xarm7", joints=_seven("joint"), torque=ESTIMATE,
         low_rad=(*_radians(-360), -2.059, *_radians(-360), -0.19198, *_radians(-360), -1.69297, *_radians(-360)),
         high_rad=(*_radians(360), 2.0944, *_radians(360), 3.927, *_radians(360, 180, 360)),
-        speed_rad_s=(3.14,) * 7,
-        torque_nm=(50.0, 50.0, 30.0, 30.0, 30.0, 20.0, 20.0),
-        torque=ESTIMATE,
+        speed_rad_s=(3.14,) * 7, torque_nm=(50.0, 50.0, 30.0, 30.0, 30.0, 20.0, 20.0),
         source="xarm_description/urdf/xarm7; no torque sensors: xarm_ros2 issue 98",
     ),
-}
+}  # fmt: skip
 # panda_joint3, left_fr3_joint1, joint2: the arm before the word, the joint's number after it
 ARM_JOINT = re.compile(r"^(?:(?P<arm>.*?)_?)?joint_?(?P<number>\d+)$", re.IGNORECASE)
 

@@ -12,7 +12,7 @@ import pytest
 
 from friction_audit.cli import main
 from friction_audit.io.writers.write_log import write_log
-from friction_audit.reporting.schemas import load_schema
+from friction_audit.reporting.documents import load_schema
 from tests.in_this_process import in_this_process
 from tests.reporting.conftest import build_estimate
 

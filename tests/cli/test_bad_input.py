@@ -23,16 +23,9 @@ RATE_HZ = 200.0
 JOINTS = ("shoulder", "elbow")
 
 TABLES = {"csv": "log.csv", "csv-long": "log.csv", "parquet": "log.parquet", "npz": "log.npz"}
-BAGS = {
-    "rosbag1-joint-state": "log.bag",
-    "rosbag2-db3": "log.db3",
-    "rosbag2-sqlite3": "log_bag",
-    "rosbag2-mcap": "log_bag",
-    "mcap": "log.mcap",
-    "mcap-ros1": "log.mcap",
-    "mcap-json": "log.mcap",
-    "mcap-protobuf": "log.mcap",
-}
+MCAPS = dict.fromkeys(("mcap", "mcap-ros1", "mcap-json", "mcap-protobuf"), "log.mcap")
+BAGS = {"rosbag1-joint-state": "log.bag", "rosbag2-db3": "log.db3", "rosbag2-sqlite3": "log_bag"}
+BAGS |= {"rosbag2-mcap": "log_bag", **MCAPS}
 FORMS: Mapping[str, str] = {**TABLES, **BAGS}
 """Dialect of a writer -> name of the file or directory, at least one for every reader and every encoding."""
 
@@ -91,25 +84,17 @@ def copy_of(path: Path, folder: Path) -> Path:
 
 UNREADABLE, DAMAGED = 3, 6
 NAN = r"10 of 400 rows hold NaN, infinity"
+EMPTY, BACK = r"tau_J .*none of the 400 rows holds a number", r"time .*goes back at 399 of 399 rows"
+STILL = r"time does not advance|time .*is the same in all 400 rows"
 SPOILED: Mapping[str, tuple[Callable[[JointLog], JointLog], int, str]] = {
     "nan": (lambda log: _not_finite(log, np.nan), DAMAGED, NAN),
     "infinity": (lambda log: _not_finite(log, np.inf), DAMAGED, NAN),
-    "only nan": (
-        lambda log: with_arrays(log, tau_J=np.full((SAMPLES, 2), np.nan)),
-        UNREADABLE,
-        r"tau_J .*none of the 400 rows holds a number",
-    ),
+    "only nan": (lambda log: with_arrays(log, tau_J=np.full((SAMPLES, 2), np.nan)), UNREADABLE, EMPTY),
     "zero samples": (lambda _: swinging_log(0), UNREADABLE, r"0 (samples|messages)"),
     "one sample": (lambda _: swinging_log(1), UNREADABLE, r"1 sample; at least 2 are needed"),
-    "constant time": (
-        lambda log: with_arrays(log, t=np.zeros(SAMPLES)),
-        UNREADABLE,
-        r"time does not advance|time .*is the same in all 400 rows",
-    ),
-    "time runs back": (
-        lambda log: with_arrays(log, t=log.t[::-1].copy()), UNREADABLE, r"time .*goes back at 399 of 399 rows"
-    ),
-}  # fmt: skip
+    "constant time": (lambda log: with_arrays(log, t=np.zeros(SAMPLES)), UNREADABLE, STILL),
+    "time runs back": (lambda log: with_arrays(log, t=log.t[::-1].copy()), UNREADABLE, BACK),
+}
 """Fault -> what gives a log that has it, exit code and message."""
 NOTHING = r"no text|nothing but zero bytes|0 samples|Parquet|zip archive|does not begin"
 
@@ -157,10 +142,7 @@ TRUNCATED = {
     "rosbag2-db3": (DAMAGED, r"damaged at byte \d+ of \d+ .*cut off there"),
     "rosbag2-sqlite3": (DAMAGED, r"damaged at byte \d+ of \d+ .*cut off there"),
     "rosbag2-mcap": (DAMAGED, r"damaged at byte \d+ of \d+ .*the last chunk is cut off"),
-    **dict.fromkeys(
-        ("mcap", "mcap-ros1", "mcap-json", "mcap-protobuf"),
-        (UNREADABLE, r"breaks off at byte \d+ of \d+ before the first whole chunk"),
-    ),
+    **dict.fromkeys(MCAPS, (UNREADABLE, r"breaks off at byte \d+ of \d+ before the first whole chunk")),
 }
 
 
@@ -183,9 +165,7 @@ RENAMED = [*((form, others[place % 6]) for place, (form, others) in enumerate(OT
 
 
 @pytest.mark.parametrize(("form", "suffix"), RENAMED)
-def test_wrong_extension_is_read_by_its_content_and_noticed(
-    run: Run, form: str, suffix: str, sound: dict[str, Path], tmp_path: Path
-) -> None:
+def test_a_wrong_extension_is_noticed(run: Run, form: str, suffix: str, sound: dict[str, Path], tmp_path: Path) -> None:
     path = copy_of(sound[form], tmp_path)
     path = path.rename(path.with_suffix(suffix))
     answer = run("convert", path, tmp_path / "new.parquet")
@@ -194,18 +174,14 @@ def test_wrong_extension_is_read_by_its_content_and_noticed(
     assert ("the name ends in" in answer.err) is not both_text
 
 
-@pytest.mark.parametrize(
-    ("content", "message"),
-    [
-        (b"", r"empty"),
-        (b"hello world\nthis is a text\n", r"no column for t and q and a torque|does not begin as"),
-        (b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 4, NOTHING),
-        (b"\0" * 5000, NOTHING),
-        (b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 9\n", r"git lfs pull|does not begin"),
-        (b"<html><body>Not found, sorry</body></html>", NOTHING),
-    ],
-    ids=["empty", "words", "picture", "zeros", "pointer", "web page"],
-)
+@pytest.mark.parametrize(("content", "message"), [
+    (b"", r"empty"),
+    (b"hello world\nthis is a text\n", r"no column for t and q and a torque|does not begin as"),
+    (b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 4, NOTHING),
+    (b"\0" * 5000, NOTHING),
+    (b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 9\n", r"git lfs pull|does not begin"),
+    (b"<html><body>Not found, sorry</body></html>", NOTHING),
+], ids=["empty", "words", "picture", "zeros", "pointer", "web page"])  # fmt: skip
 def test_something_else_under_the_name_of_a_log(run: Run, log: Path, content: bytes, message: str) -> None:
     storage_of(log).write_bytes(content)
     refuse(run, log, message)

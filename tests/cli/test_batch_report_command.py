@@ -205,9 +205,7 @@ def test_copies_are_one_line_and_the_name_like_the_others_stays(few: Path, run: 
     assert "rig-2026-03-02.npz; and 3 more copies" in line
 
 
-def test_a_log_replaced_while_it_is_read_keeps_its_content(
-    few: Path, run: Run, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_log_replaced_while_read_keeps_its_content(few: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     """A copy of equal size and times (``cp -p``) takes the place of a log after it was read, before it is hashed."""
     first, second = few / "rig-2026-03-01.npz", few / "rig-2026-03-02.npz"
     levels = {}

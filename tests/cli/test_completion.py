@@ -67,17 +67,14 @@ def test_every_name_that_the_help_lists_is_offered() -> None:
         assert offered(command, option, names[-1]) == [n for n in names if n.startswith(names[-1])], (command, option)
 
 
-@pytest.mark.parametrize(
-    ("command", "option", "names"),
-    [
-        ("simulate", "scenario", choices.scenarios()),
-        ("simulate", "--effect", choices.EFFECTS),
-        ("compare", "--effect", choices.EFFECTS),
-        ("diagnose", "--candidates", choices.EFFECTS),
-        ("simulate", "--dialect", choices.dialects()),
-        ("convert", "--dialect", choices.dialects()),
-    ],
-)
+@pytest.mark.parametrize(("command", "option", "names"), [
+    ("simulate", "scenario", choices.scenarios()),
+    ("simulate", "--effect", choices.EFFECTS),
+    ("compare", "--effect", choices.EFFECTS),
+    ("diagnose", "--candidates", choices.EFFECTS),
+    ("simulate", "--dialect", choices.dialects()),
+    ("convert", "--dialect", choices.dialects()),
+])  # fmt: skip
 def test_names_that_another_option_lists_are_offered(command: str, option: str, names: tuple[str, ...]) -> None:
     assert offered(command, option) == list(names)
     assert offered(command, option, names[0][:2])[0] == names[0]

@@ -34,16 +34,10 @@ def result(path: Path, *joints: dict[str, Any], count: int = 2, **changes: Any) 
     """Write a result of two joints; changes are of what its torque was made from, or its hash and unit."""
     chosen = {"drive": "hand", "source": "tau_J", "gravity": "logged", "inertia": "none"}
     source = {"sha256": path.stem, "robot": "panda", "start_s": None, "duration_s": 60.0, "rate_hz": 1000.0}
-    document = {
-        "schema": "friction-audit/estimate/1",
-        "source": {**source, "joints": count, "torque_unit": changes.pop("unit", "N m")},
-        "settings": {
-            "torque_chosen": chosen | changes,
-            "torque": {"payload": None},
-            "friction": {"model": "combined", "estimator": "weighted"},
-        },
-        "joints": joints,
-    }
+    source |= {"joints": count, "torque_unit": changes.pop("unit", "N m")}
+    settings = {"torque": {"payload": None}, "friction": {"model": "combined", "estimator": "weighted"}}
+    settings["torque_chosen"] = chosen | changes
+    document = {"schema": "friction-audit/estimate/1", "source": source, "settings": settings, "joints": joints}
     path.parent.mkdir(exist_ok=True, parents=True)
     path.write_text(json.dumps(document))
     return path
@@ -125,11 +119,8 @@ def test_limits_and_their_exit_codes(run: Run, pair: tuple[Path, Path]) -> None:
 
 def test_two_logs_end_to_end(run: Run, tmp_path: Path) -> None:
     (tmp_path / "before").mkdir()
-    for name, seed, change in (
-        ("before/a", 1, ()),
-        ("before/b", 2, ()),
-        ("after", 3, ("--set", "joints.coulomb_nm=0.36")),
-    ):
+    higher = ("--set", "joints.coulomb_nm=0.36")
+    for name, seed, change in (("before/a", 1, ()), ("before/b", 2, ()), ("after", 3, higher)):
         words = ("simulate", "joint", "-o", f"{name}.csv", "--seed", str(seed), "--duration", "40", *change, "-q")
         assert run(*words).code == 0
     (tmp_path / "before" / "broken.csv").write_text("t,q\n")
@@ -171,21 +162,18 @@ def test_conditions_that_differ_are_named(run: Run, tmp_path: Path) -> None:
     assert "drive: hand before, robot after" in run("diff", before, after).err
 
 
-@pytest.mark.parametrize(
-    ("words", "code", "message"),
-    [
-        (("a.json", "ampere.json"), 2, "in N m and in A"),
-        (("a.json", "seven.json"), 2, "2 and 7 joints"),
-        (("a.json", "second.json"), 4, "no joint has an estimate on both sides"),
-        (("a.json", "none.json"), 4, "moved too little"),
-        (("a.json", "regression.json"), 4, "regression"),
-        (("a.json", "half.json"), 3, "no whole document"),
-        (("a.json", "broken.json"), 3, "is no JSON"),
-        (("a.json", "empty"), 3, "no log there or below"),
-        (("a.json", "nowhere.csv"), 3, "nowhere.csv"),
-        (("a.json", "model.toml"), 2, "estimate.json"),
-    ],
-)
+@pytest.mark.parametrize(("words", "code", "message"), [
+    (("a.json", "ampere.json"), 2, "in N m and in A"),
+    (("a.json", "seven.json"), 2, "2 and 7 joints"),
+    (("a.json", "second.json"), 4, "no joint has an estimate on both sides"),
+    (("a.json", "none.json"), 4, "moved too little"),
+    (("a.json", "regression.json"), 4, "regression"),
+    (("a.json", "half.json"), 3, "no whole document"),
+    (("a.json", "broken.json"), 3, "is no JSON"),
+    (("a.json", "empty"), 3, "no log there or below"),
+    (("a.json", "nowhere.csv"), 3, "nowhere.csv"),
+    (("a.json", "model.toml"), 2, "estimate.json"),
+])  # fmt: skip
 def test_what_cannot_be_compared(words: tuple[str, ...], code: int, message: str, run: Run, tmp_path: Path) -> None:
     one = joint(1, (0.3, 0.02), (0.1, 0.03), 20)
     result(tmp_path / "a.json", one)

@@ -26,6 +26,10 @@ ANSWERED = [
     ("convert {logs}/damaged.csv out.parquet", 6, "out", "out.parquet"),
     ("info {logs}/damaged.csv", 6, "out", "1 joint\n"),
     ("info {logs}/moved1.csv {logs}/empty.csv", 6, "out", "moved1.csv"),
+    ("info {logs}/moved1.csv --torque tau_J", 0, "err", "warning: "),
+    ("estimate {logs}/moved1.csv --payload 0.7,0,0,0", 0, "err", "--payload: not used: F_m = tau_interaction"),
+    ("estimate {logs}/moved1.csv --export mcap", 2, "err", "no folder to write to; name one with --output DIR"),
+    ("compare --persons 2 --methods none,oracle --duration 3", 4, "err", "longer --duration"),
 ]
 REFUSED = [
     ("estimate", 2, "Missing argument 'LOG'"),
@@ -36,7 +40,6 @@ REFUSED = [
     ("estimate {logs}/moved1.csv --time-scale 0", 2, "--time-scale 0: expected a factor above zero"),
     ("estimate {logs}/moved1.csv --map torqe=x --map tau_j=y", 2, "--map torqe: no such channel"),
     ("estimate {logs}/moved1.csv --map tau_j=y", 2, "did you mean tau_J"),
-    ("estimate {logs}/moved1.csv --thresholds inf,0.5", 2, "expected initiation above termination"),
     ("estimate {logs}/moved1.csv --min-path nan", 2, "--min-path nan: expected an angle"),
     ("estimate {logs}/moved1.csv --gravity-vector 0,0,0", 2, "use --gravity removed"),
     ("estimate {logs}/moved1.csv --torque tau_ext", 2, "has no tau_ext"),
@@ -47,7 +50,6 @@ REFUSED = [
     ("estimate {logs}/moved1.csv --urdf absent.urdf", 2, "'absent.urdf' does not exist"),
     ("estimate {logs}/moved1.csv --urdf {logs}/moved1.csv", 2, "moved1.csv: not XML"),
     ("estimate {logs}/moved1.csv --t-start 50 --t-end 40", 2, "--t-start 50 --t-end 40: expected an end after"),
-    ("convert {logs}/absent.csv out.csv --t-start 5 --t-end nan", 2, "expected an end after the start"),
     ("plot {logs}/moved1.csv --t-start 5000", 2, "choose another --t-start/--t-end"),
     ("estimate {logs}/moved1.csv --gravity-vector a,b,c", 2, "expected numbers x,y,z"),
     ("estimate {logs}/moved1.csv --thresholds 0.1,0.2", 2, "initiation above termination"),
@@ -62,7 +64,6 @@ REFUSED = [
     ("replay {logs}/moved1.csv --coefficients coulomb=0.2 --compensator-window 3", 2, "nothing is estimated"),
     ("replay {logs}/moved1.csv --coefficients coulomb=0.2 --factor 2", 2, "remove --factor"),
     ("replay {logs}/moved1.csv --coefficients stiction=0.2", 2, "expected coulomb=NUMBER,viscous=NUMBER"),
-    ("replay {logs}/moved1.csv --coefficients coulomb=x", 2, "expected coulomb=NUMBER"),
     ("replay {logs}/moved1.csv --coefficients coulomb=0.2,viscous=-0.1", 2, "would brake the joint"),
     ("replay {logs}/moved1.csv --no-passivity --max-damping 3", 2, "only the controller damps"),
     ("replay {logs}/moved1.csv --compensator sigmoid --coefficients coulomb=1", 2, "does not use --coefficients"),
@@ -75,7 +76,6 @@ REFUSED = [
     ("replay {logs}/moved1.csv --max-torque -1", 2, "above zero"),
     ("replay {logs}/moved1.csv --cycles-from hand", 2, ""),
     ("compare --set operator.inertia=1", 2, "operator.inertia_kg_m2"),
-    ("compare --persons 1", 2, "2"),
     ("compare --set driven=true", 2, "driven"),
     ("estimate {logs}/absent.csv", 3, "error: "),
     ("estimate {logs}/empty.csv", 3, "error: "),
@@ -94,7 +94,6 @@ REFUSED = [
     ("batch-report bad.csv --workers 2 --scheduler tcp://a:1", 2, "a cluster has its own workers"),
     ("batch-report bad.csv -o wrong.csv/deep", 2, "wrong.csv is a file"),
     ("diagnose {logs}/moved1.csv --candidates stribeck,rust", 2, "rust: expected one of stribeck, stiction"),
-    ("diagnose {logs}/moved1.csv --min-effect -1", 2, "--min-effect"),
     ("diagnose {logs}/moved1.csv --min-effect inf", 2, "min_effect_nm: inf"),
     ("diagnose {logs}/moved1.csv --seed -1", 2, "--seed"),
     ("diagnose {logs}/moved1.csv --joints 9", 2, "--joints 9"),
@@ -107,11 +106,7 @@ REFUSED = [
     ("replay {logs}/moved1.csv --joint-model one.toml --compensator model --factor 2", 2, "does not use --factor"),
     ("replay {logs}/moved1.csv --assume same-torque --joint-model none.toml", 4, "the model file has no model of it"),
     ("replay {logs}/moved1.csv --assume same-torque --joint-model light.toml", 4, "an inertia of -0.01 kg m^2"),
-    (
-        "replay {logs}/moved1.csv --assume same-torque --joint-model backlash.toml",
-        4,
-        "backlash: the person is on",
-    ),
+    ("replay {logs}/moved1.csv --assume same-torque --joint-model play.toml", 4, "backlash: the person is on"),
     ("simulate", 2, "error: SCENARIO: missing; expected one of"),
     ("simulate jointx -o a.csv", 2, "jointx: no such scenario; expected one of"),
     ("simulate joint", 2, "error: --output: missing"),
@@ -120,9 +115,7 @@ REFUSED = [
     ("simulate joint -o a.csv --truth a.txt", 2, "--truth a.txt: ending .txt: expected .json"),
     ("simulate joint -o a --dialect rosbag2-mcap --truth a/a.json", 2, "is the log a or lies in it"),
     ("simulate joint -o a.csv --truth a.csv/a.json", 2, "is the log a.csv or lies in it"),
-    ("simulate joint -o file/a.csv", 2, "cannot be written to"),
     ("simulate joint -o a.csv --truth file/a.json", 2, "cannot be written to"),
-    ("simulate joint -o a.csv --seed -1", 2, "--seed"),
     ("simulate joint -o a.csv --duration 0", 2, "0 s at 1000 Hz: expected at least 2"),
     ("simulate joint -o a.csv --duration inf", 2, "inf: expected a number"),
     ("simulate joint -o a.csv --rate=-5", 2, "rate_hz"),
@@ -164,7 +157,7 @@ MODELS: dict[str, tuple[JointModel | None, ...]] = {
     "two.toml": (SIMPLE, SIMPLE),
     "none.toml": (None,),
     "light.toml": (replace(SIMPLE, inertia_kg_m2=-0.01),),
-    "backlash.toml": (replace(SIMPLE, terms=(FittedTerm("backlash", (1.0, 0.01, 50.0, 0.2, 1.0)),)),),
+    "play.toml": (replace(SIMPLE, terms=(FittedTerm("backlash", (1.0, 0.01, 50.0, 0.2, 1.0)),)),),
 }
 
 
@@ -176,9 +169,7 @@ def test_answered(words: str, code: int, stream: str, text: str, run: Run, logs:
 
 
 @pytest.mark.parametrize(("words", "code", "text"), REFUSED, ids=[row[0] for row in REFUSED])
-def test_refused_with_a_reason_and_nothing_written(
-    words: str, code: int, text: str, run: Run, logs: Path, tmp_path: Path
-) -> None:
+def test_refused_and_nothing_written(words: str, code: int, text: str, run: Run, logs: Path, tmp_path: Path) -> None:
     for name, content in FILES.items():
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text(content)
@@ -208,20 +199,12 @@ def test_every_command_has_help_with_groups(name: str, run: Run) -> None:
     assert (counts[0] <= MOST_OPTIONS, counts[1]) == (True, options + len(["--help"]))
 
 
-def test_an_option_without_effect_is_said(run: Run, logs: Path) -> None:
-    answer = run("estimate", logs / "moved1.csv", "--payload", "0.7,0,0,0")
-    assert (answer.code, "warning: --payload: not used: F_m = tau_interaction" in answer.err) == (0, True), answer
-
-
-@pytest.mark.parametrize(
-    ("error", "code", "text"),
-    [
-        (MemoryError("Unable to allocate 769 MiB"), 3, r"not enough memory \(Unable to allocate 769 MiB\); .*--t-end"),
-        (RecursionError(), 3, "nested too deeply"),
-        (OverflowError("int too large"), 3, r"too large \(int too large\)"),
-        (OSError(28, "No space left on device", "/tmp/x"), 2, "/tmp/x: .*No space left on device; make room"),
-    ],
-)
+@pytest.mark.parametrize(("error", "code", "text"), [
+    (MemoryError("Unable to allocate 769 MiB"), 3, r"not enough memory \(Unable to allocate 769 MiB\); .*--t-end"),
+    (RecursionError(), 3, "nested too deeply"),
+    (OverflowError("int too large"), 3, r"too large \(int too large\)"),
+    (OSError(28, "No space left on device", "/tmp/x"), 2, "/tmp/x: .*No space left on device; make room"),
+])  # fmt: skip
 def test_what_the_machine_cannot_do_is_one_line(
     error: Exception, code: int, text: str, run: Run, logs: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

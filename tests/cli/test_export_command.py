@@ -110,15 +110,9 @@ def test_of_several_arms_of_a_batch_one_is_named(run: Run) -> None:
     assert not Path("more.csv").exists()
 
 
-TABLES = {
-    command: [table.name for result in results for table in result.TABLES]
-    for command, results in {
-        "estimate": (estimate,),
-        "replay": (replay,),
-        "diagnose": (diagnosis,),
-        "report": (estimate, replay, diagnosis),
-    }.items()
-}
+RESULTS = {"estimate": [estimate], "replay": [replay], "diagnose": [diagnosis]}
+RESULTS["report"] = [estimate, replay, diagnosis]
+TABLES = {command: [one.name for result in results for one in result.TABLES] for command, results in RESULTS.items()}
 
 
 @pytest.mark.usefixtures("sketched")
@@ -139,24 +133,15 @@ def test_every_table_is_written(command: str, run: Run, logs: Path) -> None:
     assert topics == filled
 
 
-def test_a_folder_is_needed(run: Run, logs: Path) -> None:
-    answer = run("estimate", logs / "moved1.csv", "--export", "mcap")
-    assert answer.code == 2
-    assert "--export mcap: no folder to write to; name one with --output DIR" in answer.err
-
-
-def test_a_table_that_exists_is_kept(run: Run, logs: Path) -> None:
-    Path("out").mkdir()
-    Path("out/cycles.csv").write_text("mine")
-    answer = run("estimate", logs / "moved1.csv", "-o", "out", "--export", "csv")
-    assert (answer.code, "cycles.csv: exists already" in answer.err) == (2, True), answer
-    assert [(path.name, path.read_text()) for path in Path("out").iterdir()] == [("cycles.csv", "mine")]
-
-
-def test_the_log_itself_is_never_replaced(run: Run, logs: Path) -> None:
-    log = Path("out/interaction.csv")
+def test_a_table_that_exists_and_the_log_itself_are_kept(run: Run, logs: Path) -> None:
+    log, mine = Path("out/interaction.csv"), Path("out/cycles.csv")
     log.parent.mkdir()
     shutil.copy(logs / "moved1.csv", log)
-    answer = run("estimate", log, "-o", "out", "--export", "csv", "--overwrite")
+    mine.write_text("mine")
+    words = ("-o", "out", "--export", "csv")
+    answer = run("estimate", logs / "moved1.csv", *words)
+    assert (answer.code, "cycles.csv: exists already" in answer.err) == (2, True), answer
+    answer = run("estimate", log, *words, "--overwrite")
     assert (answer.code, "interaction.csv: is the log itself; nothing was written" in answer.err) == (2, True), answer
-    assert log.read_bytes() == (logs / "moved1.csv").read_bytes()
+    assert (mine.read_text(), log.read_bytes()) == ("mine", (logs / "moved1.csv").read_bytes())
+    assert {*Path("out").iterdir()} == {log, mine}

@@ -29,12 +29,6 @@ def test_the_check_of_the_clock_and_the_unit_of_a_current_are_said(run: Run, tmp
     assert "not checked" in run("info", "rest.csv").out
 
 
-def test_a_torque_that_cannot_be_made_is_a_warning(run: Run, logs: Path) -> None:
-    answer = run("info", logs / "moved1.csv", "--torque", "tau_J")
-    assert (answer.code, "warning: " in answer.err) == (0, True), answer
-    assert "peak speed" in answer.out
-
-
 def test_of_a_large_log_the_beginning_is_read(run: Run, logs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     whole = run("info", logs / "moved1.csv", "--json").document()["logs"][0]
     monkeypatch.setattr("friction_audit.cli.info.LARGE_BYTES", 0)

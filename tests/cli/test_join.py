@@ -106,17 +106,14 @@ def test_parts_of_a_joined_log_count_from_its_first_sample(tmp_path: Path) -> No
     assert (log.source.skipped_s, log.duration_s) == pytest.approx((12.0, 28.0), abs=0.006)
 
 
-@pytest.mark.parametrize(
-    ("other", "message"),
-    [
-        (torque(start=100.0), r"b.csv: its clock runs from 100 to 159.995 s, that of .*a.csv from 0 to 59.995 s"),
-        (torque(start=EPOCH), "says the date"),
-        (motion(), "has q, dq, as .*a.csv; expected channels that it lacks"),
-        ({"time": motion()["time"], "gauge": motion()["time"]}, "b.csv: no column for a torque|no column for"),
-        ({"tau_J_1": motion()["time"]}, "b.csv: no column for t"),
-        (torque() | {"tau_interaction_2": torque()["time"]}, "has 2 joints .* has 1"),
-    ],
-)
+@pytest.mark.parametrize(("other", "message"), [
+    (torque(start=100.0), r"b.csv: its clock runs from 100 to 159.995 s, that of .*a.csv from 0 to 59.995 s"),
+    (torque(start=EPOCH), "says the date"),
+    (motion(), "has q, dq, as .*a.csv; expected channels that it lacks"),
+    ({"time": motion()["time"], "gauge": motion()["time"]}, "b.csv: no column for a torque|no column for"),
+    ({"tau_J_1": motion()["time"]}, "b.csv: no column for t"),
+    (torque() | {"tau_interaction_2": torque()["time"]}, "has 2 joints .* has 1"),
+])  # fmt: skip
 def test_what_cannot_be_joined_is_refused(tmp_path: Path, other: dict[str, np.ndarray], message: str) -> None:
     first = saved(tmp_path / "a.csv", motion())
     with pytest.raises(InputError, match=message):
@@ -146,9 +143,8 @@ def test_commands_read_joined_files(run: Run, tmp_path: Path) -> None:
     first, second = saved(tmp_path / "a.csv", motion()), saved(tmp_path / "b.csv", torque())
     document = run("estimate", first, "--join", second, "--json").document()
     assert document["joints"][0]["coulomb_nm"]["value"] == pytest.approx(0.5, abs=0.01)
-    assert document["source"]["joined"] == [
-        {"path": str(second), "sha256": hashlib.sha256(second.read_bytes()).hexdigest(), "format": "csv"}
-    ]
+    digest = hashlib.sha256(second.read_bytes()).hexdigest()
+    assert document["source"]["joined"] == [{"path": str(second), "sha256": digest, "format": "csv"}]
     assert document["settings"]["reading"]["join"] == [str(second)]
     info = run("info", first, "--join", second)
     assert info.code == 0

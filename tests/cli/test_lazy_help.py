@@ -9,12 +9,11 @@ from friction_audit.cli.compare import ARMS, METHOD_NAMES
 from friction_audit.cli.reproduce import PAPER_FIGURES
 from friction_audit.compensation.comparison import METHODS, SCENES
 from friction_audit.compensation.settings import COMPETITORS, COUNTERFACTUALS
+from friction_audit.reporting.html.log_page import REPORT_FORMATS
 from friction_audit.reproduce import REPRODUCTIONS
 
-HEAVY = (
-    *("numpy", "scipy", "pandas", "pyarrow", "numba", "matplotlib"),
-    *("rich", "rosbags", "mcap", "mujoco", "statsmodels"),
-)
+HEAVY: tuple[str, ...] = ("numpy", "scipy", "pandas", "pyarrow", "numba", "matplotlib")
+HEAVY += ("rich", "rosbags", "mcap", "mujoco", "statsmodels")
 
 SCRIPT = """
 import sys
@@ -46,6 +45,7 @@ def test_names_of_options_are_those_of_the_steps() -> None:
     assert tuple(method.name for method in METHODS) == METHOD_NAMES
     assert tuple(scene.name for scene in SCENES) == ARMS
     assert tuple(one.figure for one in REPRODUCTIONS) == PAPER_FIGURES
+    assert {name: ending for name, (ending, _) in REPORT_FORMATS.items()} == choices.REPORT_FORMATS
 
 
 MOST_LOADED = 90

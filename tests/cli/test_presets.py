@@ -38,24 +38,21 @@ def test_the_preset_of_the_panda_is_its_built_in_urdf() -> None:
         assert tuple(figures) == limits_in(read_urdf(None), "urdf", name)
 
 
-@pytest.mark.parametrize(
-    ("names", "arms"),
-    [
-        (UR_NAMES, URS),
-        ([f"left_{name}" for name in UR_NAMES], URS),
-        ([f"ur10e_{name}" for name in UR_NAMES], ("ur10e",)),
-        (UR_NAMES[:5], ()),
-        ([f"lbr_A{k}" for k in range(1, 8)], ("iiwa7", "iiwa14")),
-        ([f"iiwa_joint_{k}" for k in range(1, 8)], ("iiwa7", "iiwa14")),
-        ([f"iiwa7_joint_{k}" for k in range(1, 8)], ("iiwa7",)),
-        ([f"arm/gen3_joint_{k}" for k in range(1, 8)], ("gen3",)),
-        ([f"gen3_lite_joint_{k}" for k in range(1, 8)], ()),
-        ([f"gen3_joint_{k}" for k in range(1, 7)], ()),
-        ([f"xarm7_joint{k}" for k in range(1, 8)], ("xarm7",)),
-        ([f"joint{k}" for k in range(1, 8)], ()),
-        (["panda_joint4"], ("panda",)),
-    ],
-)
+@pytest.mark.parametrize(("names", "arms"), [
+    (UR_NAMES, URS),
+    ([f"left_{name}" for name in UR_NAMES], URS),
+    ([f"ur10e_{name}" for name in UR_NAMES], ("ur10e",)),
+    (UR_NAMES[:5], ()),
+    ([f"lbr_A{k}" for k in range(1, 8)], ("iiwa7", "iiwa14")),
+    ([f"iiwa_joint_{k}" for k in range(1, 8)], ("iiwa7", "iiwa14")),
+    ([f"iiwa7_joint_{k}" for k in range(1, 8)], ("iiwa7",)),
+    ([f"arm/gen3_joint_{k}" for k in range(1, 8)], ("gen3",)),
+    ([f"gen3_lite_joint_{k}" for k in range(1, 8)], ()),
+    ([f"gen3_joint_{k}" for k in range(1, 7)], ()),
+    ([f"xarm7_joint{k}" for k in range(1, 8)], ("xarm7",)),
+    ([f"joint{k}" for k in range(1, 8)], ()),
+    (["panda_joint4"], ("panda",)),
+])  # fmt: skip
 def test_arms_by_the_names_of_their_joints(names: list[str], arms: tuple[str, ...]) -> None:
     assert candidates(tuple(names)) == arms
     assert robot_of(names) == (arms[0] if len(arms) == 1 else "unknown")

@@ -17,7 +17,7 @@ from friction_audit.io.files import sha256_of
 from friction_audit.io.readers import read_log
 from friction_audit.io.writers.tables import Writer
 from friction_audit.io.writers.write_log import WRITERS
-from friction_audit.reporting.schemas import load_schema
+from friction_audit.reporting.documents import load_schema
 from friction_audit.simulation import Simulation, scenarios, simulate
 from friction_audit.simulation.assign import paths
 from friction_audit.simulation.bench import Progress
@@ -109,14 +109,11 @@ def test_settings_and_effects_are_what_was_asked_for(run: Run) -> None:
     assert (effect["joint"], effect["name"], effect["parameters"]["excess_nm"]) == (3, "stribeck", 0.2)
 
 
-@pytest.mark.parametrize(
-    ("step", "error", "code"),
-    [
-        ("simulation.scenarios.simulate", KeyboardInterrupt, 130),
-        ("reporting.documents.write_document", KeyboardInterrupt, 130),
-        ("reporting.documents.write_document", OSError, 2),
-    ],
-)
+@pytest.mark.parametrize(("step", "error", "code"), [
+    ("simulation.scenarios.simulate", KeyboardInterrupt, 130),
+    ("reporting.documents.write_document", KeyboardInterrupt, 130),
+    ("reporting.documents.write_document", OSError, 2),
+])  # fmt: skip
 def test_an_interruption_leaves_nothing_and_no_log_without_its_truth(
     step: str, error: type[BaseException], code: int, run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -27,16 +27,13 @@ def test_a_style_sheet_holds_in_the_figures_of_every_command(command: str, run: 
     assert own == pytest.approx([50 / RC["savefig.dpi"] * one for one in usual], abs=1)
 
 
-@pytest.mark.parametrize(
-    ("content", "found"),
-    [
-        (None, "neither a file nor a style; give a style sheet (.mplstyle), or a name: sans, ieee, latex"),
-        (b"axes.gird: True\n", "Bad key axes.gird in file"),
-        (b"font.size: large it is\n", "Bad value in file"),
-        (b"no colon\n", "Missing colon in file"),
-        (b"\xff\xfe\x00binary", "cannot be read"),
-    ],
-)
+@pytest.mark.parametrize(("content", "found"), [
+    (None, "neither a file nor a style; give a style sheet (.mplstyle), or a name: sans, ieee, latex"),
+    (b"axes.gird: True\n", "Bad key axes.gird in file"),
+    (b"font.size: large it is\n", "Bad value in file"),
+    (b"no colon\n", "Missing colon in file"),
+    (b"\xff\xfe\x00binary", "cannot be read"),
+])  # fmt: skip
 def test_what_is_no_style_is_refused_before_anything_is_done(content: bytes | None, found: str, run: Run) -> None:
     if content is not None:
         Path("my.mplstyle").write_bytes(content)

@@ -15,10 +15,8 @@ from tests.documented_commands import ROOT
 DOCS = ROOT / "docs"
 PAGES = tuple(sorted(DOCS.rglob("*.md")))
 FROM_OUTSIDE = {"contributing": "CONTRIBUTING.md", "changelog": "CHANGELOG.md", "sample_logs": "sample_logs/README.md"}
-SOURCES = {
-    **{str(page.relative_to(DOCS).with_suffix("")): f"docs/{page.relative_to(DOCS)}" for page in PAGES},
-    **FROM_OUTSIDE,
-}
+OF_DOCS = [page.relative_to(DOCS) for page in PAGES]
+SOURCES = {**{str(page.with_suffix("")): f"docs/{page}" for page in OF_DOCS}, **FROM_OUTSIDE}
 COUNTED = ("table", "tr", "li", "ol", "ul", "pre", "p", "img", "em", "strong", "blockquote")
 """Elements that a writer means when writing Markdown; the two dialects differ in when they see them."""
 LONGEST_PAGE, LONGEST_README, LONGEST_CHANGELOG = 3000, 1200, 1500  # words, tables included

@@ -100,9 +100,8 @@ BIAS = replace(
 
 def gap(before: float, after: float, floor: float) -> r.Gap:
     shrink = (before - after) / (before - floor) if before > floor else NAN
-    return r.Gap(
-        before=before, after=after, floor=floor, shrink=shrink, shrink_se=0.01, over_floor=after / floor, cycles=LOCKED
-    )
+    more = {"shrink": shrink, "shrink_se": 0.01, "over_floor": after / floor}
+    return r.Gap(before=before, after=after, floor=floor, cycles=LOCKED, **more)
 
 
 def finding(code: str, verdict: str, message: str) -> DataFinding:

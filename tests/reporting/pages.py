@@ -88,6 +88,4 @@ def blank_figures(arms: int, *, letters: int, kinds: Iterable[str] = figure_name
     """Return figures of so many arms of up to eight joints, by their anchors, each of so many letters."""
     svg = f"<svg>{'<g></g>' * (letters // 7)}</svg>"
     anchors = {f"arm-{number}-{kind}-1": kind for number in range(1, arms + 1) for kind in kinds}
-    return {
-        anchor: Figure(title=kind, caption="", svg=svg, width=100.0, description="") for anchor, kind in anchors.items()
-    }
+    return {anchor: Figure(kind, "", svg, 100.0, "") for anchor, kind in anchors.items()}

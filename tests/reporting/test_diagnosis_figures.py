@@ -71,12 +71,10 @@ def test_the_ladder_is_as_long_as_the_residuals() -> None:
     assert axes.get_title(loc="left") == "joint 1: 97.6 ± 1.0 % explained\non 9 held-out cycles"
 
 
-CONTACTS = replace(
-    NAMED.effects[0], name="contact_event", parameters={"contacts": by_hand.coefficient(2.0, 0.0)}, evidence=()
-)
-TRACE = ContactTrace(
-    t=np.arange(0.0, 12.0, 0.1), residual_nm=np.sin(np.arange(120) / 50.0), spans_s=((1.0, 1.3), (8.0, 8.4))
-)
+TWO = {"contacts": by_hand.coefficient(2.0, 0.0)}
+CONTACTS = replace(NAMED.effects[0], name="contact_event", parameters=TWO, evidence=())
+T = np.arange(0.0, 12.0, 0.1)
+TRACE = ContactTrace(t=T, residual_nm=np.sin(T / 5.0), spans_s=((1.0, 1.3), (8.0, 8.4)))
 TOUCHED = replace(NAMED, effects=(CONTACTS,), ladder=by_hand.NONE.ladder, gap=by_hand.NONE.gap, contacts=TRACE)
 
 

@@ -17,24 +17,19 @@ from friction_audit.io.readers.reader import Topic
 from friction_audit.pipeline import Estimate
 from friction_audit.reporting.diagnosis import diagnose_document
 from friction_audit.reporting.diagnosis_words import joint_message
-from friction_audit.reporting.documents import write_document
+from friction_audit.reporting.documents import KINDS, load_schema, write_document
 from friction_audit.reporting.drift import BatchSummary, write_batch_document
 from friction_audit.reporting.estimate import estimate_document
 from friction_audit.reporting.info import INFO, InfoEntry, summarize_log
 from friction_audit.reporting.replay import replay_document
 from friction_audit.reporting.report import REPORT, report_notices
-from friction_audit.reporting.schemas import KINDS, load_schema
 from tests.reporting import batch_by_hand, log_report_by_hand
 from tests.reporting.conftest import COULOMB, build_estimate
 from tests.reporting.diagnosis_by_hand import FAILED, LOCKED, NAMED, STRIBECK, VERDICTS_BY_HAND, diagnosis
 
 ARM = batch_by_hand.arm()
-BATCHES = (
-    batch_by_hand.batch(ARM),
-    batch_by_hand.batch(batch_by_hand.arm(2, 1, dated=False)),
-    batch_by_hand.hostile(),
-    batch_by_hand.empty(),
-)
+TWO = batch_by_hand.batch(batch_by_hand.arm(2, 1, dated=False))
+BATCHES = (batch_by_hand.batch(ARM), TWO, batch_by_hand.hostile(), batch_by_hand.empty())
 
 
 def checked(document: dict[str, Any] | Iterable[str]) -> Any:

@@ -27,7 +27,7 @@ def with_friction(estimate: Estimate, **changes: Any) -> Estimate:
 
 
 @KINDS
-def test_a_joint_without_an_estimate_or_with_a_constant_torque_is_drawn(
+def test_without_an_estimate_or_at_constant_torque_it_is_drawn(
     kind: FigureKind, seven: Estimate, single: Estimate
 ) -> None:
     assert kind.name == "signals" or "not determined: did not move" in words_in(kind.draw(seven, 3))
@@ -79,9 +79,7 @@ def test_a_long_log_shows_whole_cycles_and_says_how_many(single: Estimate, monke
     assert np.isfinite(speed).sum() <= 1500
 
 
-def test_the_net_energy_is_the_integral_of_power_meets_the_stairs_and_rejected_cycles_are_hatched(
-    single: Estimate,
-) -> None:
+def test_net_energy_is_the_integral_of_power_meets_the_stairs_and_rejected_cycles_are_hatched(single: Estimate) -> None:
     reason = np.where(np.arange(len(single.cycles.joint)) == 3, 1, 0)
     axes = ENERGY(replace(single, cycles=replace(single.cycles, reason=reason)), 1).axes[0]
     t, energy = line(axes, "net energy")

@@ -88,7 +88,7 @@ def sessions_of(summary: BatchSummary, path: Path) -> pd.DataFrame:
 
 
 @pytest.mark.parametrize("summary", BATCHES, ids=("plain", "two sessions", "hostile", "empty"))
-def test_sessions_have_a_row_per_joint_and_coefficient(
+def test_a_row_per_joint_and_coefficient(
     summary: BatchSummary, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(drift_sessions, "ROWS_AT_ONCE", 100)

@@ -37,9 +37,10 @@ def row(**changed: object) -> SimpleNamespace:
     return SimpleNamespace(**cells | changed)
 
 
-@pytest.mark.parametrize(
-    "changed", [{}, {"found": SimpleNamespace(coulomb=UNDETERMINED), "inner": None, "history": None, "reason": ""}]
-)
+NOTHING = {"found": SimpleNamespace(coulomb=UNDETERMINED), "inner": None, "history": None, "reason": ""}
+
+
+@pytest.mark.parametrize("changed", [{}, NOTHING])
 def test_a_document_keeps_to_its_schema(changed: dict[str, object]) -> None:
     jsonschema.Draft202012Validator(SPEC.schema()).validate(SPEC.json(row(**changed)))
 
@@ -82,17 +83,14 @@ def test_a_page_sorts_numbers_by_their_value() -> None:
     assert table.filled().columns == [phrase]
 
 
-@pytest.mark.parametrize(
-    ("value", "expected"),
-    [
-        (math.nan, None),
-        (np.array([1.0, np.inf]), [1.0, None]),
-        (np.int64(3), 3),
-        ({"a": (1, np.nan)}, {"a": [1, None]}),
-        (True, True),
-        (Coefficient(value=1.0, low=math.nan, high=2.0), {"value": 1.0, "low": None, "high": 2.0}),
-    ],
-)
+@pytest.mark.parametrize(("value", "expected"), [
+    (math.nan, None),
+    (np.array([1.0, np.inf]), [1.0, None]),
+    (np.int64(3), 3),
+    ({"a": (1, np.nan)}, {"a": [1, None]}),
+    (True, True),
+    (Coefficient(value=1.0, low=math.nan, high=2.0), {"value": 1.0, "low": None, "high": 2.0}),
+])  # fmt: skip
 def test_values_become_what_json_knows(value: object, expected: object) -> None:
     assert to_json(value) == expected
 

@@ -49,62 +49,40 @@ def _replay() -> list[str]:
     return replay_lines(found)
 
 
-@pytest.mark.parametrize(
-    ("lines", "rows", "sentences"),
-    [
-        (
-            lambda: estimate_lines(build_estimate(7)),
-            ["1 0.2467 ± 0.0040 0.2459 0.3966 ± 0.0055 0.3974 15 (0)", "3 - - - - 0 (0)"],
-            ["not determined: joint 3: did not move"],
-        ),
-        (lambda: estimate_lines(in_ampere(build_estimate(1))), ["joint [A] [A] [A s/rad] [A s/rad]"], []),
-        (_replay, ["3 - - -"], ["not replayed: joint 3: "]),
-        (
-            lambda: diagnose_lines(diagnosis()),
-            [
-                "1 named 0.061 0.021 0.02 97.6 0.052 0.013",
-                "2 ambiguous 0.12 0.03 0.03 100 - -",
-                "3 adequate 0.02 - 0.02 - - -",
-                "5 not testable - - - - - -",
-            ],
-            [
-                "joint 1: missing: stribeck (0.031 N m RMS, 9 % of friction); add it to the model (model.toml)",
-                "joint 2: missing: torque_bias or asymmetric_coulomb (0.031 N m RMS, 9 % of friction); to separate: ",
-                "joint 3: no effect below 17 Hz exceeds the detection limit of 0.0048 N m RMS",
-                "joint 4: the residual (0.08 N m RMS, noise floor 0.02 N m) is unexplained; look at the figure",
-                "joint 1, stribeck (what stribeck does): static minus Coulomb friction 0.150 ± 0.010 N m",
-            ],
-        ),
-        (
-            lambda: diagnose_lines(diagnosis(), verbose=True),
-            [],
-            [
-                f"joint 1, this log cannot show torque_crosstalk, inertial_coupling: {ALONE}",
-                "joint 1, warm_up in place of stribeck: 2 ln BF +41, correlation 0.31",
-                "joint 4, 30 % of the residual is unexplained: a spectral line at 13 Hz",
-            ],
-        ),
-        (
-            lambda: diagnose_lines(diagnosis(replace(NAMED, verdict="not_testable", effects=(LONG, STRIBECK)))),
-            ["1 not testable"],
-            [],
-        ),
-        (
-            lambda: batch_lines(batch_by_hand.batch(ARM, batch_by_hand.arm(robot="panda-2"))),
-            ["2 Coulomb drift +15.0 ± 1.5 % 13 0 ± 0.10 % 3.3 %"],
-            [
-                "joint 5: Coulomb friction rises by",
-                "not compared: session 9: payload 0.7 kg, the reference had none",
-                "limit exceeded: panda-1, joint 2",
-                "failed: logs/broken.bag: broken.bag: is truncated",
-            ],
-        ),
-    ],
-    ids=["estimate", "current", "replay", "diagnosis", "verbose", "longest names", "batch"],
-)
-def test_a_table_of_eighty_columns_and_its_sentences(
-    lines: Callable[[], list[str]], rows: list[str], sentences: list[str]
-) -> None:
+@pytest.mark.parametrize(("lines", "rows", "sentences"), [
+    (
+        lambda: estimate_lines(build_estimate(7)),
+        ["1 0.2467 ± 0.0040 0.2459 0.3966 ± 0.0055 0.3974 15 (0)", "3 - - - - 0 (0)"],
+        ["not determined: joint 3: did not move"],
+    ),
+    (lambda: estimate_lines(in_ampere(build_estimate(1))), ["joint [A] [A] [A s/rad] [A s/rad]"], []),
+    (_replay, ["3 - - -"], ["not replayed: joint 3: "]),
+    (
+        lambda: diagnose_lines(diagnosis()),
+        ["1 named 0.061 0.021 0.02 97.6 0.052 0.013", "2 ambiguous 0.12 0.03 0.03 100 - -",
+         "3 adequate 0.02 - 0.02 - - -", "5 not testable - - - - - -"],
+        ["joint 1: missing: stribeck (0.031 N m RMS, 9 % of friction); add it to the model (model.toml)",
+         "joint 2: missing: torque_bias or asymmetric_coulomb (0.031 N m RMS, 9 % of friction); to separate: ",
+         "joint 3: no effect below 17 Hz exceeds the detection limit of 0.0048 N m RMS",
+         "joint 4: the residual (0.08 N m RMS, noise floor 0.02 N m) is unexplained; look at the figure",
+         "joint 1, stribeck (what stribeck does): static minus Coulomb friction 0.150 ± 0.010 N m"],
+    ),
+    (
+        lambda: diagnose_lines(diagnosis(), verbose=True), [],
+        [f"joint 1, this log cannot show torque_crosstalk, inertial_coupling: {ALONE}",
+         "joint 1, warm_up in place of stribeck: 2 ln BF +41, correlation 0.31",
+         "joint 4, 30 % of the residual is unexplained: a spectral line at 13 Hz"],
+    ),
+    (lambda: diagnose_lines(diagnosis(replace(NAMED, verdict="not_testable", effects=(LONG, STRIBECK)))),
+     ["1 not testable"], []),
+    (
+        lambda: batch_lines(batch_by_hand.batch(ARM, batch_by_hand.arm(robot="panda-2"))),
+        ["2 Coulomb drift +15.0 ± 1.5 % 13 0 ± 0.10 % 3.3 %"],
+        ["joint 5: Coulomb friction rises by", "not compared: session 9: payload 0.7 kg, the reference had none",
+         "limit exceeded: panda-1, joint 2", "failed: logs/broken.bag: broken.bag: is truncated"],
+    ),
+], ids=["estimate", "current", "replay", "diagnosis", "verbose", "longest names", "batch"])  # fmt: skip
+def test_a_table_and_its_sentences(lines: Callable[[], list[str]], rows: list[str], sentences: list[str]) -> None:
     found = lines()
     rule = next(line for line in found if line.startswith("─"))
     assert len(rule) <= 80
@@ -148,20 +126,16 @@ def test_contacts_are_left_out_and_joints_with_the_same_answer_share_a_line() ->
     assert f"joint 6: {NOT_TESTABLE.reason}" in diagnose_lines(diagnosis(*still), verbose=True)
 
 
-@pytest.mark.parametrize(
-    ("parameters", "text"),
-    [
-        ({f"factor_{k}": coefficient(0.1, 0.1) for k in range(13)}, "13 parameters, in the document"),
-        ({"unlogged_form": coefficient(1.0, 1e-4)}, "dead band"),
-        ({"other_ratio": coefficient(0.5, 0.1), "warm_up_per_k": coefficient(1e-6, 0.0)}, "other ratio 0.5"),
-        ({"stribeck_exponent": Coefficient(value=4.321, low=-math.inf, high=math.inf)}, "not identifiable from this"),
-    ],
-)
+@pytest.mark.parametrize(("parameters", "text"), [
+    ({f"factor_{k}": coefficient(0.1, 0.1) for k in range(13)}, "13 parameters, in the document"),
+    ({"unlogged_form": coefficient(1.0, 1e-4)}, "dead band"),
+    ({"other_ratio": coefficient(0.5, 0.1), "warm_up_per_k": coefficient(1e-6, 0.0)}, "other ratio 0.5"),
+    ({"stribeck_exponent": Coefficient(value=4.321, low=-math.inf, high=math.inf)}, "not identifiable from this"),
+])  # fmt: skip
 def test_parameters_of_an_effect(parameters: dict[str, Coefficient], text: str) -> None:
     lost = tuple(name for name, one in parameters.items() if math.isinf(one.high))
-    lines = diagnose_lines(
-        diagnosis(replace(NAMED, effects=(replace(BIAS, parameters=parameters, not_identifiable=lost),)))
-    )
+    effect = replace(BIAS, parameters=parameters, not_identifiable=lost)
+    lines = diagnose_lines(diagnosis(replace(NAMED, effects=(effect,))))
     assert any(line.startswith("joint 1, torque_bias (") and text in line for line in lines)
 
 
@@ -218,40 +192,34 @@ def test_notices_of_the_same_words_share_a_line(seven: Estimate) -> None:
     ]
 
 
-@pytest.mark.parametrize(
-    ("shown", "text"),
-    [
-        (words.format_coefficient(coefficient(0.245, 0.006)), "0.2450 ± 0.0060"),
-        (words.format_coefficient(coefficient(0.246, 0.1)), "0.25 ± 0.10"),
-        (words.format_coefficient(Coefficient(value=0.25, low=0.22, high=0.26)), "0.250 +0.010/-0.030"),
-        (words.format_coefficient(coefficient(-0.02, 0.45)), "-0.02 ± 0.45"),
-        (words.format_coefficient(coefficient(12.0, 30.0)), "12 ± 30"),
-        (words.format_coefficient(coefficient(0.25, 0.0)), "0.2500 ± 0.0001"),
-        (words.format_coefficient(coefficient(0.25, math.nan)), "0.25"),
-        (words.format_coefficient(UNDETERMINED), "-"),
-        (words.format_start(1772550000.25), "2026-03-03 15:00"),
-        (words.iso_start(1772550000.25), "2026-03-03T15:00:00.250Z"),
-        *((f"{words.format_start(one)} {words.iso_start(one)}", "- None") for one in (None, -5.0, math.nan, 1e18)),
-        (words.format_quantity(coefficient(0.15, 0.01), "N m"), "0.150 ± 0.010 N m"),
-        (words.format_quantity(coefficient(0.0031, 0.0002), "s"), "3.10 ± 0.20 ms"),
-        (words.format_quantity(coefficient(0.0031, 0.0002), "N m"), "0.0031 ± 0.0002 N m"),
-        (words.format_quantity(coefficient(0.001037, 0.00002), "rad/(N m)"), "1.037 ± 0.020 mrad/(N m)"),
-        (words.format_quantity(coefficient(2.0, 0.0), "1"), "2"),
-        (words.format_quantity(UNDETERMINED, "s"), "-"),
-        (words.format_percent(Coefficient(value=30.62, low=-1.0, high=8.9e7)), "not identifiable"),
-        (words.format_percent(Coefficient(value=-0.06132, low=math.nan, high=math.nan)), "-6.1 %"),
-        (words.format_slope(Coefficient(value=0.0026712, low=0.0024, high=0.0029424)), "+0.0027 ± 0.0003"),
-        (words.format_slope(Coefficient(value=-1.0, low=-1.0, high=-1.0)), "-1"),
-        (" ".join((words.format_slope(UNDETERMINED), words.format_share(math.nan), words.format_p(math.nan))), "- - -"),
-        (", ".join(map(words.format_share, (0.0333, 0.132, 0.95, 9e4))), "3.3 %, 13 %, 95 %, >100 %"),
-        (", ".join(map(words.format_p, (1e-9, 0.0432, 1.0))), "< 0.001, 0.043, 1"),
-        (words.enumerate_words([1]), "1"),
-        (words.enumerate_words([1, 2, 3]), "1, 2 and 3"),
-        (
-            ", ".join(words.joint_label(3, name) for name in ("panda_joint3", "elbow", "joint13", "")),
-            "3, 3 elbow, 3 joint13, 3",
-        ),
-    ],
-)
+@pytest.mark.parametrize(("shown", "text"), [
+    (words.format_coefficient(coefficient(0.245, 0.006)), "0.2450 ± 0.0060"),
+    (words.format_coefficient(coefficient(0.246, 0.1)), "0.25 ± 0.10"),
+    (words.format_coefficient(Coefficient(value=0.25, low=0.22, high=0.26)), "0.250 +0.010/-0.030"),
+    (words.format_coefficient(coefficient(-0.02, 0.45)), "-0.02 ± 0.45"),
+    (words.format_coefficient(coefficient(12.0, 30.0)), "12 ± 30"),
+    (words.format_coefficient(coefficient(0.25, 0.0)), "0.2500 ± 0.0001"),
+    (words.format_coefficient(coefficient(0.25, math.nan)), "0.25"),
+    (words.format_coefficient(UNDETERMINED), "-"),
+    (words.format_start(1772550000.25), "2026-03-03 15:00"),
+    (words.iso_start(1772550000.25), "2026-03-03T15:00:00.250Z"),
+    *((f"{words.format_start(one)} {words.iso_start(one)}", "- None") for one in (None, -5.0, math.nan, 1e18)),
+    (words.format_quantity(coefficient(0.15, 0.01), "N m"), "0.150 ± 0.010 N m"),
+    (words.format_quantity(coefficient(0.0031, 0.0002), "s"), "3.10 ± 0.20 ms"),
+    (words.format_quantity(coefficient(0.0031, 0.0002), "N m"), "0.0031 ± 0.0002 N m"),
+    (words.format_quantity(coefficient(0.001037, 0.00002), "rad/(N m)"), "1.037 ± 0.020 mrad/(N m)"),
+    (words.format_quantity(coefficient(2.0, 0.0), "1"), "2"),
+    (words.format_quantity(UNDETERMINED, "s"), "-"),
+    (words.format_percent(Coefficient(value=30.62, low=-1.0, high=8.9e7)), "not identifiable"),
+    (words.format_percent(Coefficient(value=-0.06132, low=math.nan, high=math.nan)), "-6.1 %"),
+    (words.format_slope(Coefficient(value=0.0026712, low=0.0024, high=0.0029424)), "+0.0027 ± 0.0003"),
+    (words.format_slope(Coefficient(value=-1.0, low=-1.0, high=-1.0)), "-1"),
+    (" ".join((words.format_slope(UNDETERMINED), words.format_share(math.nan), words.format_p(math.nan))), "- - -"),
+    (", ".join(map(words.format_share, (0.0333, 0.132, 0.95, 9e4))), "3.3 %, 13 %, 95 %, >100 %"),
+    (", ".join(map(words.format_p, (1e-9, 0.0432, 1.0))), "< 0.001, 0.043, 1"),
+    (words.enumerate_words([1]), "1"),
+    (words.enumerate_words([1, 2, 3]), "1, 2 and 3"),
+    (" ".join(words.joint_label(3, n) for n in ("panda_joint3", "elbow", "joint13", "")), "3 3 elbow 3 joint13 3"),
+])  # fmt: skip
 def test_numbers_and_lists(shown: str, text: str) -> None:
     assert shown == text

@@ -76,8 +76,7 @@ def program(
 def main(argv: list[str] | None = None) -> None:
     """Run the command line and exit; deliberate errors become one line and their exit code, bugs a traceback.
 
-    Args:
-        argv: The words of a command, from a program that goes on; None if this process is the command.
+    ``argv``: words of a command, from a program that goes on; None if this process is the command.
     """
     open_streams()
     for stream in (sys.stdout, sys.stderr):

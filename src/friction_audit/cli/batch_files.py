@@ -41,13 +41,9 @@ def write_results(batch: Batch, standing: Standing, command: str) -> tuple[Batch
     code = DAMAGED if summary.failed or any(session.damaged for session in summary.sessions) else 0
     if summary.exceeded or summary.cannot_tell:  # what was asked, the limits, comes before files that failed
         code = EXCEEDED if summary.exceeded else UNTESTABLE
-    answer = BatchAnswer(
-        text="".join(f"{line}\n" for line in batch_lines(summary, verbose=voice.verbose)),
-        warnings=summary.warnings,
-        code=code,
-        junit=junit,
-        codes={session.path: session.codes for session in summary.sessions if session.codes},
-    )
+    text = "".join(f"{line}\n" for line in batch_lines(summary, verbose=voice.verbose))
+    codes = {session.path: session.codes for session in summary.sessions if session.codes}
+    answer = BatchAnswer(text=text, warnings=summary.warnings, code=code, junit=junit, codes=codes)
     return answer, [*RESULTS, *drawn]
 
 
@@ -60,16 +56,9 @@ def _summarise(batch: Batch, standing: Standing, command: str) -> BatchSummary:
     every["diagnosis"] = None if asked.diagnosis is None else asdict(asked.diagnosis)
     beyond, unknown = limit_sentences(report, batch.limits)
     return BatchSummary(
-        report=report,
-        failed=result.failed,
-        exceeded=beyond,
-        cannot_tell=unknown,
-        warnings=result.warnings,
-        settings=to_json(every),
-        command=command,
-        computed=result.new,
-        known=result.known,
-    )
+        report=report, failed=result.failed, exceeded=beyond, cannot_tell=unknown, warnings=result.warnings,
+        settings=to_json(every), command=command, computed=result.new, known=result.known,
+    )  # fmt: skip
 
 
 def _require_an_answer(result: BatchResult) -> None:

@@ -55,11 +55,8 @@ class SessionOptions:
 
     manifest: Path | None = option(
         "Table with the columns path, start, robot, temperature, payload, note; paths are relative to it. Its logs "
-        "are read too.",
-        metavar="FILE.csv",
-        exists=True,
-        dir_okay=False,
-    )
+        "are read too.", metavar="FILE.csv", exists=True, dir_okay=False,
+    )  # fmt: skip
     diagnose: bool = flag("Also diagnose each session (slow).")
     min_effect: opt.MinEffect = 0.0
 
@@ -68,9 +65,7 @@ class SessionOptions:
 class DriftOptions:
     """How drift is tested."""
 
-    baseline: str = option(
-        "Reference sessions: the first K of each arm, or their numbers, e.g. 3-8,10.", default="5", metavar="K|LIST"
-    )
+    baseline: str = option("Reference: the first K sessions of each arm, or 3-8,10.", default="5", metavar="K|LIST")
     fail_on: list[str] | None = opt.fail_on_option("coulomb=15%", "drifted", "sessions")
 
 
@@ -79,16 +74,13 @@ class RunningOptions:
     """Where the work is done."""
 
     workers: int | None = option("Processes on this machine. Default: one per core.", metavar="N", min=1)
-    scheduler: str | None = option(
-        "Scheduler of a Dask cluster that does the work instead, e.g. tcp://host:8786.", metavar="ADDRESS"
-    )
+    scheduler: str | None = option("Dask cluster that does the work, e.g. tcp://host:8786.", metavar="ADDRESS")
     rebuild: bool = flag("Compute everything again; the existing ledger is kept under another name.")
 
     def __post_init__(self) -> None:
         if self.workers is not None and self.scheduler is not None:
-            raise UsageError(
-                f"--workers {self.workers} --scheduler {self.scheduler}: a cluster has its own workers; give one"
-            )
+            both = f"--workers {self.workers} --scheduler {self.scheduler}"
+            raise UsageError(f"{both}: a cluster has its own workers; give one")
 
 
 def command(
@@ -101,9 +93,7 @@ def command(
     logs: Annotated[
         list[str] | None, typer.Argument(metavar="LOGS", help="Logs, folders (searched to the bottom), globs, URLs.")
     ] = None,
-    folder: Path = opt.folder_option(
-        f"Folder of the ledger, {', '.join(RESULTS)} and the figures.", default=Path("friction-drift")
-    ),
+    folder: Path = opt.folder_option(f"Folder of ledger, {', '.join(RESULTS)} and figures.", Path("friction-drift")),
     formats: opt.FigureFormats = ["png"],
     junit: opt.JUnit = None,
     strict: opt.Strict = False,

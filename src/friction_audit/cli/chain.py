@@ -213,22 +213,14 @@ def audit_settings(options: opt.LogOptions, estimate: opt.EstimateOptions | None
     torque["gravity_vector"] = parse_numbers("--gravity-vector", given.gravity_vector, ("x", "y", "z"))
     if given.payload is not None:
         torque["payload"] = parse_numbers("--payload", given.payload, ("mass", "x", "y", "z"))
-    speeds: dict[str, Any] = {"thresholds": "auto"}
+    begin, end = parse_numbers("--hand-thresholds", cycles.hand_thresholds, ("INIT", "TERM"))
+    speeds: dict[str, Any] = {"thresholds": "auto", "hand_initiation_m_s": begin, "hand_termination_m_s": end}
     if cycles.thresholds != "auto":
         begin, end = parse_numbers("--thresholds", cycles.thresholds, ("INIT", "TERM"))
-        speeds = {"initiation_rad_s": begin, "termination_rad_s": end}
-    hand_begin, hand_end = parse_numbers("--hand-thresholds", cycles.hand_thresholds, ("INIT", "TERM"))
+        speeds |= {"thresholds": "fixed", "initiation_rad_s": begin, "termination_rad_s": end}
     return AuditSettings(
-        joints=parse_joints(selection.joints),
-        t_start_s=selection.t_start,
-        t_stop_s=selection.t_end,
+        joints=parse_joints(selection.joints), t_start_s=selection.t_start, t_stop_s=selection.t_end,
         torque=TorqueSettings(robot=options.reading.robot, **torque),
-        cycles=CycleSettings(
-            cycles_from=cycles.cycles_from,
-            hand_initiation_m_s=hand_begin,
-            hand_termination_m_s=hand_end,
-            minimum_path_rad=cycles.min_path,
-            **speeds,
-        ),
+        cycles=CycleSettings(cycles_from=cycles.cycles_from, minimum_path_rad=cycles.min_path, **speeds),
         friction=FrictionSettings(**asdict(estimate or opt.EstimateOptions())),
-    )
+    )  # fmt: skip

@@ -26,26 +26,17 @@ METHOD_NAMES = ("none", "sigmoid", "lugre", "disturbance_observer", "torque_regu
 class ComparisonOptions:
     """What is compared."""
 
-    arm: str = option(
-        "Simulated mechanism: one joint moved by a person, or a Panda guided by a hand.", default="joint", one_of=ARMS
-    )
+    arm: str = option("Simulated: a joint moved by a person, or a Panda guided by one.", default="joint", one_of=ARMS)
     methods: list[str] = option(
-        "Methods compared with no compensation; oracle: compensates the true friction. Default: all.",
-        "--methods",
-        default=METHOD_NAMES,
-        some_of=METHOD_NAMES,
-    )
+        "Methods compared with no compensation; oracle: compensates the true friction. Default: all.", "--methods",
+        default=METHOD_NAMES, some_of=METHOD_NAMES,
+    )  # fmt: skip
     persons: int = option("Simulated persons.", default=20, metavar="INT", min=2, max=1000)
     margin_persons: int | None = option(
         "Simulated persons for the stability margin, about eight trials each. Default: 20 for the joint, 6 for the "
-        "arm; 0: no margin.",
-        metavar="INT",
-        min=0,
-        max=1000,
-    )
-    duration: float | None = option(
-        "Duration of a trial. Default: 40 s for the joint, 30 s for the arm.", metavar="SECONDS", min=1.0
-    )
+        "arm; 0: no margin.", metavar="INT", min=0, max=1000,
+    )  # fmt: skip
+    duration: float | None = option("Of a trial. Default: joint 40 s, arm 30 s.", metavar="SECONDS", min=1.0)
 
 
 def command(

@@ -39,6 +39,13 @@ def say(text: str, *, nl: bool = True) -> None:
         raise UsageError(f"standard output: cannot be written: {error.strerror}; write it to another place") from error
 
 
+def say_table(rows: Sequence[tuple[str, ...]], margin: str = "") -> None:
+    """Print rows of words, each column as wide as its longest one."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for *cells, last in rows:
+        say(margin + "".join(f"{cell:<{width}}  " for cell, width in zip(cells, widths, strict=False)) + last)
+
+
 def remark(text: str) -> None:
     """Print what is no result to standard error; where that is full or gone, the result counts all the same."""
     try:
@@ -95,8 +102,7 @@ class Voice:
     def stages(self, lengths: int | Sequence[float]) -> "Iterator[Voice]":
         """Show one bar over several steps; yield the voice whose steps move it on, each named while it is under way.
 
-        Args:
-            lengths: How many steps, or how long each takes compared with the others, from which the time left follows.
+        ``lengths``: how many steps, or how long each takes compared with the others, from which the time left follows.
         """
         if self.quiet or not sys.stderr.isatty():
             yield self

@@ -7,8 +7,8 @@ import typer
 
 from friction_audit.cli import chain
 from friction_audit.cli import options as opt
-from friction_audit.cli.choices import completed_by, dialects, flag, option, parse_joints
-from friction_audit.cli.console import say
+from friction_audit.cli.choices import flag, parse_joints
+from friction_audit.cli.console import say_table
 from friction_audit.cli.grouped_help import OUTPUT
 from friction_audit.cli.outputs import show_written
 from friction_audit.joint_numbers import require_joints
@@ -23,9 +23,7 @@ def _list_dialects(wanted: bool) -> None:
     if wanted:
         from friction_audit.io.writers.write_log import WRITERS
 
-        width = max(len(writer.name) for writer in WRITERS)
-        for writer in WRITERS:
-            say(f"{writer.name:<{width}}  {writer.suffix or '(folder)':<9}  {writer.summary}")
+        say_table([(writer.name, writer.suffix or "(folder)", writer.summary) for writer in WRITERS])
         raise typer.Exit
 
 
@@ -35,20 +33,15 @@ def command(
     selection: opt.SelectionOptions,
     reading: opt.ReadingOptions,
     general: opt.GeneralOptions,
-    dialect: str | None = option(
-        "One of --list-dialects. Default: the first one with OUT's suffix.",
-        metavar="NAME",
-        autocompletion=completed_by(dialects),
-        panel=OUTPUT,
-    ),
+    dialect: opt.Dialect = None,
     list_dialects: bool = flag(  # noqa: ARG001 - its callback acts on it
-        "List the dialects and stop.", callback=_list_dialects, is_eager=True, panel=OUTPUT
+        "List what --dialect takes and stop.", callback=_list_dialects, is_eager=True, panel=OUTPUT
     ),
     overwrite: opt.Overwrite = False,
 ) -> None:
     """Convert a log to Parquet, CSV, MCAP, NumPy or a ROS bag."""
     from friction_audit.io.writers.write_log import choose_writer, write_log
-    from friction_audit.reporting.documents import convert_document
+    from friction_audit.reporting.documents import CONVERT
 
     voice, joints = general.voice, parse_joints(selection.joints)
     options, writer = chain.read_options(reading, selection), choose_writer(out, dialect)
@@ -60,6 +53,6 @@ def command(
         kept = kept.take_joints([joint - 1 for joint in joints])
     with voice.step(f"write {out}"):
         write_log(kept, out, dialect=writer.name, overwrite=overwrite)
-    document = convert_document(kept, str(out), writer.name, left_out=writer.left_out(kept))
+    document = CONVERT.json({"source": kept, "output": {"path": str(out), "writer": writer, "log": kept}})
     show_written(document, [out], voice, json=general.json)
     chain.exit_if_damaged(kept)

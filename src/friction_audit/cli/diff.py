@@ -106,16 +106,14 @@ def _recordings(
     return found, lost
 
 
-def _of_log(
-    shared: opt.LogOptions, friction: opt.EstimateOptions, noticed: dict[str, list[str]], path: Path
-) -> "Recording":
+def _of_log(shared: opt.LogOptions, own: opt.EstimateOptions, noticed: dict[str, list[str]], path: Path) -> "Recording":
     """Return the recording of a log; note its warnings."""
     from friction_audit.batch.work import recording_of
     from friction_audit.reporting.notices import estimate_notices, notice_lines
 
     voice = shared.general.voice
     log = chain.read(path, chain.read_options(shared.reading, shared.selection), voice)
-    estimate = chain.estimate(log, chain.audit_settings(shared, friction), voice)
+    estimate = chain.estimate(log, chain.audit_settings(shared, own), voice)
     for line in notice_lines(chain.untabled(log, estimate_notices(estimate), voice)):
         noticed.setdefault(line, []).append(str(path))
     return recording_of(estimate)

@@ -28,11 +28,9 @@ def command(
     strict: opt.Strict = False,
 ) -> None:
     """Estimate friction per joint over time, with 95 % intervals."""
-    voice, again = shared.general.voice, shared.overwrite
+    voice = shared.general.voice
     settings, options = chain.audit_settings(shared, friction), chain.read_options(shared.reading, shared.selection)
-    out = ResultFolder(
-        folder=folder, name="estimate", figures=figures, formats=drawn.formats, exports=export, overwrite=again
-    )
+    out = ResultFolder(folder, "estimate", figures, drawn.formats, export, overwrite=shared.overwrite)
     out.check(log, (DOCUMENT, HISTORY), "estimate")
     with voice.stages(2 + out.stages) as stages:
         with chain.loading("friction_audit.friction.estimate"):

@@ -18,6 +18,9 @@ EXAMPLES = """Examples:
   friction-audit export results friction.hpp --joints 1-4
   friction-audit export run.parquet joint_friction.py"""
 
+SOURCE = "A log, an estimate.json, a model.toml, a batch.json or its ledger, or a folder that holds one."
+OUT = "File to write: .urdf, .xml, .sdf, .usda, .py, .hpp or .h, .yaml or .csv."
+
 
 @group(OUTPUT)
 class ExportOptions:
@@ -25,11 +28,9 @@ class ExportOptions:
 
     arm: str | None = option("Arm of a batch whose reference is exported. Default: the only one.", metavar="NAME")
     into: Path | None = option(
-        "URDF, MJCF or SDF of the robot: OUT is a copy of it with the friction in its joints.",
-        metavar="FILE",
-        exists=True,
-        dir_okay=False,
-    )
+        "URDF, MJCF or SDF of the robot: OUT is a copy of it with the friction in its joints.", metavar="FILE",
+        exists=True, dir_okay=False,
+    )  # fmt: skip
     speeds: str | None = option(
         "Speeds [rad/s] over which the file is to hold. Default: those of the log; without one 0.01,1.",
         metavar="LOW,HIGH",
@@ -40,17 +41,8 @@ class ExportOptions:
 
 
 def command(
-    source: Annotated[
-        Path,
-        typer.Argument(
-            metavar="SOURCE",
-            help="A log, an estimate.json, a model.toml, a batch.json or its ledger, or a folder that holds one.",
-        ),
-    ],
-    out: Annotated[
-        Path,
-        typer.Argument(metavar="OUT", help="File to write: .urdf, .xml, .sdf, .usda, .py, .hpp or .h, .yaml or .csv."),
-    ],
+    source: Annotated[Path, typer.Argument(metavar="SOURCE", help=SOURCE)],
+    out: Annotated[Path, typer.Argument(metavar="OUT", help=OUT)],
     options: ExportOptions,
     friction: opt.EstimateOptions,
     shared: opt.LogOptions,
@@ -64,12 +56,8 @@ def command(
     into = None if options.into is None else read_into(target, options.into)
     for kept in (source, options.into or source):
         chain.check_outputs([out], overwrite=shared.overwrite, log=kept)
-    settings = ExportSettings(
-        joints=parse_joints(shared.selection.joints),
-        speeds=_speeds(options.speeds),
-        armature=options.armature,
-        overwrite=shared.overwrite,
-    )
+    joints, speeds = parse_joints(shared.selection.joints), _speeds(options.speeds)
+    settings = ExportSettings(joints=joints, speeds=speeds, armature=options.armature, overwrite=shared.overwrite)
     result = result_file(source)
     if options.arm is not None and result is None:
         raise UsageError(f"--arm {options.arm}: is for a result of batch-report; choose an arm of a log with --topic")
@@ -80,9 +68,9 @@ def command(
             log = chain.read_torque(source, shared, voice)
         estimate = chain.estimate(log, audit, voice)
         chain.require_one(estimate.log, estimate.friction.joints)
-    joints = of_estimate(estimate) if estimate else read_result(result or source, options.arm)
+    found = of_estimate(estimate) if estimate else read_result(result or source, options.arm)
     with voice.step(f"write {out}"):
-        export = export_friction(joints, target, out, settings, into=into, estimate=estimate)
+        export = export_friction(found, target, out, settings, into=into, estimate=estimate)
     from friction_audit.reporting.export import EXPORT, export_lines, export_notices
     from friction_audit.reporting.notices import notice_lines
 

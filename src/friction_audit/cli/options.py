@@ -15,10 +15,8 @@ from friction_audit.cli.grouped_help import load_config, show_every_option
 from friction_audit.friction.settings import ESTIMATORS, MODELS
 from friction_audit.preprocessing import settings
 
-FigureFormats = Annotated[
-    list[str],
-    described("Formats of the figures.", "--figure-format", some_of=choices.IMAGE_FORMATS, panel=panel.FIGURE_FILES),
-]
+FORMATS = described("Formats of figures.", "--figure-format", some_of=choices.IMAGE_FORMATS, panel=panel.FIGURE_FILES)
+FigureFormats = Annotated[list[str], FORMATS]
 
 
 def style_option(heading: str) -> Any:  # noqa: ANN401 - of any parameter, as those below
@@ -35,23 +33,11 @@ class FigureOptions:
     style: str = style_option(panel.FIGURE_FILES)
 
 
-Exports = Annotated[
-    list[str],
-    described(
-        "Also write every table of the result to DIR: mcap as topics on the log's clock, csv and parquet one file "
-        "per table.",
-        some_of=choices.EXPORTS,
-        panel=panel.OUTPUT,
-    ),
-]
-MIN_EFFECT = (
-    "Effects of a smaller rms torque are negligible: they are listed separately and do not change the verdict [N m]."
-)
+EXPORT = "Also write every table to DIR: mcap as topics on the log's clock, csv and parquet one file per table."
+Exports = Annotated[list[str], described(EXPORT, some_of=choices.EXPORTS, panel=panel.OUTPUT)]
+MIN_EFFECT = "Effects of a smaller rms torque [N m] are negligible: listed separately, and not in the verdict."
 MinEffect = Annotated[float, described(MIN_EFFECT, metavar="NM", min=0.0, panel=panel.DIAGNOSIS)]
-JUNIT = (
-    "Write the limits as JUnit, a test case per joint and limit: a failure where it is exceeded, an error where it "
-    "cannot be tested."
-)
+JUNIT = "Write the limits as JUnit, a case per joint and limit: failure if exceeded, error if it cannot be tested."
 JUnit = Annotated[Path | None, described(JUNIT, metavar="FILE.xml", panel=panel.DRIFT)]
 
 
@@ -74,12 +60,13 @@ def folder_option(text: str, default: Path | None = None) -> Any:  # noqa: ANN40
     return option(text, "--output", "-o", default=default, metavar="DIR", panel=panel.OUTPUT)
 
 
+DIALECT = "One of convert --list-dialects. Default: the first one with the suffix of the new log."
+OFFERED = choices.completed_by(choices.dialects)
+Dialect = Annotated[str | None, described(DIALECT, metavar="NAME", autocompletion=OFFERED, panel=panel.GENERAL)]
 LogPath = Annotated[Path, typer.Argument(metavar="LOG", help="A log file, or the directory of a ROS 2 bag.")]
 Overwrite = Annotated[bool, described("Replace files that exist.", "--overwrite", panel=panel.GENERAL)]
-Strict = Annotated[
-    bool,
-    described("Exit with 5, when all is written, if a warning is about the physics.", "--strict", panel=panel.GENERAL),
-]
+STRICT = "Exit with 5, when all is written, if a warning is about the physics."
+Strict = Annotated[bool, described(STRICT, "--strict", panel=panel.GENERAL)]
 
 
 @group(panel.READING)
@@ -88,35 +75,26 @@ class ReadingOptions:
 
     robot: str = option(
         "Arm that gives limits and kind of torque, and, of the panda, a rigid-body model; auto: the robot that the "
-        "log names.",
-        default="auto",
-        one_of=settings.ROBOTS,
-        panel=panel.COMMON,
-    )
+        "log names.", default="auto", one_of=settings.ROBOTS, panel=panel.COMMON,
+    )  # fmt: skip
     topic: str | None = option("Topic or table to read, where a file holds several.", metavar="NAME")
     mapping: list[str] | None = option(
         "Column of a channel; {i} is the joint's index, or give one name per joint, separated by commas: "
-        "dq=velocity_{i}; with a unit: q=angle_{i}:deg, tau_J=i_{i}:A. Repeatable.",
-        "--map",
-        metavar="CHANNEL=NAME",
-    )
+        "dq=velocity_{i}; with a unit: q=angle_{i}:deg, tau_J=i_{i}:A. Repeatable.", "--map", metavar="CHANNEL=NAME",
+    )  # fmt: skip
     join: list[Path] | None = option(
-        "Another file of the same log: its channels are interpolated at the stamps of LOG. Repeatable.",
-        "--join",
+        "Another file of the same log: its channels are interpolated at the stamps of LOG. Repeatable.", "--join",
         metavar="FILE",
-    )
+    )  # fmt: skip
     time_scale: float = option("Factor on the log's clock, if its rate is wrong.", default=1.0, metavar="FACTOR")
     torque_constant: str | None = option(
-        "The torque column is a motor current: torque constant [N m/A], one or per joint.",
-        metavar="K,...",
+        "The torque column is a motor current: torque constant [N m/A], one or per joint.", metavar="K,...",
         panel=panel.TORQUE,
-    )
+    )  # fmt: skip
     gear_ratio: str | None = option(
         "With it, turns of the motor per turn of the joint, one or per joint.", metavar="N,...", panel=panel.TORQUE
     )
-    torque_scale: str | None = option(
-        "Factor on the measured torque, one or per joint.", metavar="FACTOR,...", panel=panel.TORQUE
-    )
+    torque_scale: str | None = option("Factor on the torque, one or per joint.", metavar="K,...", panel=panel.TORQUE)
     flip: str | None = option("Joints whose measured torque has the other sign.", metavar="LIST", panel=panel.TORQUE)
     allow_short: bool = flag("Accept a log that looks like an exception log of libfranka.")
 
@@ -136,26 +114,18 @@ class TorqueOptions:
 
     drive: str = option(
         "What moves the joints: a hand on the arm, or the robot's motors; auto: the one that dissipates energy.",
-        default="auto",
-        one_of=settings.DRIVES,
-        panel=panel.COMMON,
-    )
+        default="auto", one_of=settings.DRIVES, panel=panel.COMMON,
+    )  # fmt: skip
     torque: str = option("Torque channel to use.", default="auto", one_of=settings.TORQUES)
     gravity: str = option(
         "Gravity in tau_J: in-torque: stays in, only cycles that return to their start count; removed: tau_J holds "
-        "none; logged, model: subtract the log's or the model's.",
-        default="auto",
-        one_of=settings.GRAVITIES,
-    )
-    inertia: str = option(
-        "Whether the model's inertial and Coriolis torques are removed.", default="auto", one_of=settings.INERTIAS
-    )
+        "none; logged, model: subtract the log's or the model's.", default="auto", one_of=settings.GRAVITIES,
+    )  # fmt: skip
+    inertia: str = option("Inertial and Coriolis torques to remove.", default="auto", one_of=settings.INERTIAS)
     urdf: Path | None = option(
         "URDF of the arm, from base to flange; its joints are matched with the log's by name, else in order.",
-        metavar="FILE",
-        exists=True,
-        dir_okay=False,
-    )
+        metavar="FILE", exists=True, dir_okay=False,
+    )  # fmt: skip
     payload: str | None = option("Mass [kg] and centre of mass in the flange frame [m].", metavar="MASS,X,Y,Z")
     gravity_vector: str = option("Gravity in the base frame [m/s^2].", default="0,0,-9.81", metavar="X,Y,Z")
     model_rate: float = option("Rate of the model's inertial torque and hand speed.", default=50.0, metavar="HZ")
@@ -166,21 +136,17 @@ class CycleOptions:
     """How energy cycles are found."""
 
     thresholds: str = option(
-        "Speeds at which a cycle begins and ends [rad/s]; auto: from the log's noise and speeds.",
-        default="0.2,0.05",
+        "Speeds at which a cycle begins and ends [rad/s]; auto: from the log's noise and speeds.", default="0.2,0.05",
         metavar="auto|INIT,TERM",
-    )
+    )  # fmt: skip
     cycles_from: str = option(
         "joint: each joint has its own cycles; hand: the end effector's speed separates the cycles of all joints.",
-        default="joint",
-        one_of=settings.CYCLES_FROM,
-    )
+        default="joint", one_of=settings.CYCLES_FROM,
+    )  # fmt: skip
     hand_thresholds: str = option(
         "End-effector speeds at which a cycle begins and ends [m/s].", default="0.1,0.025", metavar="INIT,TERM"
     )
-    min_path: float = option(
-        "With --cycles-from hand: path that every selected joint must have travelled.", default=0.1, metavar="RAD"
-    )
+    min_path: float = option("With --cycles-from hand: least path of every joint.", default=0.1, metavar="RAD")
 
 
 @group(panel.ESTIMATE)
@@ -189,9 +155,8 @@ class EstimateOptions:
 
     estimator: str = option(
         "weighted: weighted least squares with offset and gravity-error regressors; paper: as published.",
-        default="weighted",
-        one_of=ESTIMATORS,
-    )
+        default="weighted", one_of=ESTIMATORS,
+    )  # fmt: skip
     model: str = option("Friction model.", default="combined", one_of=MODELS)
     window: int | None = option("Cycles per point of the history. Default: a third, at most 20; paper: 2.", metavar="K")
 
@@ -205,12 +170,9 @@ class GeneralOptions:
     help_all: bool = flag("Show every option.", callback=show_every_option, is_eager=True)
     verbose: bool = flag("Print each step and its duration.", "-v", panel=panel.GENERAL)
     config: Path | None = option(
-        'Values for any option, e.g. drive = "robot"; the command line has priority.',
-        metavar="FILE.toml",
-        callback=load_config,
-        is_eager=True,
-        panel=panel.GENERAL,
-    )
+        'Values for any option, e.g. drive = "robot"; the command line has priority.', metavar="FILE.toml",
+        callback=load_config, is_eager=True, panel=panel.GENERAL,
+    )  # fmt: skip
     dump_config: bool = flag("Print the options in force as TOML and stop.", panel=panel.GENERAL)
 
     @property
@@ -236,11 +198,9 @@ class ChangeOptions:
     """What of a simulation differs from its scenario."""
 
     effects: list[str] | None = option(
-        "Add an effect to all moving joints, or to some: stribeck:excess_nm=0.2@2,5. Repeatable.",
-        "--effect",
-        metavar="NAME[:PARAMETER=VALUE,...][@JOINTS]",
-        autocompletion=choices.completed_by(lambda: choices.EFFECTS),
-    )
+        "Add an effect to all moving joints, or to some: stribeck:excess_nm=0.2@2,5. Repeatable.", "--effect",
+        metavar="NAME[:PARAMETER=VALUE,...][@JOINTS]", autocompletion=choices.completed_by(lambda: choices.EFFECTS),
+    )  # fmt: skip
     assignments: list[str] | None = option(
         "Change a setting: joints.coulomb_nm=0.4@2,5. Repeatable.", "--set", metavar="NAME=VALUE[@JOINTS]"
     )

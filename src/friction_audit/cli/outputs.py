@@ -1,7 +1,7 @@
 """What a command makes of a result: documents, figures and tables in a folder, and text on standard output."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -22,25 +22,25 @@ MCAP = "mcap"
 Figures = Sequence[tuple[str, int | None, str]]  # kind, joint (None: all of them) and name of each
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, slots=True)
 class ResultFolder:
     """The folder of a result, or none, and what is written there, each file whole or not at all."""
 
     folder: Path | None  # where; without one nothing is written
     name: str = ""  # of the MCAP with the tables as topics
-    prefix: str = ""  # of the names of the tables' files
     figures: Sequence[str] = ()  # names of the figures
     formats: Sequence[str] = ()  # of the figures
     exports: Sequence[str] = ()  # formats that the tables are written in: mcap, csv, parquet
+    _: KW_ONLY
+    prefix: str = ""  # of the names of the tables' files
     overwrite: bool  # whether files that exist are replaced
 
     def check(self, log: Path | None = None, files: Sequence[str] = (), *results: str) -> None:
         """Refuse what could not be written, before anything long is done: files by name, figures, tables of results."""
         if self.folder is None:
             if self.exports:
-                raise UsageError(
-                    f"--export {','.join(self.exports)}: no folder to write to; name one with --output DIR"
-                )
+                asked = ",".join(self.exports)
+                raise UsageError(f"--export {asked}: no folder to write to; name one with --output DIR")
             return
         # Whichever joints there are, known before reading.
         figures = [self.folder / f"{kind}.{suffix}" for kind in self.figures for suffix in self.formats]
@@ -100,26 +100,29 @@ class ResultFolder:
         if self.folder is None:
             return []
         from friction_audit.parallel import in_processes, workers_for
-        from friction_audit.reporting.figures.style import load_matplotlib
+        from friction_audit.reporting.figures.panels import label_in_unit
+        from friction_audit.reporting.figures.style import figure_bytes, load_matplotlib
 
         # A sheet of one joint is that joint's figure.
         sheet = joints[0] if len(joints) == 1 else None
         alone = joints if each_joint and sheet is None else ()
-        drawn = [kind.name for kind in FIGURES if kind.result in results and kind.name in self.figures]
-        tasks = [
-            (kind, joint, name)
-            for kind in drawn
-            for joint, name in ((sheet, kind), *((number, f"{kind}-joint{number}") for number in alone))
-        ]
+        kinds = [kind for kind in FIGURES if kind.result in results and kind.name in self.figures]
+        tasks = [(kind, joint) for kind in kinds for joint in (sheet, *alone)]
+
+        def draw(k: int) -> list[bytes]:
+            kind, joint = tasks[k]
+            figure = label_in_unit(kind.draw(results[kind.result], joint), unit)
+            return [figure_bytes(figure, suffix) for suffix in self.formats]
+
         load_matplotlib(self.formats)  # once, and not by every copy
-        work = partial(_content, results, tasks, self.formats, unit)
-        contents = in_processes(work, len(tasks), workers_for(len(tasks)))
+        contents = in_processes(draw, len(tasks), workers_for(len(tasks)))
         files = []
-        for kind, joint, name in tasks:
+        for kind, joint in tasks:
+            name = f"{kind.name}-joint{joint}" if joint in alone else kind.name
             with voice.step(f"draw {name}"):
                 for suffix, content in zip(self.formats, next(contents), strict=True):
                     self.write(f"{name}.{suffix}", content)
-                    files.append((kind, joint, f"{self.folder / name}.{suffix}"))
+                    files.append((kind.name, joint, f"{self.folder / name}.{suffix}"))
         return files
 
     def write_exports(self, tables: "Sequence[TidyTable]", log: "JointLog", voice: Voice) -> list[Path]:
@@ -174,15 +177,3 @@ def show(document: str | Callable[[], Mapping[str, Any]], lines: Callable[[], It
     from friction_audit.reporting.documents import write_document
 
     say(document if isinstance(document, str) else write_document(document()), nl=False)
-
-
-def _content(
-    results: Mapping[str, object], tasks: Figures, formats: Sequence[str], unit: str, number: int
-) -> list[bytes]:
-    from friction_audit.reporting.figures.panels import label_in_unit
-    from friction_audit.reporting.figures.style import figure_bytes
-
-    name, joint, _ = tasks[number]
-    kind = next(kind for kind in FIGURES if kind.name == name and kind.result in results)
-    figure = label_in_unit(kind.draw(results[kind.result], joint), unit)
-    return [figure_bytes(figure, suffix) for suffix in formats]

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -16,7 +16,6 @@ from friction_audit.errors import InputError
 from friction_audit.joint_numbers import require_joints
 
 if TYPE_CHECKING:
-    from friction_audit.planning.plan import JointPlan
     from friction_audit.planning.task import Arm, Task
 
 EXAMPLES = """Examples:
@@ -68,18 +67,15 @@ def command(
     with voice.step("read" if source else "prepare"):
         arm, tasks = _tasks(source, motion, shared)
     within = None if motion.range_ is None else parse_numbers("--range", motion.range_, ("LOW", "HIGH"))
-    asked = {"speed_rad_s": motion.speed, "acceleration_rad_s2": motion.acceleration, "jerk_rad_s3": motion.jerk}
     robot = {"auto": arm.robot, "none": ""}.get(shared.reading.robot, shared.reading.robot)
+    asked: dict[str, Any] = {"urdf": shared.torque.urdf, "robot": robot, "range_rad": within}
+    asked |= {"speed_rad_s": motion.speed, "acceleration_rad_s2": motion.acceleration, "jerk_rad_s3": motion.jerk}
     recordings, purposes = [], {one.purpose for one in tasks} - {None}
-
-    def planned(task: "Task") -> "JointPlan":
-        start = arm.start_rad[task.joint.number - 1]
-        limits = limits_of(task.joint, start, urdf=shared.torque.urdf, robot=robot, range_rad=within, **asked)
-        return plan_task(task, limits, motion.duration, check=motion.check)
-
     for purpose in (one for one in PURPOSES if one in purposes):
+        own = [(one, arm.start_rad[one.joint.number - 1]) for one in tasks if one.purpose == purpose]
+        limited = ((one, limits_of(one.joint, start, **asked)) for one, start in own)
         with voice.step(f"plan to {purpose}"):
-            plans = tuple(planned(one) for one in tasks if one.purpose == purpose)
+            plans = tuple(plan_task(*one, motion.duration, check=motion.check) for one in limited)
         files: tuple[str, ...] = ()
         if folder is not None:
             trajectory = trajectory_of(plans, arm, motion.trajectory_rate)

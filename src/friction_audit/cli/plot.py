@@ -29,7 +29,7 @@ def command(
     out = ResultFolder(folder=folder, figures=figures, formats=drawn.formats, overwrite=shared.overwrite)
     out.check(log)
     result = chain.estimate(chain.read(log, options, voice), settings, voice)
-    from friction_audit.reporting.documents import plot_document
+    from friction_audit.reporting.documents import PLOT, chain_document
     from friction_audit.reporting.notices import estimate_notices
 
     warnings = estimate_notices(result)
@@ -52,6 +52,6 @@ def command(
             results["diagnosis"] = diagnose_estimate(result, DiagnosisSettings(min_effect_nm=min_effect))
     joints, unit = result.interaction.joint_numbers, result.log.source.torque_unit
     written = out.write_figures(results, joints, unit, voice, each_joint=True)
-    document = partial(plot_document, result, written, chain.reading_settings(options))
+    document = partial(chain_document, PLOT, result, warnings, chain.reading_settings(options), figures=written)
     show(document, lambda: [path for *_, path in written], json=shared.general.json)
     chain.conclude(result.log, warnings, strict=strict)

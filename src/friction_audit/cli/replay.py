@@ -37,46 +37,31 @@ class ReplayOptions:
     """Compensator that is replayed, and what is assumed of the person."""
 
     assume: str = option(
-        "Assumption about the person: what stays as recorded.",
-        default="same-motion",
-        one_of=choices.ASSUMPTIONS,
+        "Assumption about the person: what stays as recorded.", default="same-motion", one_of=choices.ASSUMPTIONS,
         panel=REPLAY,
-    )
+    )  # fmt: skip
     compensator: str = option(
         "energy: energy-based, as published; fixed: the coefficients of this log; model: the friction of "
-        "--joint-model; others: baseline compensators.",
-        default="energy",
-        one_of=choices.COMPENSATORS,
-        panel=REPLAY,
-    )
+        "--joint-model; others: baseline compensators.", default="energy", one_of=choices.COMPENSATORS, panel=REPLAY,
+    )  # fmt: skip
     joint_model: Path | None = option(
         "Joint model, e.g. model.toml of a diagnosis; it replaces the joint fitted to the log in same-torque and "
-        "same-operator, and is what --compensator model compensates.",
-        metavar="FILE.toml",
-        exists=True,
-        dir_okay=False,
+        "same-operator, and is what --compensator model compensates.", metavar="FILE.toml", exists=True, dir_okay=False,
         panel=REPLAY,
-    )
+    )  # fmt: skip
     factor: float = option("Scale factor on the estimated friction.", default=1.0, metavar="FACTOR", panel=REPLAY)
-    model: str | None = option(
-        "Friction model of the energy compensator. Default: combined.", "--compensator-model", one_of=MODELS
-    )
+    model: str | None = option("Model that energy estimates. Default: combined.", "--compensator-model", one_of=MODELS)
     window: int | None = option(
         "Cycles per estimate of the energy compensator. Default: 4 (2 with one coefficient); paper: 2.",
-        "--compensator-window",
-        metavar="K",
-    )
+        "--compensator-window", metavar="K",
+    )  # fmt: skip
     coefficients: str | None = option(
         "Constant coefficients of the energy compensator in place of its estimate [N m, N m s/rad].",
         metavar="coulomb=NM,viscous=NMS",
     )
     no_passivity: bool = flag("No passivity controller.")
-    max_damping: float | None = option(
-        "Maximum damping of the passivity controller [N m s/rad]. Default: 5.", metavar="NMS"
-    )
-    max_torque: float | None = option(
-        "Maximum compensator torque [N m]. Default: Panda joint torque limits, or none.", metavar="NM"
-    )
+    max_damping: float | None = option("Damping limit of the passivity control [N m s/rad]. Default: 5.", metavar="NMS")
+    max_torque: float | None = option("Maximum torque [N m]. Default: limits of the arm, or none.", metavar="NM")
     max_rate: float | None = option("Maximum torque rate [N m/s]. Default: 1000 for a Panda, or none.", metavar="NM/S")
     observer_gain: float | None = option("Gain of disturbance_observer [1/s]. Default: 20.", metavar="1/S")
     motor_inertia: float | None = option(
@@ -88,9 +73,8 @@ class ReplayOptions:
     )
     operator: str | None = option(
         "Person's impedance at the joint with --assume same-operator [kg m^2, N m s/rad, N m/rad]. Default: fitted "
-        "to the log.",
-        metavar="MASS,DAMPING,STIFFNESS",
-    )
+        "to the log.", metavar="MASS,DAMPING,STIFFNESS",
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         """Refuse options that contradict each other, before any log is read."""
@@ -130,9 +114,7 @@ def command(
     voice = shared.general.voice
     settings = replay_settings(options, shared.cycles)
     audit, reading = chain.audit_settings(shared), chain.read_options(shared.reading, shared.selection)
-    out = ResultFolder(
-        folder=folder, name="replay", figures=figures, formats=drawn.formats, exports=export, overwrite=shared.overwrite
-    )
+    out = ResultFolder(folder, "replay", figures, drawn.formats, export, overwrite=shared.overwrite)
     out.check(log, (DOCUMENT, HISTORY), "replay")
     with voice.stages(3 + out.stages) as stages:
         with chain.loading("friction_audit.friction.estimate", "friction_audit.compensation.counterfactual"):
@@ -172,9 +154,8 @@ def _warn_of_moments(given: "ModelFile | None", log: "JointLog", voice: Voice) -
             continue
         names = ", ".join(term.name for term in joint.terms if term.name in MOMENTS)
         if names:
-            voice.warn(
-                [f"joint {number}: {names} of the model holds for moments of {joint.provenance.log}, not of this log"]
-            )
+            held = f"holds for moments of {joint.provenance.log}, not of this log"
+            voice.warn([f"joint {number}: {names} of the model {held}"])
 
 
 def replay_settings(options: ReplayOptions, cycles: opt.CycleOptions) -> "ReplaySettings":
@@ -194,33 +175,22 @@ def replay_settings(options: ReplayOptions, cycles: opt.CycleOptions) -> "Replay
         )
         competitor = made.Competitor(name=options.compensator, **tuning)
     if options.operator is not None:
-        mass, damping, stiffness = parse_numbers("--operator", options.operator, ("MASS", "DAMPING", "STIFFNESS"))
-        operator = made.OperatorImpedance(
-            inertia_kg_m2=mass, damping_nms_per_rad=damping, stiffness_nm_per_rad=stiffness
-        )
+        numbers = parse_numbers("--operator", options.operator, ("MASS", "DAMPING", "STIFFNESS"))
+        names = ("inertia_kg_m2", "damping_nms_per_rad", "stiffness_nm_per_rad")
+        operator = made.OperatorImpedance(**dict(zip(names, numbers, strict=True)))
+    forced = None if options.coefficients is None else _parse_coefficients(options.coefficients)
+    least = cycles.min_path if cycles.cycles_from == "hand" else None
+    own = given(model=options.model, minimum_path_rad=least, max_damping_nms_per_rad=options.max_damping)
     compensator = made.energy_compensator(
-        window=options.window,
-        factor=options.factor,
-        forced=None if options.coefficients is None else _parse_coefficients(options.coefficients),
-        forced_from_cycle=1,
-        forced_until_acted=False,
-        passivity=not options.no_passivity,
-        **given(
-            model=options.model,
-            minimum_path_rad=cycles.min_path if cycles.cycles_from == "hand" else None,
-            max_damping_nms_per_rad=options.max_damping,
-        ),
-    )
+        window=options.window, factor=options.factor, forced=forced, forced_from_cycle=1, forced_until_acted=False,
+        passivity=not options.no_passivity, **own,
+    )  # fmt: skip
     path = options.joint_model
+    model = None if path is None else made.ModelFile(path=str(path), model=load_model(path))
     return made.ReplaySettings(
-        assume=options.assume,
-        compensator=compensator,
-        competitor=competitor,
-        joint_model=None if path is None else made.ModelFile(path=str(path), model=load_model(path)),
-        operator=operator,
-        max_torque_nm=options.max_torque,
-        max_torque_rate_nm_s=options.max_rate,
-    )
+        assume=options.assume, compensator=compensator, competitor=competitor, joint_model=model, operator=operator,
+        max_torque_nm=options.max_torque, max_torque_rate_nm_s=options.max_rate,
+    )  # fmt: skip
 
 
 def _parse_coefficients(text: str) -> "Coefficients":
@@ -233,6 +203,5 @@ def _parse_coefficients(text: str) -> "Coefficients":
         once = len(values) == len(("coulomb", "viscous")) and len({name for name, *_ in parts}) == len(parts)
         if once and all(0.0 <= value < inf for value in values.values()):
             return Coefficients(coulomb_nm=values["coulomb"], viscous_nms_per_rad=values["viscous"])
-    raise UsageError(
-        f"--coefficients {text}: expected coulomb=NUMBER,viscous=NUMBER of zero or more; less would brake the joint"
-    )
+    expected = "coulomb=NUMBER,viscous=NUMBER of zero or more; less would brake the joint"
+    raise UsageError(f"--coefficients {text}: expected {expected}")

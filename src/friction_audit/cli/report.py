@@ -36,10 +36,8 @@ class ReportOptions:
     formats: list[str] = option("Formats of the report. Default: html.", "--format", default=(), some_of=FORMATS)
     sections: list[str] = option(
         "Sections of the report; repeatable, or separated by commas. Without diagnosis it takes seconds. Default: all.",
-        "--sections",
-        default=(),
-        some_of=SECTIONS,
-    )
+        "--sections", default=(), some_of=SECTIONS,
+    )  # fmt: skip
     min_effect: opt.MinEffect = 0.0
     strict: opt.Strict = False
 
@@ -83,15 +81,10 @@ def command(
         from friction_audit.io.files import whole_file
         from friction_audit.reporting.html.log_page import REPORT_FORMATS
 
-        report = made.report_estimate(
-            estimate,
-            replay_settings(ReplayOptions(), shared.cycles),
-            DiagnosisSettings(min_effect_nm=wanted.min_effect),
-            sections=sections,
-            reading=chain.reading_settings(options),
-            command=given.replace(shlex.quote(str(log)), shlex.quote(made.name_of_log(log))),
-            step=stages.step,
-        )
+        steps = replay_settings(ReplayOptions(), shared.cycles), DiagnosisSettings(min_effect_nm=wanted.min_effect)
+        typed = given.replace(shlex.quote(str(log)), shlex.quote(made.name_of_log(log)))
+        how = chain.reading_settings(options)
+        report = made.report_estimate(estimate, *steps, sections=sections, reading=how, command=typed, step=stages.step)
         for kind, path in files.items():
             with stages.step(f"write {path}"), whole_file(path, overwrite=again) as draft:
                 draft.write_bytes(REPORT_FORMATS[kind][1](report))

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from friction_audit.cli import options as opt
-from friction_audit.cli.choices import option
+from friction_audit.cli.choices import group, option
 from friction_audit.cli.console import say
 from friction_audit.cli.grouped_help import SIMULATION
 from friction_audit.cli.outputs import ResultFolder, show
@@ -23,24 +23,18 @@ PAPER_FIGURES = ("3", "6", "7", "8", "9", "10", "11", "12", "13", "14")
 """Written down again, as in ``choices``, so that the help text loads no numerics."""
 
 
+@group(SIMULATION)
+class SimulationOptions:
+    """What is simulated."""
+
+    figures: list[str] = option("Figures of the paper. Default: all.", default=PAPER_FIGURES, some_of=PAPER_FIGURES)
+    persons: int = option("Simulated persons, at most 5 for the arm.", default=20, metavar="INT", min=1, max=1000)
+
+
 def command(
+    simulation: SimulationOptions,
     drawing: opt.FigureOptions,
     general: opt.GeneralOptions,
-    figures: list[str] = option(
-        "Figures of the paper to draw. Default: all.",
-        "--figures",
-        default=PAPER_FIGURES,
-        some_of=PAPER_FIGURES,
-        panel=SIMULATION,
-    ),
-    persons: int = option(
-        "Simulated persons where a person moves the joint, at most 5 for the whole arm.",
-        default=20,
-        metavar="INT",
-        min=1,
-        max=1000,
-        panel=SIMULATION,
-    ),
     folder: Path = opt.folder_option("Folder of the figures.", Path("reproduced")),
     overwrite: opt.Overwrite = False,
 ) -> None:
@@ -48,11 +42,11 @@ def command(
     from friction_audit.reporting.compare import REPRODUCE, claim_lines, count_line
     from friction_audit.reproduce import REPRODUCTIONS, simulate_figures
 
-    voice, json = general.voice, general.json
-    names = [f"fig{number}" for number in figures]
+    voice, json, persons = general.voice, general.json, simulation.persons
+    names = [f"fig{number}" for number in simulation.figures]
     out = ResultFolder(folder=folder, figures=names, formats=drawing.formats, overwrite=overwrite)
     out.check()
-    chosen = [one for one in REPRODUCTIONS if one.figure in figures]
+    chosen = [one for one in REPRODUCTIONS if one.figure in simulation.figures]
     files: list[tuple[str, str, str]] = []
     rows: list[dict[str, Any]] = []
     simulations: Simulations = {}

@@ -1,6 +1,5 @@
 """``friction-audit simulate``."""
 
-from collections.abc import Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -9,9 +8,9 @@ import typer
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli import options as opt
-from friction_audit.cli.choices import flag, group, option
-from friction_audit.cli.console import say
-from friction_audit.cli.grouped_help import GENERAL, OUTPUT, SIMULATION
+from friction_audit.cli.choices import completed_by, flag, group, option
+from friction_audit.cli.console import say, say_table
+from friction_audit.cli.grouped_help import OUTPUT, SIMULATION
 from friction_audit.cli.outputs import show_written
 from friction_audit.errors import UsageError, near_misses
 from friction_audit.io.files import sha256_of, whole_file
@@ -37,9 +36,8 @@ class SimulationOptions:
     rate: float | None = option("Sampling rate. Default: the scenario's.", metavar="HZ")
     joint_model: Path | None = option(
         "Joint model that replaces the scenario's joints, e.g. model.toml of a diagnosis; --set and --effect apply "
-        "to it.",
-        metavar="FILE.toml",
-    )
+        "to it.", metavar="FILE.toml",
+    )  # fmt: skip
 
 
 @group(SIMULATION)
@@ -53,24 +51,15 @@ class ListOptions:
 def command(
     scenario: Annotated[
         str | None,
-        typer.Argument(
-            metavar="SCENARIO", autocompletion=choices.completed_by(choices.scenarios), help="One of --list."
-        ),
+        typer.Argument(metavar="SCENARIO", autocompletion=completed_by(choices.scenarios), help="One of --list."),
     ] = None,
     *,
     simulation: SimulationOptions,
     change: opt.ChangeOptions,
     lists: ListOptions,
     general: opt.GeneralOptions,
-    out: Path | None = option(
-        "The log; its suffix chooses the format.", "--output", "-o", metavar="FILE", panel=OUTPUT
-    ),
-    dialect: str | None = option(
-        "One of convert --list-dialects. Default: the first one with FILE's suffix.",
-        metavar="NAME",
-        autocompletion=choices.completed_by(choices.dialects),
-        panel=GENERAL,
-    ),
+    out: Path | None = option("The log; its suffix is the format.", "--output", "-o", metavar="FILE", panel=OUTPUT),
+    dialect: opt.Dialect = None,
     truth: Path | None = option("Also write the true settings and effects.", metavar="FILE.json", panel=OUTPUT),
     overwrite: opt.Overwrite = False,
 ) -> None:
@@ -85,7 +74,7 @@ def command(
     from friction_audit.simulation.scenarios import simulate
 
     chosen, voice, seed = _find_scenario(scenario), general.voice, simulation.seed
-    path, writer = _choose_output(out, dialect, truth, overwrite=overwrite)
+    path, writer = _choose_output(out, dialect, truth, overwrite)
     asked = {"duration_s": simulation.duration, "rate_hz": simulation.rate}
     settings = changed(chosen.settings, change, simulation.joint_model, **asked)
     with voice.step(f"simulate {chosen.name}") as progress:
@@ -96,14 +85,13 @@ def command(
         writer.write(log, draft)
         effects, seen = [asdict(effect) for effect in hidden_effects(settings)], as_nested(settings)
         simulated = {"scenario": chosen.name, "seed": seed, "settings": seen, "effects": effects}
-        simulated["sha256"] = sha256_of(draft)
+        simulated["output"] = {"path": str(path), "sha256": sha256_of(draft), "writer": writer, "log": log}
         if truth is not None:
             with whole_file(truth, overwrite=overwrite) as other:
                 text = documents.write_document(documents.TRUTH.json(simulated))
                 other.write_text(text, encoding="utf-8")
-    left_out = writer.left_out(log)
-    document = documents.simulate_document(simulated, log, str(path), writer.name, left_out=left_out)
-    show_written(document, [path] if truth is None else [path, truth], voice, json=general.json)
+    written = [path] if truth is None else [path, truth]
+    show_written(documents.SIMULATE.json(simulated), written, voice, json=general.json)
 
 
 def _find_scenario(name: str | None) -> "Scenario":
@@ -117,9 +105,7 @@ def _find_scenario(name: str | None) -> "Scenario":
     return named[name]
 
 
-def _choose_output(
-    out: Path | None, dialect: str | None, truth: Path | None, *, overwrite: bool
-) -> "tuple[Path, Writer]":
+def _choose_output(out: Path | None, dialect: str | None, truth: Path | None, overwrite: bool) -> "tuple[Path, Writer]":
     from friction_audit.io.writers.write_log import choose_writer
 
     if out is None:
@@ -171,7 +157,7 @@ def _list(name: str | None, lists: ListOptions, *, json: bool) -> None:
         raise UsageError("--json: the lists are for people; leave it out")
     about = {one.name: f"{one.summary} ({one.figure})" if one.figure else one.summary for one in SCENARIOS}
     if lists.scenarios and name is None:
-        _print_table(list(about.items()))
+        say_table(list(about.items()))
     elif lists.scenarios:
         scenario = _find_scenario(name)
         say(f"{scenario.name}: {about[scenario.name]}")
@@ -179,17 +165,11 @@ def _list(name: str | None, lists: ListOptions, *, json: bool) -> None:
         for path, value in paths(scenario.settings).items():
             others = f"  (or {', '.join(value.others)})" if isinstance(value, Kind) and value.others else ""
             rows.append((path, write_value(value) + others))
-        _print_table(rows, margin="  ")
+        say_table(rows, margin="  ")
     for family in dict.fromkeys(effect.family() for effect in EFFECTS) if lists.effects_there_are else ():
         say(family)
         for effect in (one for one in EFFECTS if one.family() == family):
             say(f"  {effect.name}: {effect.summary}{'; takes several joints' if effect.needs_neighbours else ''}")
             known = [(one.name, f"{one.default:g}", described(one)) for one in effect.parameters()]
             forms = [("form", effect.forms[0], f"one of {', '.join(effect.forms)}")] if effect.forms else []
-            _print_table(known + forms, margin="    ")
-
-
-def _print_table(rows: Sequence[tuple[str, ...]], margin: str = "") -> None:
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for *cells, last in rows:
-        say(margin + "".join(f"{cell:<{width}}  " for cell, width in zip(cells, widths, strict=False)) + last)
+            say_table(known + forms, margin="    ")

@@ -18,10 +18,8 @@ LEGEND = (
 )
 MARGIN = "margin: factor by which the gain may grow before the loop is unstable, 0 if it is unstable as it is;"
 ENDLESS = ">32"  # margin above what is searched
-VALUE = Record(
-    Column("value", float, "mean, or median"),
-    Column("ci95", INTERVAL, "95 % interval", lambda one: (one.low, one.high)),
-)
+CI95 = Column("ci95", INTERVAL, "95 % interval", lambda one: (one.low, one.high))
+VALUE = Record(Column("value", float, "mean, or median"), CI95)
 
 
 def _measured(name: str, meaning: str) -> Column:
@@ -149,9 +147,7 @@ CLAIM = Record(
     Column("own", bool, "whether it is an experiment of this project that the paper does not make", on="j"),
     Column("note", str, "what to know about it, or empty", on="j"),
 )  # fmt: skip
-DRAWN = Record(
-    Column("figure", str, "name", "0"), Column("title", str, "its title", "1"), Column("path", str, "of its file", "2")
-)
+DRAWN = Record(Column("figure", str, "name", "0"), Column("title", str, "title", "1"), Column("path", str, "file", "2"))
 REPRODUCE = Document(
     "reproduce/1",
     "The paper's figures: its claims and our results",

@@ -8,7 +8,7 @@ from friction_audit.drift.session import COEFFICIENTS
 from friction_audit.drift.two_sides import CoefficientChange, JointChange, TwoSides
 from friction_audit.friction.history import Coefficient
 from friction_audit.reporting.documents import SETTINGS, WARNINGS
-from friction_audit.reporting.drift_words import NAMES, UNITS, amount, how_much, total_text
+from friction_audit.reporting.drift_words import NAMES, UNITS, amount, how_much, total_text, verb_of
 from friction_audit.reporting.notices import Notice, notice
 from friction_audit.reporting.sentences import session_sentences
 from friction_audit.reporting.table import JOINT, NAME, Column, Document, Record, joint_column
@@ -139,8 +139,8 @@ def _sentence(joint: JointChange) -> str:
     for name, one in zip(COEFFICIENTS, joint.coefficients, strict=True):
         found = one.found
         if found.drift:
-            went = "rose" if found.change.value >= 0.0 else "fell"
-            parts.append(f"{NAMES[name]} friction {went} by {how_much(found.total, found.change, UNITS[name])}")
+            size = how_much(found.total, found.change, UNITS[name])
+            parts.append(f"{NAMES[name]} friction {verb_of(found.change)} by {size}")
         elif isfinite(one.single_p_value):
             least = amount(found.smallest_drift, found.smallest_change, name)
             parts.append(f"no change of {NAMES[name]} friction found, {least} is detectable")

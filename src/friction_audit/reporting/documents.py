@@ -1,20 +1,26 @@
-"""What all JSON documents share, and the documents of convert, plot, simulate and its truth."""
+"""What all JSON documents share, their schemas, and the documents of convert, plot, simulate and its truth."""
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from importlib import import_module
 from types import MappingProxyType
 from typing import Any
 
-from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import Estimate
-from friction_audit.reporting.notices import Notice, estimate_notices, left_out_notices, log_notices
+from friction_audit.reporting.notices import Notice, left_out_notices, log_notices
 from friction_audit.reporting.table import Column, Document, Record, to_json
 
+# Kind of document -> module of this package that specifies it, under its name in capitals.
+MODULES = {
+    "estimate": "estimate", "info": "info", "plot": "documents", "replay": "replay", "diagnose": "diagnosis",
+    "convert": "documents", "simulate": "documents", "truth": "documents", "reproduce": "compare", "compare": "compare",
+    "batch": "drift", "report": "report", "export": "export", "diff": "diff", "plan": "plan",
+}  # fmt: skip
+KINDS = tuple(MODULES)
 ENCODE = json.JSONEncoder(allow_nan=False).encode  # without indentation, it is compiled code
 NO_OPTIONS: Mapping[str, object] = MappingProxyType({})
-JOINED = Record(
-    Column("path", str, "path as given"), Column("sha256", str, "of the file"), Column("format", str, "the reader")
-)
+JOINED = Record(Column("path", str, "as given"), Column("sha256", str, "of the file"), Column("format", str, "reader"))
 
 
 def log_columns(count: str) -> tuple[Column, ...]:
@@ -32,9 +38,7 @@ def log_columns(count: str) -> tuple[Column, ...]:
         Column("samples", int, "number of samples", lambda log: log.samples),
         Column("rate", float, "median sampling rate", unit="Hz"),
         Column("duration", float, "from the first sample to the last", unit="s"),
-        Column(
-            "torque_unit", ("N m", "A", "mA"), "`A` or `mA` where the torque is a motor current", "source.torque_unit"
-        ),
+        Column("torque_unit", ("N m", "A", "mA"), "`A` or `mA` if the torque is a motor current", "source.torque_unit"),
         Column("joined", [JOINED], "further files of the log (`--join`)", "source.joined", optional=True),
     )
 
@@ -49,6 +53,12 @@ WARNINGS: Column = Column("warnings", [WARNING], "what the user must know")
 SETTINGS: Column = Column("settings", dict, "every setting, defaults included, and what the log chose")
 CHAIN: tuple[Column, ...] = (SOURCE, SETTINGS, WARNINGS)
 """Keys of a result that follows from the estimate of a log."""
+
+
+def load_schema(kind: str) -> dict[str, Any]:
+    """Return the JSON Schema of a kind of document, one of KINDS."""
+    document: Document = getattr(import_module(f"friction_audit.reporting.{MODULES[kind]}"), kind.upper())
+    return document.schema()
 
 
 def write_document(document: Mapping[str, Any]) -> str:
@@ -93,37 +103,23 @@ def chain_document(
 
 OUTPUT = Record(
     Column("path", str, "where it was written"),
-    Column("dialect", str, "name of the writer"),
+    Column("dialect", str, "name of the writer", "writer.name"),
     Column("joints", int, "number of joints", lambda out: len(out["log"].joint_names)),
     Column("samples", int, "number of samples", lambda out: len(out["log"].t)),
 )
 CONVERT = Document(
-    "convert/1", "A log written in another format", SOURCE, Column("output", OUTPUT, "the new log"), WARNINGS
+    "convert/1",
+    "A log written in another format",
+    SOURCE,
+    Column("output", OUTPUT, "the new log"),
+    replace(WARNINGS, get=lambda one: log_notices(one["source"]) + left_out_notices(one["output"])),
 )
-
-
-def convert_document(log: JointLog, path: str, dialect: str, left_out: Sequence[str] = ()) -> dict[str, Any]:
-    """Return the document on a log written to a path; ``left_out``: channels that the dialect has no place for."""
-    warnings = log_notices(log) + left_out_notices(path, dialect, left_out)
-    output = {"path": path, "dialect": dialect, "log": log}
-    return CONVERT.json({"source": log, "output": output, "warnings": warnings})
-
-
 FIGURE = Record(
     Column("kind", str, "kind of figure", "0"),
     Column("joint", int, "number of the joint, null for a sheet of all", "1", null=True),
     Column("path", str, "where it was written", "2"),
 )
 PLOT = Document("plot/1", "Figures of one log", *CHAIN, Column("figures", [FIGURE], "what was drawn"))
-
-
-def plot_document(
-    estimate: Estimate, figures: Iterable[tuple[str, int | None, str]], reading: Mapping[str, object] = NO_OPTIONS
-) -> dict[str, Any]:
-    """Return the document on figures, each a kind, the number of its joint (None for a sheet of all) and its path."""
-    return chain_document(PLOT, estimate, estimate_notices(estimate), reading, figures=figures)
-
-
 HIDDEN = Record(
     Column("joint", int, "number"),
     Column("name", str, "name of the effect"),
@@ -144,20 +140,11 @@ SIMULATE = Document(
     "A simulated log",
     *SCENARIO,
     Column("output", SIMULATED_OUTPUT, "the log"),
-    Column("joint_names", [str], "names of the joints"),
+    Column("joint_names", [str], "names of the joints", "output.log.joint_names"),
     HIDDEN_SETTINGS,
     EFFECTS,
-    WARNINGS,
+    replace(WARNINGS, get=lambda one: left_out_notices(one["output"])),
 )
-LOG_SHA256 = Column("log_sha256", str, "hash of the log", "sha256")
+LOG_SHA256 = Column("log_sha256", str, "hash of the log", "output.sha256")
 # Everything that was simulated, and the hash that tells which log it is.
 TRUTH = Document("truth/1", "What was simulated in a log", *SCENARIO, LOG_SHA256, HIDDEN_SETTINGS, EFFECTS)
-
-
-def simulate_document(
-    simulated: Mapping[str, Any], log: JointLog, path: str, dialect: str, left_out: Sequence[str] = ()
-) -> dict[str, Any]:
-    """Return the document on a simulated log at a path; ``left_out``: channels that the dialect has no place for."""
-    output = {"path": path, "sha256": simulated["sha256"], "dialect": dialect, "log": log}
-    warnings = left_out_notices(path, dialect, left_out)
-    return SIMULATE.json({**simulated, "output": output, "joint_names": log.joint_names, "warnings": warnings})

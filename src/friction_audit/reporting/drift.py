@@ -60,9 +60,9 @@ def _numbers(name: str, meaning: str, get: Get) -> Column:
     return Column(name, [int], meaning, lambda row: [index + 1 for index in Column(name, get=get).value(row)], on="j")
 
 
-def _shown(title: str, text: Callable[[Any], str], sort: Get, on: str = "p") -> Column:
-    """Return a column of the page whose text is made of the whole row."""
-    return Column(title, get=lambda row: row, form=text, sort=sort, title=title, on=on)
+def _shown(title: str, text: Callable[[Any], str], sort: Get, on: str = "p", short: str = "") -> Column:
+    """Return a column whose text is made of the whole row."""
+    return Column(title, get=lambda row: row, form=text, sort=sort, title=title, short=short, on=on)
 
 
 CHANGE_POINT = Record(
@@ -88,14 +88,14 @@ VALUE = Record(
 )
 
 
-def _trend_column(title: str, name: str) -> Column:
+def _trend_column(title: str, name: str, **more: str) -> Column:
     """Return the column of a trend, sorted by its share of the level."""
 
     def share(row: CoefficientRow) -> float:
         level = row.found.level.value
         return float(getattr(row.found, name).value / level) if level else math.nan
 
-    return _shown(title, lambda row: phrases.slope_text(row.found, getattr(row.found, name)), share, "n")
+    return _shown(title, lambda row: phrases.slope_text(row.found, getattr(row.found, name)), share, **more)
 
 
 def _outside(row: CoefficientRow) -> int:
@@ -115,29 +115,19 @@ def _within(row: CoefficientRow) -> tuple[int, int]:
 
 
 # The page has three tables of it: the answer, levels and trends in numbers (n), and what is within a session (w).
-HEAD = (
-    joint_column("joint", on="pnw"),
-    Column("friction", str, get="found.coefficient", form=phrases.NAMES, on="tpnw"),
-)
+FRICTION = Column("friction", str, get="found.coefficient", form=phrases.NAMES, on="tpnw")
+HEAD = (joint_column("joint", on="pnw"), FRICTION)
 COEFFICIENT = Record(
-    Column(
-        "joint", str, get=lambda row: " " if row.place else words.joint_label(row.joint.joint, row.joint.name), on="t",
-    ),
+    Column("joint", str, get=lambda row: " " * row.place or words.joint_label(row.joint.joint, row.joint.name), on="t"),
     *HEAD,
     Column("drift", bool, "whether it drifts", "found.drift", on="j"),
-    Column(
-        "verdict", phrases.VERDICTS, "in a word", lambda row: phrases.drift_verdict(row.found), tone=phrases.TONES,
-        on="jtp",
-    ),
+    Column("verdict", phrases.VERDICTS, "word", lambda r: phrases.drift_verdict(r.found), tone=phrases.TONES, on="jtp"),
     Column("change", float, get="found", form=phrases.total_text, sort="found.total.value", on="tp"),
     Column(
         "step", str, get="found.change_points", form=lambda found: ", ".join(str(one.session + 1) for one in found),
         words=True, on="t",
     ),
-    Column(
-        "trend", get="found", form=lambda found: phrases.slope_text(found, found.trend_per_session),
-        short="trend\n/session", on="t",
-    ),
+    _trend_column("trend", "trend_per_session", short="trend\n/session", on="t"),
     Column(
         "smallest", get="found", form=phrases.smallest_text, sort="found.smallest_drift",
         title="minimum detectable", short="minimum\ndetect.", on="tp",
@@ -179,17 +169,12 @@ COEFFICIENT = Record(
         "level in the reference", lambda row: words.with_unit(row.found.level, phrases.UNITS[row.found.coefficient]),
         "found.level.value", "n",
     ),
-    _trend_column("trend per session", "trend_per_session"),
-    _trend_column("per day", "trend_per_day"),
-    _shown(
-        "outside", lambda row: f"{_outside(row)} of {len(row.found.control)}" * bool(row.found.control), _outside, "n",
-    ),
+    _trend_column("trend per session", "trend_per_session", on="n"),
+    _trend_column("per day", "trend_per_day", on="n"),
+    _shown("outside", lambda row: row.found.control and f"{_outside(row)} of {len(row.found.control)}", _outside, "n"),
     Column("p", get=lambda row: row.found.p_value if row.found.values else None, form=words.format_p, on="n"),
     _numbers("isolated", "sessions that none of their neighbours comes near", "found.isolated"),
-    Column(
-        "values", [VALUE], "each session as compared",
-        lambda row: zip(row.found.sessions, row.found.values, strict=True), on="j",
-    ),
+    Column("values", [VALUE], "as compared", lambda r: zip(r.found.sessions, r.found.values, strict=True), on="j"),
 )  # fmt: skip
 
 

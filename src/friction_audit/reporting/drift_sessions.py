@@ -26,9 +26,7 @@ SESSION_JOINT = Record(
     JOINT,
     NAME,
     Column("coulomb", Coefficient, "estimate", lambda one: one.coefficients.get("coulomb_nm"), unit="N m"),
-    Column(
-        "viscous", Coefficient, "estimate", lambda one: one.coefficients.get("viscous_nms_per_rad"), unit="N m s/rad",
-    ),
+    Column("viscous", Coefficient, "estimate", lambda j: j.coefficients.get("viscous_nms_per_rad"), unit="N m s/rad"),
     Column("cycles", int, "cycles that count"),
     Column("moving", float, "time in motion", unit="s"),
     Column("speed_quartiles_rad_s", [float], "quartiles of the speed in motion", "speed_rad_s"),
@@ -116,11 +114,8 @@ SESSIONS = Record(
 
 
 SESSION_NUMBER = Column("session", str, get=lambda row: str(row.place + 1), sort="place", on="p")
-LEFT_OUT = Record(
-    SESSION_NUMBER,
-    Column("file", str, get="session.path", code=True, on="p"),
-    Column("reason", str, get="note", on="p"),
-)
+FILE = Column("file", str, get="session.path", code=True, on="p")
+LEFT_OUT = Record(SESSION_NUMBER, FILE, Column("reason", str, get="note", on="p"))
 
 
 def _notes(session: Session) -> str:
@@ -148,7 +143,7 @@ SHOWN = Record(
         form=lambda how: f"{how.drive}, {how.torque}, gravity {how.gravity}, inertia {how.inertia}",
     ),
     Column("payload", str, get="session.conditions.payload", on="p"),
-    Column("file", str, get="session.path", code=True, on="p"),
+    FILE,
     Column("notes", str, get="session", form=_notes, on="p"),
 )  # fmt: skip
 

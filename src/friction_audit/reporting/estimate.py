@@ -27,24 +27,22 @@ REGRESSION = Record(
     Column("residual_rms", float, "root mean square of the residual", unit="N m"),
     Column("samples", int, "samples used"),
 )
+
+
+def _over_time(name: str, unit: str) -> tuple[Column, ...]:
+    """Return the columns of a coefficient of the last cycles."""
+    value = Column(name, float, f"{name} friction of the last cycles", unit=unit)
+    low, high = (Column(f"{name}_{end}", unit=unit, on="f") for end in ("low", "high"))
+    both = lambda h: zip(low.value(h), high.value(h), strict=True)  # noqa: E731
+    return value, Column(f"{value.key}_ci95", INTERVAL, "its 95 % interval", both, on="j"), low, high
+
+
 HISTORY = Record(
     Column("cycle", int, "number of the cycle among those of the joint, from 1"),
     Column("start", float, "its start", unit="s"),
     Column("stop", float, "its end, when the estimate is known", unit="s"),
-    Column("coulomb", float, "Coulomb friction of the last cycles", unit="N m"),
-    Column(
-        "coulomb_nm_ci95", INTERVAL, "its 95 % interval",
-        lambda h: zip(h.coulomb_low_nm, h.coulomb_high_nm, strict=True), on="j",
-    ),
-    Column("coulomb_low", unit="N m", on="f"),
-    Column("coulomb_high", unit="N m", on="f"),
-    Column("viscous", float, "viscous friction of the last cycles", unit="N m s/rad"),
-    Column(
-        "viscous_nms_per_rad_ci95", INTERVAL, "its 95 % interval",
-        lambda h: zip(h.viscous_low_nms_per_rad, h.viscous_high_nms_per_rad, strict=True), on="j",
-    ),
-    Column("viscous_low", unit="N m s/rad", on="f"),
-    Column("viscous_high", unit="N m s/rad", on="f"),
+    *_over_time("coulomb", "N m"),
+    *_over_time("viscous", "N m s/rad"),
     Column("net_energy", float, "net energy since the start of the first cycle", unit="J"),
     Column("dissipated", float, "energy that friction dissipated in the cycle, as the estimator counts it", unit="J"),
     Column("path", float, "path of the cycle, which times the Coulomb coefficient is energy", unit="rad"),
@@ -84,10 +82,7 @@ FRICTION = Record(
         "cycles", int, get=lambda one: one, form=lambda one: f"{one.cycles} ({one.rejected_cycles})",
         title="cycles\n(rejected)", on="t",
     ),
-    Column(
-        "condition_number", float, "of the scaled regression matrix", title="condition number",
-        short="cond.\nnumber", on=ALL,
-    ),
+    Column("condition_number", float, "of scaled regression", title="condition number", short="cond.\nnumber", on=ALL),
     Column("correlation", float, "between the two coefficients"),
     Column("coulomb", Coefficient, get="regression.coulomb", unit="N m", title="regression: Coulomb", on="p"),
     Column("viscous", Coefficient, get="regression.viscous", unit="N m s/rad", title="regression: viscous", on="p"),

@@ -30,9 +30,7 @@ JOINT = Record(
 )  # fmt: skip
 GAP = Record(
     Column("joint", int, "number", on="jt"),
-    Column(
-        "without", float, "rms position error without friction", unit="rad", title="error without friction", on="jt"
-    ),
+    Column("without", float, "rms position error without any", unit="rad", title="error without friction", on="jt"),
     Column("with", float, "rms position error with the exported friction", unit="rad", title="with friction", on="jt"),
     Column("windows", int, "windows of 0.2 s"),
 )

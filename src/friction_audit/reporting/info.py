@@ -47,16 +47,15 @@ def summarize_log(
     steps = np.diff(log.t)
     gap = steps > GAP_PERIODS * np.median(steps)
     found = (*log_notices(log), *(notices(interaction.warnings) if interaction else ()))
+    if obstacle:
+        found = (*found, notice("no_interaction_torque", why=obstacle))
+    jitter_s = float(np.std(steps[steps <= DROPPED_STEPS * np.median(steps)]))
+    stale = int(sum(one.amount or 0.0 for one in log.source.findings if one.code == STALE))
     return LogSummary(
-        log=log,
-        jitter_s=float(np.std(steps[steps <= DROPPED_STEPS * np.median(steps)])),
-        gaps=int(gap.sum()),
-        longest_gap_s=float(steps[gap].max(initial=0.0)),
-        stale_samples=int(sum(one.amount or 0.0 for one in log.source.findings if one.code == STALE)),
-        torque=interaction.choice if interaction else None,
+        log=log, jitter_s=jitter_s, gaps=int(gap.sum()), longest_gap_s=float(steps[gap].max(initial=0.0)),
+        stale_samples=stale, torque=interaction.choice if interaction else None, notices=found,
         joints=tuple(_motions(log, interaction, cycles)),
-        notices=(*found, *([notice("no_interaction_torque", why=obstacle)] if obstacle else ())),
-    )
+    )  # fmt: skip
 
 
 def _motions(log: JointLog, seen: Interaction | None, cycles: EnergyCycles | None) -> Iterator[SimpleNamespace]:

@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 from friction_audit.joint_log import Finding, JointLog
@@ -58,9 +58,8 @@ Joint = Any  # of a result: its number is ``joint``, why it has none ``reason``
 
 def notices(found: Iterable[Caution | Finding]) -> tuple[Notice, ...]:
     """Return cautions and findings as notices."""
-    return tuple(
-        Notice(one.code, one.joint, sentence_of(one) if isinstance(one, Caution) else one.message) for one in found
-    )
+    every = ((one, sentence_of(one) if isinstance(one, Caution) else one.message) for one in found)
+    return tuple(Notice(one.code, one.joint, message) for one, message in every)
 
 
 def log_line(log: JointLog) -> str:
@@ -129,10 +128,10 @@ def _on_the_way(estimate: Estimate, own: Iterable[Notice]) -> tuple[Notice, ...]
     return tuple(dict.fromkeys(one._replace(message=in_unit(one.message, unit)) for one in every))
 
 
-def left_out_notices(path: str, dialect: str, left_out: Iterable[str]) -> tuple[Notice, ...]:
-    """Return the warning about channels that the format of a written log has no place for."""
-    channels = ", ".join(left_out)
-    return (notice("channels_left_out", path=path, dialect=dialect, channels=channels),) if channels else ()
+def left_out_notices(output: Mapping[str, Any]) -> tuple[Notice, ...]:
+    """Return the warning about channels that the writer of a log has no place for."""
+    path, writer, channels = output["path"], output["writer"], ", ".join(output["writer"].left_out(output["log"]))
+    return (notice("channels_left_out", path=path, dialect=writer.name, channels=channels),) if channels else ()
 
 
 def notice_lines(notices: Iterable[Notice]) -> list[str]:
@@ -165,6 +164,5 @@ def reason_lines(joints: Iterable[Joint]) -> list[str]:
         every += [Notice("not_determined", one.joint, text) for text in sentences if text]
     alike = [OTHER.sub("another joint", one.message) for one in every]
     count = Counter(alike)
-    return notice_lines(
-        one._replace(message=text) if count[text] > 1 else one for one, text in zip(every, alike, strict=True)
-    )
+    both = zip(every, alike, strict=True)
+    return notice_lines(one._replace(message=text) if count[text] > 1 else one for one, text in both)

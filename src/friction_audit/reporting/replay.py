@@ -29,10 +29,6 @@ def _short(value: float) -> str:
     return f"{value:.3f}" if size < 10.0 else f"{value:.2f}" if size < 100.0 else f"{value:.0f}"  # noqa: PLR2004
 
 
-def _percent(share: float) -> str:
-    return f"<{100 * WORST:.0f}" if share < WORST else f"{100 * share:.1f}"
-
-
 def _diverged(joint: JointReplay) -> bool:
     return joint.numbers is not None and not math.isnan(joint.numbers.diverged_s)
 
@@ -43,7 +39,8 @@ def _removed(name: str, title: str, short: str = "") -> Column:
     def stable(joint: JointReplay) -> float | None:
         return None if _diverged(joint) else getattr(joint.numbers, name, None)
 
-    return Column(name, float, get=stable, unit="%", form=_percent, title=title, short=short, on=PEOPLE)
+    form = lambda share: f"<{100 * WORST:.0f}" if share < WORST else f"{100 * share:.1f}"  # noqa: E731
+    return Column(name, float, get=stable, unit="%", form=form, title=title, short=short, on=PEOPLE)
 
 
 def _compensator(compensator: Compensator) -> dict[str, Any]:
@@ -53,10 +50,7 @@ def _compensator(compensator: Compensator) -> dict[str, Any]:
 
 def _terms(terms: Iterable[FittedTerm]) -> dict[str, dict[str, float]]:
     """Return the terms by name, each its numbers by name, as a model file has them."""
-    return {
-        one.name: {parameter.name: value for parameter, value in zip(one.effect.parameters, one.values, strict=True)}
-        for one in terms
-    }
+    return {one.name: dict(zip((p.name for p in one.effect.parameters), one.values, strict=True)) for one in terms}
 
 
 FITTED = Record(
@@ -76,10 +70,7 @@ MODEL = Record(
     Column("terms", dict, "terms by name, each its numbers by name", lambda model: _terms(model.terms)),
 )
 PASSIVITY = Record(
-    Column(
-        "violations", int,
-        "samples with the energy ledger below zero by more than two samples and the payback exchange",
-    ),
+    Column("violations", int, "samples with the ledger below zero by more than two samples and the payback exchange"),
     Column("violations_since_activation", int, "the same of the ledger from the activation on"),
     Column("active_cycles", int, "cycles that gave out more than 5 % of what friction dissipated"),
     Column("lowest", float, "lowest value of the ledger", unit="J"),
@@ -135,19 +126,14 @@ JOINT_REPLAY = Record(
     _number("dissipation_removed_updated", "the same cycle by cycle, from the second update of the coefficients on"),
     _removed("dissipation_removed", "removed"),
     _removed("dissipation_removed_updated", "removed, coefficients updated", "later"),
-    _number(
-        "peak_torque_without", "largest interaction torque", "N m", title="peak torque without",
-        short="peak\nwithout", on=ALL,
-    ),
+    _number("peak_torque_without", "largest torque", "N m", title="peak torque without", short="peak\nwithout", on=ALL),
     _number("peak_torque_with", "with the compensator", "N m", title="peak torque with", short="peak\nwith", on=ALL),
     _number("rms_torque_without", "root mean square of the interaction torque", "N m"),
     _number("rms_torque_with", "with the compensator", "N m"),
     _number("peak_compensation", "largest torque of the compensator", "N m"),
     _number("peak_rate", "its largest rate", "N m/s"),
     _number("limited_fraction", "share of the samples at a limit"),
-    Column(
-        "cycles_to_converge", int, "cycles before the compensation is right", "numbers.cycles_to_converge", null=True,
-    ),
+    Column("cycles_to_converge", int, "cycles before compensation is right", "numbers.cycles_to_converge", null=True),
     Column(
         "cycles_to_converge", int, sort="numbers.cycles_to_converge",
         get=lambda one: DIVERGED if _diverged(one) else one.numbers and one.numbers.cycles_to_converge, form=str,
@@ -172,8 +158,7 @@ JOINT_REPLAY = Record(
     Column("friction_step", STEP, "a step of friction in the log, or null", "recovery", on="j", null=True),
     Column("reason", str, "why the joint cannot be replayed", null=True),
     Column(
-        "remark", str, on="p",
-        get=lambda one: f"diverges at {one.numbers.diverged_s:.3g} s" if _diverged(one) else one.reason,
+        "remark", str, get=lambda j: f"diverges at {j.numbers.diverged_s:.3g} s" if _diverged(j) else j.reason, on="p",
     ),
     Column("history", HISTORY, "per cycle of the compensator", on="j"),
     name="replay_joints",
@@ -203,25 +188,19 @@ REPLAY: Document = Document(
     "replay/3",
     "What a friction compensator would have done on one log",
     *CHAIN,
-    Column("assume", str, "the counterfactual"),
-    Column("assumes", str, "its assumption, one sentence"),
+    Column("assume", str, "the counterfactual", "counterfactual.name"),
+    Column("assumes", str, "its assumption, one sentence", "counterfactual.assumes"),
     Column("joints", [JOINT_REPLAY], "per joint; where there is a reason the numbers are null"),
 )
 
 
 def replay_document(found: LogReplay, reading: Mapping[str, object] = NO_OPTIONS) -> dict[str, Any]:
     """Return the document of a replay of a log that was read with some options."""
-    given = found.settings.joint_model
+    given, replay = found.settings.joint_model, found.replay
     # Of a model file its path: each joint has its model among its numbers.
     settings = {"replay": to_json(found.settings) | {"joint_model": None if given is None else given.path}}
-    warnings = replay_notices(found)
-    return chain_document(REPLAY, found.estimate, warnings, reading, settings, **replay_values(found))
-
-
-def replay_values(found: LogReplay) -> dict[str, Any]:
-    """Return what the document of a replay holds apart from log, settings and warnings."""
-    counterfactual = found.replay.counterfactual
-    return {"assume": counterfactual.name, "assumes": counterfactual.assumes, "joints": found.replay.joints}
+    own = {"counterfactual": replay.counterfactual, "joints": replay.joints}
+    return chain_document(REPLAY, found.estimate, replay_notices(found), reading, settings, **own)
 
 
 TABLES = (JOINT_REPLAY, HISTORY, SIGNALS)
@@ -250,10 +229,11 @@ def replay_lines(found: LogReplay) -> list[str]:
     unit = found.estimate.log.source.torque_unit
     who = "person" if found.estimate.interaction.choice.drive == "hand" else "drive"
     sentences = [*_models(found), *(line for joint in joints for line in _moved(joint, who))]
-    for number, recovery in ((joint.joint, joint.recovery) for joint in joints if joint.recovery is not None):
-        change = f"joint {number}: friction steps to {recovery.change:.2f} times at {recovery.step_s:.4g} s"
-        right = f"after {recovery.cycles} cycles, {recovery.seconds:.3g} s" if recovery.cycles else "not in this log"
-        sentences.append(f"{change}; compensation right again: {right}")
+    for joint in joints:
+        if (step := joint.recovery) is not None:
+            change = f"joint {joint.joint}: friction steps to {step.change:.2f} times at {step.step_s:.4g} s"
+            right = f"after {step.cycles} cycles, {step.seconds:.3g} s" if step.cycles else "not in this log"
+            sentences.append(f"{change}; compensation right again: {right}")
     sentences += [f"not replayed: {line}" for line in reason_lines(joints)]
     return [
         log_line(found.estimate.log),
@@ -288,14 +268,12 @@ def _models(found: LogReplay) -> Iterator[str]:
         if given is None or joint.model is None or joint.reason:
             continue
         names = ", ".join(term.name for term in joint.model.terms) or "no terms"
-        compensator, origin = joint.compensator, joint.model.provenance
-        applied = ""
-        if isinstance(compensator, JointModelCompensation):
-            applied = f"; applied: {', '.join(term.name for term in compensator.terms)}"
+        applied, origin = joint.compensator, joint.model.provenance
+        if isinstance(applied, JointModelCompensation):
+            names += f"; applied: {', '.join(term.name for term in applied.terms)}"
         cycles = f"{origin.cycles} cycles" if origin.cycles else ""
         known = ", ".join(filter(None, (origin.method, origin.log, cycles))) or "origin unknown"
-        model = f"inertia {joint.model.inertia_kg_m2:.4g} kg m², {names}"
-        yield f"joint {joint.joint} by {given.path} ({known}): {model}{applied}"
+        yield f"joint {joint.joint} by {given.path} ({known}): inertia {joint.model.inertia_kg_m2:.4g} kg m², {names}"
 
 
 def _moved(joint: JointReplay, who: str) -> Iterator[str]:

@@ -21,7 +21,7 @@ from friction_audit.reporting.diagnosis_words import joint_message, names_of, pl
 from friction_audit.reporting.documents import CHAIN, SETTINGS, SOURCE, WARNINGS, settings_document
 from friction_audit.reporting.estimate import ESTIMATE, estimate_tables
 from friction_audit.reporting.notices import Notice, diagnose_notices, estimate_notices, replay_notices
-from friction_audit.reporting.replay import REPLAY, replay_tables, replay_values
+from friction_audit.reporting.replay import REPLAY, replay_tables
 from friction_audit.reporting.table import JOINT, NAME, Column, Document, Record, Tone, joint_column, to_json
 from friction_audit.reporting.words import count_of, enumerate_words, with_unit
 
@@ -111,14 +111,9 @@ def report_estimate(
         with step("diagnose") as share:
             diagnosis = _answer("diagnose", lambda: diagnose_estimate(estimate, diagnosis_settings, share), unanswered)
     return LogReport(
-        estimate=estimate,
-        diagnosis=diagnosis,
-        replay=replay,
-        unanswered=tuple(unanswered),
-        sections=tuple(name for name in SECTIONS if name in sections),
-        reading=reading or {},
-        command=command,
-    )
+        estimate=estimate, diagnosis=diagnosis, replay=replay, unanswered=tuple(unanswered), reading=reading or {},
+        sections=tuple(name for name in SECTIONS if name in sections), command=command,
+    )  # fmt: skip
 
 
 def _answer(part: str, compute: Callable[[], T], unanswered: list[Unanswered]) -> T | None:
@@ -232,10 +227,7 @@ VERDICT = Record(
     Column("coulomb", Coefficient, get="friction.coulomb", unit="N m", title="Coulomb", on="p"),
     Column("viscous", Coefficient, get="friction.viscous", unit="N m s/rad", on="p"),
     Column("verdict", str, "the verdict of the page", verdict_word, tone=VERDICT_TONES, on="jfp"),
-    Column(
-        "message", str, "cause, size, what to do; or why there is no answer",
-        lambda one: one.answer or friction_words(one.friction),
-    ),
+    Column("message", str, "cause, size, what to do; or why not", lambda j: j.answer or friction_words(j.friction)),
     Column("answer", str, title="cause, size, what to do", words=True, on="p"),
 )  # fmt: skip
 
@@ -258,11 +250,8 @@ REPORT = Document(
     Column("joints", [VERDICT], "per joint"),
     Column("estimate", _part(ESTIMATE), "document of `estimate` without the shared keys", "estimate.friction"),
     Column("diagnose", _part(DIAGNOSE), "document of `diagnose` likewise", "diagnosis.discrepancy", null=True),
-    Column(
-        "replay", _part(REPLAY), "document of `replay` likewise", lambda one: one.replay and replay_values(one.replay),
-        null=True,
-    ),
-)  # fmt: skip
+    Column("replay", _part(REPLAY), "document of `replay` likewise", "replay.replay", null=True),
+)
 
 
 def report_tables(report: LogReport) -> tuple[TidyTable, ...]:

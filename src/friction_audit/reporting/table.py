@@ -131,12 +131,7 @@ class Record:
     """Columns of one kind of row."""
 
     def __init__(
-        self,
-        *columns: Column,
-        name: str = "",
-        summary: str = "",
-        time: str | None = None,
-        arrays: bool = False,
+        self, *columns: Column, name: str = "", summary: str = "", time: str | None = None, arrays: bool = False
     ) -> None:
         """Take the columns in order, and what the table of files is called and what a row of it is.
 

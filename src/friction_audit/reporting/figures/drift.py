@@ -66,9 +66,8 @@ def _number_sessions(axes: Axes, arm: ArmDrift) -> None:
     axes.set_xlim(0.2, len(arm.sessions) + 0.8)
     dates = [format_date(arm.sessions[place - 1].start_s) for place in places]
     part = slice(None, 7) if len(_years(arm)) > 1 else slice(5, None)  # a tick has room for two of the three
-    axes.set_xticks(
-        places, [str(k) if date == NOTHING else f"{k}\n{date[part]}" for k, date in zip(places, dates, strict=True)]
-    )
+    named = zip(places, dates, strict=True)
+    axes.set_xticks(places, [str(k) if date == NOTHING else f"{k}\n{date[part]}" for k, date in named])
 
 
 def _years(arm: ArmDrift) -> list[str]:

@@ -54,9 +54,7 @@ FIGURES = (
         "Solid with the compensator, dashed without it, velocity and torque low-passed at 10 Hz; the coefficients are "
         "those that it would have applied. Flat energy means that friction is compensated.",
     ),
-    Figure(
-        "replay-velocity-torque", "replay", "replay", "Velocity-torque curves with the compensator", panel=True,
-    ),
+    Figure("replay-velocity-torque", "replay", "replay", "Velocity-torque curves with the compensator", panel=True),
     Figure("ladder", "diagnosis", "profiles", "Residual torque after each effect", panel=True),
     Figure(
         "residual", "diagnosis", "profiles", "Where model and measurement disagree",

@@ -123,14 +123,12 @@ def _draw_curve(axes: Axes, pieces: Sequence[Piece], t: Float, signal: Float, **
     return y
 
 
-def _draw_models(
-    axes: Axes, pieces: Sequence[Piece], t: Float, curves: tuple[Float, Float], with_effects: str
-) -> list[Float]:
+def _draw_models(axes: Axes, pieces: Sequence[Piece], t: Float, curves: Sequence[Float], added: str) -> list[Float]:
     """Draw a curve of the nominal model and, where effects were added, of the augmented one; return what is drawn."""
     look: theme.Look = {"color": NOMINAL, "lw": 0.8, "ls": theme.DASHED, "label": "nominal model", "zorder": 3}
     drawn = [_draw_curve(axes, pieces, t, curves[0], **look)]
-    if with_effects:
-        drawn.append(_draw_curve(axes, pieces, t, curves[1], color=AUGMENTED, lw=0.8, label=with_effects, zorder=4))
+    if added:
+        drawn.append(_draw_curve(axes, pieces, t, curves[1], color=AUGMENTED, lw=0.8, label=added, zorder=4))
     return drawn
 
 

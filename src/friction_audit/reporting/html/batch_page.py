@@ -31,6 +31,11 @@ WORDS = {
     "within a session": "Change from the first to the last third of a session, such as warm-up; no part of drift.",
 }
 """What the words of the page mean."""
+WITHIN = (
+    "Kept apart from drift: the change from the first to the last third of a session, and in how many sessions it is "
+    "significant; the change with temperature that was taken out, and the temperature of the comparison; the scatter "
+    "between sessions"
+)
 
 
 def write_page(summary: tables.BatchSummary, drawn: Mapping[str, html.Figure]) -> str:
@@ -39,28 +44,21 @@ def write_page(summary: tables.BatchSummary, drawn: Mapping[str, html.Figure]) -
     verdicts = tables.ARM.people(arms, caption="Drift of each arm")
     limits = [f"Limit exceeded: {one}" for one in summary.exceeded]
     limits += [f"Cannot test: {one}" for one in summary.cannot_tell]
-    lead = html.Text(lines=("These files gave no session. They do not affect the others.",))
+    lead = html.Text(("These files gave no session. They do not affect the others.",))
     files = tables.FAILED.people(summary.failed, caption="Files that gave no session")
-    failed = html.Section(anchor="failed", title="Files that failed", parts=(lead, files))
+    failed = html.Section("failed", "Files that failed", (lead, files))
     span, pictures = phrases.span_of(summary.sessions), _pictures(arms, drawn)
     most = max(1, MOST_CELLS // max(1, sum(len(phrases.UNITS) * max(len(arm.joints), 1) for arm in arms)))
-    page = html.Page(
-        title="Friction over sessions",
-        lead=_lead(arms),
-        facts=(
-            ("Sessions", str(len(summary.sessions))),
-            ("Arms", str(len(arms))),
-            *([("Recorded (UTC)", span)] if span else []),
-            ("Files that failed", str(len(summary.failed))),
-        ),
-        sections=(
-            html.Section(anchor="verdicts", title="Verdicts", parts=(verdicts, *html.noted(limits, "alert"))),
-            *(_arm_section(arm, f"arm-{k}", pictures.get(k, ()), most) for k, arm in enumerate(arms, start=1)),
-            *([failed] if summary.failed else ()),
-            *html.closing_sections(WORDS, summary.settings, summary.command),
-        ),
+    counts = {"Sessions": len(summary.sessions), "Arms": len(arms), "Recorded (UTC)": span}
+    counts["Files that failed"] = len(summary.failed)
+    facts = [(name, str(count)) for name, count in counts.items() if count != ""]
+    sections = (
+        html.Section("verdicts", "Verdicts", (verdicts, *html.noted(limits, "alert"))),
+        *(_arm_section(arm, f"arm-{k}", pictures.get(k, ()), most) for k, arm in enumerate(arms, start=1)),
+        *([failed] if summary.failed else ()),
+        *html.closing_sections(WORDS, summary.settings, summary.command),
     )
-    return html.render_page(page)
+    return html.render_page(html.Page("Friction over sessions", _lead(arms), facts, sections))
 
 
 def _lead(arms: Sequence[ArmDrift]) -> str:
@@ -68,10 +66,8 @@ def _lead(arms: Sequence[ArmDrift]) -> str:
         return "No session could be read: no statement on drift is possible."
     drifting = [arm for arm in arms if arm.drift]
     if len(drifting) > 1:
-        return (
-            f"Friction drifts on {len(drifting)} of {count_of(len(arms), 'arm')}: "
-            f"{enumerate_words(arm.robot for arm in drifting)}."
-        )
+        names = enumerate_words(arm.robot for arm in drifting)
+        return f"Friction drifts on {len(drifting)} of {count_of(len(arms), 'arm')}: {names}."
     if drifting or len(arms) == 1:
         arm = (drifting or arms)[0]
         return f"{arm.robot}: {phrases.arm_sentence(arm)}."
@@ -96,31 +92,20 @@ def _pictures(arms: tuple[ArmDrift, ...], drawn: Mapping[str, html.Figure]) -> d
 def _arm_section(arm: ArmDrift, anchor: str, figures: tuple[html.Figure, ...], most: int) -> html.Section:
     no_room = f"This page has no room for more figures; those of {arm.robot} are in files next to it."
     rows = tables.coefficient_rows(arm)
-    within = tables.COEFFICIENT.people(
-        rows,
-        "w",
-        caption="Kept apart from drift: the change from the first to the last third of a session, and in how many "
-        "sessions it is significant; the change with temperature that was taken out, and the temperature of the "
-        "comparison; the scatter between sessions",
-    ).filled()
-    return html.Section(
-        anchor=anchor,
-        title=arm.robot,
-        parts=(html.Text(lines=(f"{phrases.sessions_text(arm)}.",)), *html.noted(arm.warnings)),
-        sections=(
-            html.Section(anchor=f"{anchor}-joints", title="Joints", parts=tuple(_joint_tables(rows))),
-            html.Section(anchor=f"{anchor}-figures", title="Figures", parts=figures or (html.Text(lines=(no_room,)),)),
-            html.Section(anchor=f"{anchor}-within", title="Within a session", parts=(within,)),
-            *_diagnosis(arm, anchor),
-            html.Section(anchor=f"{anchor}-sessions", title="Sessions", parts=tuple(_session_tables(arm, most))),
-        ),
+    within = tables.COEFFICIENT.people(rows, "w", caption=WITHIN).filled()
+    sections = (
+        html.Section(f"{anchor}-joints", "Joints", tuple(_joint_tables(rows))),
+        html.Section(f"{anchor}-figures", "Figures", figures or (html.Text((no_room,)),)),
+        html.Section(f"{anchor}-within", "Within a session", (within,)),
+        *_diagnosis(arm, anchor),
+        html.Section(f"{anchor}-sessions", "Sessions", tuple(_session_tables(arm, most))),
     )
+    parts = (html.Text((f"{phrases.sessions_text(arm)}.",)), *html.noted(arm.warnings))
+    return html.Section(anchor, arm.robot, parts, sections)
 
 
 def _joint_tables(rows: list[tables.CoefficientRow]) -> Iterator[Table]:
-    yield tables.COEFFICIENT.people(
-        rows, caption="Change of each coefficient from the reference to the last sessions; intervals are 95 %"
-    )
+    yield tables.COEFFICIENT.people(rows, caption="Change from the reference to the last sessions; intervals are 95 %")
     if steps := [row._replace(change=change) for row in rows for change in row.found.change_points]:
         after = "the first session after each (with the range that holds it with 95 % confidence)"
         yield tables.STEPS.people(steps, caption=f"Steps: {after}, and the levels")
@@ -138,7 +123,7 @@ def _diagnosis(arm: ArmDrift, anchor: str) -> Iterator[html.Section]:
     if rows:
         caption = "Verdicts and effects of the diagnosis, with the number of sessions"
         table = tables.DIAGNOSED.people(rows, caption=caption)
-        yield html.Section(anchor=f"{anchor}-diagnosis", title="What the model misses", parts=(table,))
+        yield html.Section(f"{anchor}-diagnosis", "What the model misses", (table,))
 
 
 def _session_tables(arm: ArmDrift, most: int) -> Iterator[Table]:

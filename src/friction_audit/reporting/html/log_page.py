@@ -87,35 +87,27 @@ def log_page(report: made.LogReport, *, figures: bool = True) -> html.Page:
     log, source = report.estimate.log, report.estimate.log.source
     answered = [one for one in report.joints if not one.friction.reason or one.answer]
     warnings = notice_lines(made.report_notices(report))
-    listed = html.noted(warnings) or [html.Text(lines=("There are none.",))]
-    joints = html.Section(
-        anchor="joints", title="Joints", sections=[_joint(report, one) for one in answered], on_paper=False
+    listed = html.noted(warnings) or [html.Text(("There are none.",))]
+    joints = html.Section("joints", "Joints", sections=[_joint(report, one) for one in answered], on_paper=False)
+    known = any(not one.friction.reason for one in report.joints)
+    facts = {
+        "Robot": source.robot, "Recorded (UTC)": "" if source.start_s is None else format_start(source.start_s),
+        "Duration": f"{log.duration_s:.4g} s", "Rate": f"{log.rate_hz:.4g} Hz", "Joints": str(len(report.joints)),
+        "Cycles": str(sum(one.friction.cycles for one in report.joints)),
+    }  # fmt: skip
+    topics = {name: TOPICS[name] for name in report.sections if answered or name == "recording"}
+    sections = (
+        html.Section("verdicts", "Friction and verdict", [*_answer(report, answered, drawn)]),
+        *([joints] if answered else ()),
+        *(
+            html.Section(name, title, (*parts(report), *_pictures(drawn, name)), folded=known or name != "recording")
+            for name, (title, parts) in topics.items()
+        ),
+        html.Section("warnings", "Warnings", listed, folded=True, note=str(len(warnings))),
+        *html.closing_sections(WORDS, made.report_settings(report), report.command, paper=False),
     )
-    return html.Page(
-        title=f"Joint friction: {source.path}",
-        lead=in_unit(made.lead_sentence(report), report.unit),
-        facts=(
-            ("Robot", source.robot),
-            *([] if source.start_s is None else [("Recorded (UTC)", format_start(source.start_s))]),
-            ("Duration", f"{log.duration_s:.4g} s"),
-            ("Rate", f"{log.rate_hz:.4g} Hz"),
-            ("Joints", str(len(report.joints))),
-            ("Cycles", str(sum(one.friction.cycles for one in report.joints))),
-        ),
-        sections=(
-            html.Section(anchor="verdicts", title="Friction and verdict", parts=[*_answer(report, answered, drawn)]),
-            *([joints] if answered else ()),
-            *(
-                html.Section(
-                    anchor=name, title=TOPICS[name][0], parts=(*TOPICS[name][1](report), *_pictures(drawn, name)),
-                    folded=name != "recording" or any(not one.friction.reason for one in report.joints),
-                )
-                for name in report.sections if answered or name == "recording"
-            ),
-            html.Section(anchor="warnings", title="Warnings", parts=listed, folded=True, note=str(len(warnings))),
-            *html.closing_sections(WORDS, made.report_settings(report), report.command, paper=False),
-        ),
-    )  # fmt: skip
+    lead = in_unit(made.lead_sentence(report), report.unit)
+    return html.Page(f"Joint friction: {source.path}", lead, [one for one in facts.items() if one[1]], sections)
 
 
 def _answer(report: made.LogReport, answered: list[made.JointReport], drawn: Drawn) -> Iterator[html.Part]:
@@ -132,9 +124,9 @@ def _answer(report: made.LogReport, answered: list[made.JointReport], drawn: Dra
         yield html.Text(lines=(text,), tone="unsure")
     without = [in_unit(line, report.unit) for line in reason_lines(joints)]
     if without:
-        yield html.Text(lines=[f"No estimate on {line}." for line in without], tone="off" if answered else "unsure")
+        yield html.Text([f"No estimate on {line}." for line in without], tone="off" if answered else "unsure")
     if all(one.friction.reason for one in report.joints):
-        yield html.Text(lines=(RECORD,))
+        yield html.Text((RECORD,))
     yield from _pictures(drawn, "verdicts")
 
 
@@ -148,17 +140,9 @@ def _joint(report: made.LogReport, one: made.JointReport) -> html.Section:
     if one.replay is not None:
         pairs |= html.terms_of(JOINT_REPLAY, one.replay, unit).pairs
     own = list(dict.fromkeys(notice.message for notice in made.report_notices(report) if notice.joint == one.joint))
-    return html.Section(
-        anchor=f"joint-{one.joint}",
-        title=f"Joint {label}",
-        note=in_unit(made.joint_words(one), unit),
-        parts=(
-            html.Terms(pairs=[(name, in_unit(words.plain_names(text), unit)) for name, text in pairs.items()]),
-            *_effects(report, one),
-            *html.noted(own),
-        ),
-        folded=True,
-    )
+    terms = html.Terms([(name, in_unit(words.plain_names(text), unit)) for name, text in pairs.items()])
+    parts, note = (terms, *_effects(report, one), *html.noted(own)), in_unit(made.joint_words(one), unit)
+    return html.Section(f"joint-{one.joint}", f"Joint {label}", parts, folded=True, note=note)
 
 
 def _effects(report: made.LogReport, one: made.JointReport) -> Iterator[html.Part]:
@@ -174,7 +158,7 @@ def _effects(report: made.LogReport, one: made.JointReport) -> Iterator[html.Par
     separate = [f"{row.names}: {words.decide_words(row.effect)}." for row in rows if row.effect.alternatives]
     if separate:
         lines = [f"To separate {words.plain_names(line)}".replace(" or ", " from ", 1) for line in separate]
-        yield html.Text(lines=lines)
+        yield html.Text(lines)
     if competing:
         caption = f"Effects competing with those of {joint}: {strong}"
         yield tables.COMPETITOR.people(competing, caption=caption, unit=unit, folded=True).filled(without="joint")
@@ -193,7 +177,7 @@ def _friction(report: made.LogReport) -> Iterator[html.Part]:
     short = [one.joint for one in fitted if one.cycles < 2 * one.window]
     if short:
         lines.append(f"Too few cycles for a change within the log to show: {joints_label(short)}.")
-    yield html.Text(lines=lines)
+    yield html.Text(lines)
 
 
 def _compensator(report: made.LogReport) -> Iterator[html.Part]:
@@ -202,7 +186,7 @@ def _compensator(report: made.LogReport) -> Iterator[html.Part]:
         return
     found = report.replay.replay
     compensator = f"Compensator: {in_unit(describe_compensator(found.joints), report.unit)}."
-    yield html.Text(lines=(compensator, f"Assumption {found.counterfactual.name}: {found.counterfactual.assumes}."))
+    yield html.Text((compensator, f"Assumption {found.counterfactual.name}: {found.counterfactual.assumes}."))
     yield from html.noted(notice_lines(notices(found.warnings)))
 
 
@@ -210,14 +194,14 @@ def _missing(report: made.LogReport) -> Iterator[html.Part]:
     if report.diagnosis is None:
         yield _unanswered(report, "diagnose")
         return
-    yield html.Text(lines=(f"Nominal model: {words.nominal_model(report.diagnosis.settings.model)}.",))
+    yield html.Text((f"Nominal model: {words.nominal_model(report.diagnosis.settings.model)}.",))
     if rows := tables.effect_rows(report.diagnosis.discrepancy.joints):
         yield tables.EFFECT.people(rows, caption="Missing effects, the largest of a joint first", unit=report.unit)
 
 
 def _unanswered(report: made.LogReport, part: str) -> html.Text:
     why = [one.message for one in report.unanswered if one.part == part]
-    return html.Text(lines=why or ["No joint has an estimate."], tone="unsure")
+    return html.Text(why or ["No joint has an estimate."], tone="unsure")
 
 
 def _pictures(drawn: Drawn, section: str) -> Iterator[html.Part]:
@@ -225,7 +209,7 @@ def _pictures(drawn: Drawn, section: str) -> Iterator[html.Part]:
     yield from (one for one in drawn.get(section, ()) if isinstance(one, html.Figure))
     if left_out := [one for one in drawn.get(section, ()) if isinstance(one, str)]:
         more = "The command plot draws those of friction and compensator, diagnose those of missing effects"
-        yield html.Text(lines=(f"This page has no room for more figures. {more}: {'; '.join(left_out)}.",))
+        yield html.Text((f"This page has no room for more figures. {more}: {'; '.join(left_out)}.",))
 
 
 def _recording(report: made.LogReport) -> Iterator[html.Part]:
@@ -234,7 +218,7 @@ def _recording(report: made.LogReport) -> Iterator[html.Part]:
     source = {"file": log.source.path, "SHA-256": log.source.sha256, "serial number": log.source.serial}
     facts = (pair for pair in facts_of(summary) if pair[0] != "channel")
     pairs = [*source.items(), *facts, ("torque source", choice.reason)]
-    yield html.Terms(pairs=[(name, in_unit(text, unit)) for name, text in pairs if text])
+    yield html.Terms([(name, in_unit(text, unit)) for name, text in pairs if text])
     yield MOTION.people(summary.joints, caption="How the joints moved")
     caption = "Channels as they are called in the log; {i} is the number of the joint"
     yield CHANNEL.people(log.source.channels.items(), caption=caption, folded=True)

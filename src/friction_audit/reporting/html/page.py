@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 from xml.etree import ElementTree as ET
 
 import numpy as np
+from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
 from friction_audit import __version__
 from friction_audit.errors import UsageError, printable
@@ -19,10 +20,8 @@ from friction_audit.reporting.figures.style import figure_style
 from friction_audit.reporting.table import Column, Record, Row, Table, Tone
 
 if TYPE_CHECKING:
-    from jinja2 import Environment
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure as Drawing
-
 
 J = TypeVar("J", bound=Any)  # of a joint, which has its number
 
@@ -94,7 +93,7 @@ SETTING = Record(Column("setting", str, get="0", code=True, on="p"), Column("val
 
 def noted(lines: Sequence[str], tone: Tone = "unsure") -> list[Text]:
     """Return a list of sentences, if there are some."""
-    return [Text(lines=lines, listed=True, tone=tone)] if lines else []
+    return [Text(lines, listed=True, tone=tone)] if lines else []
 
 
 def sheets_of(joints: Sequence[J]) -> Iterator[tuple[Sequence[J], str]]:
@@ -108,14 +107,14 @@ def closing_sections(
     words: Mapping[str, str], settings: Mapping[str, object], command: str, *, paper: bool = True
 ) -> Iterator[Section]:
     """Yield what the words of a page mean, on paper too, every setting and the command, and how to cite."""
-    terms = (Terms(pairs=tuple(words.items()), words=True),)
-    yield Section(anchor="words", title="How to read it", parts=terms, folded=True, on_paper=paper)
+    terms = (Terms(tuple(words.items()), words=True),)
+    yield Section("words", "How to read it", terms, folded=True, on_paper=paper)
     table = SETTING.people(flattened(settings), caption="Every setting, defaults included", folded=True)
-    again = (Text(lines=("This command makes the page again:",)), Command(line=command)) if command else ()
-    yield Section(anchor="settings", title="Settings", parts=(*again, table), folded=True)
+    again = (Text(("This command makes the page again:",)), Command(command)) if command else ()
+    yield Section("settings", "Settings", (*again, table), folded=True)
     lead = "Friction is estimated from the energy balance between two moments of rest. When you publish, cite"
-    parts = (Text(lines=(lead,)), Text(lines=(METHOD, PROGRAM), listed=True))
-    yield Section(anchor="cite", title="How to cite", parts=parts, folded=True)
+    parts = (Text((lead,)), Text((METHOD, PROGRAM), listed=True))
+    yield Section("cite", "How to cite", parts, folded=True)
 
 
 def flattened(settings: Mapping[str, object], before: str = "") -> Iterator[tuple[str, str]]:
@@ -144,35 +143,30 @@ def _setting_text(value: object) -> str:
 def terms_of(record: Record, row: Row, unit: str) -> Terms:
     """Return a row of a table as names and values, without what has no value."""
     table = record.people([row], unit=unit).filled(without="joint")
-    return Terms(pairs=[(column.head(unit), table.text(column, row)) for column in table.columns])
+    return Terms([(column.head(unit), table.text(column, row)) for column in table.columns])
 
 
 def render_page(page: Page, *, paper: bool = False) -> str:
     """Return the page as HTML; for paper with sections open, without script and the long tables that a screen folds."""
     script = "" if paper else _resource("page.js")
-    text = _environment().get_template("page.html.j2").render(
-        page=page,
-        paper=paper,
-        version=__version__,
-        style=_resource("page.css"),
-        script=script,
-        # Lets the browser run this script and no other.
-        script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
-    )  # fmt: skip
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()  # the browser runs no other script
+    text = (
+        _environment()
+        .get_template("page.html.j2")
+        .render(
+            page=page, paper=paper, version=__version__, style=_resource("page.css"), script=script, script_hash=digest
+        )
+    )
     return printable(text)
 
 
 @cache
-def _environment() -> "Environment":
-    from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
-
+def _environment() -> Environment:
+    loader = PackageLoader("friction_audit.reporting.html")
     environment = Environment(
-        loader=PackageLoader("friction_audit.reporting.html"),
+        loader=loader, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
         autoescape=select_autoescape(("html.j2",)),  # in Markdown a filter escapes the words
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    )  # fmt: skip
     environment.tests["kind"] = lambda part, name: type(part).__name__ == name
     # A fence of Markdown is longer than any run of backticks in the command.
     environment.filters["fence"] = lambda line: "`" * max(3, *(len(run) + 1 for run in re.findall("`+", line)), 0)
@@ -271,6 +265,4 @@ def _trim(root: ET.Element) -> None:
         elif name in used:
             element.set("id", name)
         for key in {"d", "x", "y", "transform"}.intersection(element.attrib):
-            element.set(
-                key, FINE.sub(lambda found: f"{float(found[0]):.2f}".rstrip("0").rstrip("."), element.get(key, ""))
-            )
+            element.set(key, FINE.sub(lambda x: f"{float(x[0]):.2f}".rstrip("0").rstrip("."), element.attrib[key]))
