@@ -186,6 +186,11 @@ class JointDiagnosis:
         """The effects of the augmented model: contact events are in no model, their samples are left out."""
         return tuple(effect for effect in self.effects if effect.name != CONTACT_EVENT)
 
+    @property
+    def has_gravity_error(self) -> bool:
+        """True if the augmented model corrects gravity."""
+        return any(effect.name == "gravity_error" for effect in self.added)
+
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Discrepancy:

@@ -201,8 +201,7 @@ def _augmented(path: str) -> Callable[[JointDiagnosis], float | None]:
 
 
 def _without_gravity(joint: JointDiagnosis) -> float | None:
-    names = {effect.name for effect in joint.added}
-    return joint.share_explained if "gravity_error" in names and len(names) > 1 else None
+    return joint.share_explained if joint.has_gravity_error and len(joint.added) > 1 else None
 
 
 def _people(title: str, short: str, unit: str, get: Get, form: Any = ".3g", file: str = "shown") -> Column:  # noqa: ANN401
