@@ -94,11 +94,7 @@ def test_limits_of_the_panda_are_those_published() -> None:
     asked = limits_of(joint, -2.0, urdf=None, robot="panda", range_rad=(-0.1, 0.2), speed_rad_s=0.5, jerk_rad_s3=None)
     assert (asked.high_rad, asked.speed_rad_s, asked.jerk_rad_s3) == pytest.approx((-1.8, 0.5, 300.0))
     with pytest.raises(UsageError, match="no joint elbow"):
-        limits_of(replace(joint, name="elbow"), 0.0, urdf=urdf(), robot="")
-
-
-def urdf() -> Path:
-    return Path(robot.__file__).parent / "panda.urdf"
+        limits_of(replace(joint, name="elbow"), 0.0, urdf=Path(robot.__file__).parent / "panda.urdf", robot="")
 
 
 def test_a_number_that_a_document_leaves_out_takes_no_name_away() -> None:

@@ -1,6 +1,6 @@
 """Settings of scenarios assigned by name, and effects hidden in their joints, from the command line's words."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf
 from typing import Any
 
@@ -21,16 +21,6 @@ from friction_audit.simulation.scenarios import SCENARIOS, Scenario
 FORCED = EnergyCompensator(forced=Coefficients())
 ARM, BENCH = ArmSettings(compensator=FORCED), BenchSettings()
 COULOMB = tuple(joint.coulomb_nm for joint in ARM.joints)
-
-
-@dataclass(frozen=True)
-class Range:
-    low_rad: float = 0.0
-    high_rad: float = 1.0
-
-    def __post_init__(self) -> None:
-        if not self.low_rad < self.high_rad:
-            raise UsageError(f"range: {self.low_rad:g}, {self.high_rad:g}: expected the smaller number first")
 
 
 def test_settings_are_listed_with_their_values_and_kinds() -> None:
@@ -100,15 +90,16 @@ def test_what_cannot_be_is_said(entry: str, message: str) -> None:
 
 
 def test_settings_that_limit_each_other_are_assigned_in_an_order_that_fits() -> None:
-    assert assign_texts(Range(), ["low_rad=4", "high_rad=5"]) == Range(4.0, 5.0)
-    assert assign_texts(Range(), ["high_rad=5", "high_rad=5"]) == Range(0.0, 5.0)
+    usual, slow, fast = EnergyCompensator(), "termination_rad_s=0.5", "initiation_rad_s=1"
+    assert assign_texts(usual, [slow, fast]) == replace(usual, termination_rad_s=0.5, initiation_rad_s=1.0)
+    assert assign_texts(usual, [fast, fast]) == replace(usual, initiation_rad_s=1.0)
     for entries, message in (
-        (["low_rad=4", "low_rad=4"], "--set low_rad=4: range: 4, 1: expected the smaller number first"),
-        (["high_rad=5", "lou_rad=4"], "no such setting"),
-        (["high_rad=5", "low_rad=4", "high_rad=6"], "--set high_rad=5: is undone by another --set"),
+        ([slow, slow], f"--set {slow}: compensator: thresholds 0.2, 0.5: expected initiation above termination"),
+        ([fast, "terminaton_rad_s=0.5"], "no such setting"),
+        ([fast, slow, "initiation_rad_s=2"], f"--set {fast}: is undone by another --set"),
     ):
         with pytest.raises(UsageError, match=message):
-            assign_texts(Range(), entries)
+            assign_texts(usual, entries)
 
 
 def test_another_kind_has_settings_of_its_own() -> None:

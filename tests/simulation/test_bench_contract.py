@@ -21,17 +21,13 @@ ALONE = [effect for effect in EFFECTS if not effect.needs_neighbours]
 CASES = [(effect, form) for effect in ALONE for form in effect.forms or ("",)]
 NAMES = [f"{effect.name}-{form}" for effect, form in CASES]
 
+# Effects that change friction and nothing else; what it has taken never comes back. Bristles are springs.
 FRICTION = (
     "stribeck", "stiction", "nonlinear_viscous", "asymmetric_coulomb", "asymmetric_viscous", "frictional_lag",
     "load_dependent_friction", "position_dependent_friction", "warm_up", "friction_step",
 )  # fmt: skip
-"""Effects that change friction and nothing else; what it has taken never comes back. Bristles are springs."""
-
-READING = ("gravity_error", "torque_bias", "torque_drift", "time_delay")
-"""Effects that change what is read and nothing else."""
-
-ELSEWHERE = ("cable_spring", "joint_limit_stop", "contact_event", "torque_ripple")
-"""Torques that are no friction."""
+READING = ("gravity_error", "torque_bias", "torque_drift", "time_delay")  # change what is read and nothing else
+ELSEWHERE = ("cable_spring", "joint_limit_stop", "contact_event", "torque_ripple")  # torques that are no friction
 
 
 def hide(effect: type[HiddenEffect], form: str, **numbers: float) -> Hidden:

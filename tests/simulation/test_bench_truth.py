@@ -16,7 +16,7 @@ from friction_audit.simulation.bench import BenchSettings, HandGuidedPanda, Oper
 from friction_audit.simulation.effects import Hidden, load_and_place, velocity
 from friction_audit.simulation.effects import slow_and_events as slow
 from friction_audit.simulation.effects.sensors import TorqueBias
-from friction_audit.simulation.effects.structure import Backlash, InertialCoupling, JointElasticity
+from friction_audit.simulation.effects.structure import Backlash, JointElasticity
 from friction_audit.simulation.periodic import Sinusoid
 from friction_audit.simulation.scenarios import simulate
 from friction_audit.simulation.settings import IDEAL_SENSORS, JointParameters, Sensors, TrueMotion, make_streams
@@ -253,7 +253,6 @@ def test_places_inside_the_joint_are_counted_from_its_zero_and_stops_from_the_st
 
 
 ROUGH = Hidden(position_dependent_friction=load_and_place.PositionDependentFriction(share=0.5))
-COUPLED = Hidden(inertial_coupling=InertialCoupling(ratio=0.3))
 
 
 @pytest.mark.parametrize(
@@ -261,8 +260,6 @@ COUPLED = Hidden(inertial_coupling=InertialCoupling(ratio=0.3))
     [
         ({"joint": 8}, "expected a joint from 1 to 7 and 7 of each"),
         ({"sensors": (Sensors(),)}, "expected a joint from 1 to 7 and 7 of each"),
-        ({"hidden": hide(5, ROUGH)}, "in joint 5: does nothing where only"),
-        ({"hidden": hide(4, COUPLED)}, "inertial_coupling in joint 4: does nothing"),
     ],
 )
 def test_what_a_panda_does_not_have_or_cannot_show_is_refused(change: dict[str, Any], words: str) -> None:

@@ -11,13 +11,9 @@ from friction_audit.simulation.mechanics.records import Clock
 from friction_audit.simulation.mechanics.tick import run
 from friction_audit.simulation.settings import IDEAL_SENSORS, JointParameters, TrueMotion, make_streams
 
-NEXT_TO_NOTHING = 1e-300
-"""Stiffness, or damping, of a hand that has none; the operator's must be above zero."""
-
+NEXT_TO_NOTHING = 1e-300  # stiffness, or damping, of a hand that has none; the operator's must be above zero
 FRICTIONLESS = JointParameters(inertia_kg_m2=0.3, coulomb_nm=0.0, viscous_nms_per_rad=0.0)
-
-STEP_S = 1e-4
-"""The step of the simulator."""
+STEP_S = 1e-4  # the step of the simulator
 
 
 def bench(joint: JointParameters = FRICTIONLESS, hidden: Hidden | None = None, **hand: float) -> BenchSettings:
