@@ -26,6 +26,7 @@ from friction_audit.errors import UsageError
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.io.readers import ReadOptions
 from friction_audit.joint_log import JointLog
+from friction_audit.pipeline import Diagnosis, Estimate
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.reporting import diagnosis, estimate, replay
 from tests.reporting.conftest import build_estimate
@@ -41,6 +42,16 @@ def names_of(*settings: Any) -> set[str]:
 @pytest.fixture(scope="module")
 def log() -> JointLog:
     return build_estimate(1, count=24, rate=200.0).log
+
+
+@pytest.fixture(scope="module")
+def estimated(log: JointLog) -> Estimate:
+    return friction_audit.estimate_log(log)
+
+
+@pytest.fixture(scope="module")
+def diagnosed(estimated: Estimate) -> Diagnosis:
+    return friction_audit.diagnose_log(estimated)
 
 
 def test_names_are_few_documented_and_typed() -> None:
@@ -78,11 +89,10 @@ def test_options_reach_the_steps(log: JointLog) -> None:
     assert (settings.friction.estimator, settings.cycles.cutoff_hz) == ("paper", 15.0)
 
 
-def test_a_replay_counts_the_cycles_that_the_hand_ended(log: JointLog) -> None:
-    estimate = friction_audit.estimate_log(log)
+def test_a_replay_counts_the_cycles_that_the_hand_ended(estimated: Estimate) -> None:
     by_hand = CycleSettings(cycles_from="hand", minimum_path_rad=0.3)
-    hand = replace(estimate, settings=replace(estimate.settings, cycles=by_hand))
-    assert replay_settings(estimate, {}) == ReplaySettings()
+    hand = replace(estimated, settings=replace(estimated.settings, cycles=by_hand))
+    assert replay_settings(estimated, {}) == ReplaySettings()
     compensator = replay_settings(hand, {}).compensator
     assert isinstance(compensator, EnergyCompensator)
     assert compensator.minimum_path_rad == 0.3
@@ -126,24 +136,22 @@ def test_the_names_below_the_top_are_where_their_page_says() -> None:
     assert all(hasattr(importlib.import_module(module), name) for module, name in named)
 
 
-def test_results_become_frames(log: JointLog, tmp_path: Path) -> None:
-    result = friction_audit.estimate_log(log)
-    frames = friction_audit.to_frames(result)
+def test_results_become_frames(log: JointLog, estimated: Estimate, tmp_path: Path) -> None:
+    frames = friction_audit.to_frames(estimated)
     assert tuple(frames) == names(estimate)
-    assert frames["coefficients"]["coulomb_nm"][0] == result.friction.joints[0].coulomb.value
+    assert frames["coefficients"]["coulomb_nm"][0] == estimated.friction.joints[0].coulomb.value
     assert len(frames["interaction"]) == len(log.t)
-    assert tuple(friction_audit.to_frames(friction_audit.replay_log(result))) == names(replay)
-    report = friction_audit.report_log(result, tmp_path / "run.md")
+    assert tuple(friction_audit.to_frames(friction_audit.replay_log(estimated))) == names(replay)
+    report = friction_audit.report_log(estimated, tmp_path / "run.md")
     assert tuple(friction_audit.to_frames(report)) == names(estimate, replay, diagnosis)
     assert (tmp_path / "run.md").read_text().startswith("# Joint friction")
     with pytest.raises(UsageError, match=r"run.md: exists already"):
-        friction_audit.report_log(result, tmp_path / "run.md")
+        friction_audit.report_log(estimated, tmp_path / "run.md")
 
 
-def test_a_residual_lies_in_the_cycle_that_it_names(log: JointLog) -> None:
-    estimate = friction_audit.estimate_log(log)
-    cycles = friction_audit.to_frames(estimate)["cycles"]
-    residual = friction_audit.to_frames(friction_audit.diagnose_log(estimate))["residual"]
+def test_a_residual_lies_in_the_cycle_that_it_names(estimated: Estimate, diagnosed: Diagnosis) -> None:
+    cycles = friction_audit.to_frames(estimated)["cycles"]
+    residual = friction_audit.to_frames(diagnosed)["residual"]
     both = residual.merge(cycles, on=["joint", "cycle"])
     assert len(both) == len(residual) > 100
     assert both["time_s"].between(both["start_s"], both["stop_s"]).all()
@@ -166,24 +174,21 @@ def test_a_log_is_simulated_written_and_read(tmp_path: Path) -> None:
     assert alone.truth.settings == made.truth.settings
 
 
-def test_a_result_shows_its_numbers_in_a_line_a_joint(log: JointLog) -> None:
-    estimate = friction_audit.estimate_log(log)
-    joint = estimate.friction.joints[0]
-    head, line = repr(estimate).splitlines()
+def test_a_result_shows_its_numbers_in_a_line_a_joint(log: JointLog, estimated: Estimate, diagnosed: Diagnosis) -> None:
+    joint = estimated.friction.joints[0]
+    head, line = repr(estimated).splitlines()
     assert log.source.path in head
     for number in (joint.coulomb.value, joint.coulomb.low, joint.viscous.value, joint.viscous.high):
         assert f"{number:.4g}" in line
-    diagnosis = friction_audit.diagnose_log(estimate)
-    assert diagnosis.discrepancy.joints[0].verdict in repr(diagnosis).splitlines()[1]
-    assert "dissipation removed" in repr(friction_audit.replay_log(estimate)).splitlines()[1]
+    assert diagnosed.discrepancy.joints[0].verdict in repr(diagnosed).splitlines()[1]
+    assert "dissipation removed" in repr(friction_audit.replay_log(estimated)).splitlines()[1]
     assert f"{len(log.joint_names)} joints" in repr(log)
 
 
-def test_a_result_is_drawn_into_axes_in_the_style_of_the_user(log: JointLog) -> None:
-    estimate = friction_audit.estimate_log(log)
-    diagnosis, replay = friction_audit.diagnose_log(estimate), friction_audit.replay_log(estimate)
+def test_a_result_is_drawn_into_axes_in_the_style_of_the_user(estimated: Estimate, diagnosed: Diagnosis) -> None:
+    replay = friction_audit.replay_log(estimated)
     with rc_context({"axes.titlesize": 19.0}):
-        for result, label in ((estimate, "Velocity"), (replay, "Velocity"), (diagnosis, "Residual")):
+        for result, label in ((estimated, "Velocity"), (replay, "Velocity"), (diagnosed, "Residual")):
             axes = Figure().subplots()
             assert result.plot(joint=1, ax=axes) is axes
             assert "joint1</td>" in result._repr_html_()
@@ -191,11 +196,11 @@ def test_a_result_is_drawn_into_axes_in_the_style_of_the_user(log: JointLog) -> 
             assert axes.has_data()
             titles = [one for one in axes.findobj(Text) if one.get_text() == axes.get_title("left")]
             assert {one.get_fontsize() for one in titles} == {19.0}
-    assert isinstance(friction_audit.plot(estimate, "energy"), Figure)
+    assert isinstance(friction_audit.plot(estimated, "energy"), Figure)
     for wrong, message in (
         ({"kind": "ladder"}, "plot: ladder: expected one of coefficients, velocity-torque"),
         ({"kind": "energy", "ax": Figure().subplots()}, "plot: energy: into axes goes velocity-torque alone"),
         ({"joint": 9, "ax": Figure().subplots()}, "joint 9: not in this result"),
     ):
         with pytest.raises(UsageError, match=message):
-            friction_audit.plot(estimate, **wrong)
+            friction_audit.plot(estimated, **wrong)

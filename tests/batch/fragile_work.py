@@ -14,11 +14,13 @@ def tasks(folder: Path, *names: str) -> Iterator[LogFile]:
     return (LogFile(path=name, place=str(folder / name), folders=(), size=0, changed="") for name in names)
 
 
-def deadly_once(task: LogFile) -> Worked:
-    """Kill the worker on one of the tasks, the first time."""
-    if task.path == "3" and not Path(task.place).exists():
+def fragile(task: LogFile) -> Worked:
+    """Kill the worker on some tasks, always or the first time, or end it, or fail."""
+    if task.path == "deadly" or (task.path == "once" and not Path(task.place).exists()):
         Path(task.place).touch()
         os.kill(os.getpid(), signal.SIGKILL)
+    if task.path == "leaves":
+        os._exit(3)
     if task.path == "bug":
         raise ZeroDivisionError("by nought")
-    return Worked(sha256=task.path)
+    return Worked(sha256=f"{task.path} {os.getpid()}")

@@ -1,7 +1,6 @@
 """Processes: work is spread, dead workers cost their own log alone; arms that others analyse come to the same."""
 
 import os
-import signal
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator
 from dataclasses import replace
@@ -17,27 +16,18 @@ from friction_audit.drift.analyse import analyse_drift
 from friction_audit.drift.report import DriftSettings
 from friction_audit.drift.session import Session
 from friction_audit.errors import AnalysisError
-from tests.batch.fragile_work import tasks
+from tests.batch.fragile_work import fragile, tasks
 from tests.drift.made_sessions import make_sessions, noisy
 
 PATIENCE_S = 60.0
 
 
-def fragile(task: LogFile) -> Worked:
-    """Die on some tasks: always, or when it is the first time."""
-    if task.path == "deadly" or (task.path == "once" and not Path(task.place).exists()):
-        Path(task.place).touch()
-        os.kill(os.getpid(), signal.SIGKILL)
-    if task.path == "leaves":
-        os._exit(3)
-    return Worked(sha256=f"{task.path} {os.getpid()} {os.environ.get('OPENBLAS_NUM_THREADS')}")
-
-
-def slow(task: LogFile) -> Worked:
-    """Say who works, then take very long."""
-    Path(task.place).write_text(str(os.getpid()))
-    time.sleep(PATIENCE_S)
-    return Worked(sha256="late")
+def slow_after_one(task: LogFile) -> Worked:
+    """Say who works, then take very long, but for one task."""
+    if task.path != "quick":
+        Path(task.place).write_text(str(os.getpid()))
+        time.sleep(PATIENCE_S)
+    return Worked(sha256="")
 
 
 def test_dead_workers_cost_their_own_log_alone(tmp_path: Path) -> None:
@@ -50,7 +40,7 @@ def test_dead_workers_cost_their_own_log_alone(tmp_path: Path) -> None:
     assert "was ended by SIGKILL twice" in lost["deadly"]
     assert "ended with code 3 twice" in lost["leaves"]
     done = [outcome.sha256.split() for outcome in found.values() if isinstance(outcome, Worked)]
-    assert str(os.getpid()) not in {pid for _, pid, _ in done}
+    assert str(os.getpid()) not in {pid for _, pid in done}
 
 
 def test_tasks_are_taken_as_workers_become_free(tmp_path: Path) -> None:
@@ -78,7 +68,7 @@ def test_processes_are_kept_from_run_to_run_in_a_block(tmp_path: Path) -> None:
 
 
 def test_giving_up_ends_the_work_under_way(tmp_path: Path) -> None:
-    outcomes = LocalExecutor(workers=2).run(_slow_after_one, tasks(tmp_path, "quick", "x"))
+    outcomes = LocalExecutor(workers=2).run(slow_after_one, tasks(tmp_path, "quick", "x"))
     next(outcomes)
     place = tmp_path / "x"
     begin = time.monotonic()
@@ -89,10 +79,6 @@ def test_giving_up_ends_the_work_under_way(tmp_path: Path) -> None:
     assert time.monotonic() < begin + PATIENCE_S
     with pytest.raises(ProcessLookupError):
         os.kill(int(place.read_text()), 0)
-
-
-def _slow_after_one(task: LogFile) -> Worked:
-    return Worked(sha256="") if task.path == "quick" else slow(task)
 
 
 QUICK = DriftSettings(permutations=199)

@@ -131,7 +131,7 @@ def test_an_effect_below_the_least_that_is_asked_for_is_negligible() -> None:
 
 
 def test_an_offset_is_named_with_what_cannot_be_separated_from_it() -> None:
-    found = diagnosed(moved_joint(offset, noise_nm=NOISE_NM))
+    found = diagnosed(moved_joint(offset, noise_nm=NOISE_NM, duration_s=40.0))
     (effect,) = found.effects
     assert {"torque_bias", "asymmetric_coulomb"} <= {effect.name, *effect.alternatives}
     assert found.verdict == "ambiguous"
@@ -144,7 +144,7 @@ def test_friction_that_scatters_is_unexplained() -> None:
 
 
 def test_a_response_to_past_motion_is_no_effect_of_the_catalogue() -> None:
-    found = diagnosed(moved_joint(relaxing, noise_nm=NOISE_NM))
+    found = diagnosed(moved_joint(relaxing, noise_nm=NOISE_NM, duration_s=40.0))
     assert (found.verdict, found.effects) == ("unexplained", ())
     assert ("response", "past motion") in {(check.code, check.along) for check in found.checks}
 
@@ -153,7 +153,8 @@ def test_a_small_ripple_is_no_error_of_a_large_gravity_torque() -> None:
     def torque(data: JointData) -> Float:
         return 5.0 * np.cos(data.q) + 0.1 * np.sin(20.0 * data.q)
 
-    assert {"gravity_error", "torque_ripple"} <= set(names(diagnosed(moved_joint(torque, noise_nm=NOISE_NM))))
+    data = moved_joint(torque, noise_nm=NOISE_NM, duration_s=40.0)
+    assert {"gravity_error", "torque_ripple"} <= set(names(diagnosed(data)))
 
 
 def test_what_no_effect_explains_is_unexplained_with_its_place() -> None:
@@ -236,7 +237,7 @@ def test_a_model_file_that_holds_the_effect_leaves_nothing() -> None:
 
 
 def test_an_inertia_that_a_model_file_states_wrongly_is_an_effect() -> None:
-    found = diagnosed(moved_joint(noise_nm=NOISE_NM), model=replace(STATED, inertia_kg_m2=0.25))
+    found = diagnosed(moved_joint(noise_nm=NOISE_NM, duration_s=40.0), model=replace(STATED, inertia_kg_m2=0.25))
     assert names(found) == ["inertia_error"]
     assert found.effects[0].parameters["extra_inertia_kg_m2"].value == pytest.approx(-0.05, rel=0.05)
 

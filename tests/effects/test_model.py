@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from friction_audit.dynamics.motion import Motion
@@ -54,7 +54,6 @@ arm = st.lists(st.tuples(text, st.none() | joint), min_size=1, max_size=3).map(
 )
 
 
-@settings(deadline=None, max_examples=60)
 @given(arm)
 def test_what_is_saved_is_loaded(tmp_path_factory: pytest.TempPathFactory, arm: ArmModel) -> None:
     path = tmp_path_factory.mktemp("model") / "model.toml"

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from friction_audit.diagnosis.samples import make_samples
@@ -36,7 +36,6 @@ def start(onset_s: float, direction: float = 1.0, excess: float = 0.0) -> tuple[
     return direction * q, direction * dq, direction * (LEVEL + excess + RISE * (T - onset_s))
 
 
-@settings(deadline=None)
 @given(onset_s=st.floats(0.3, 1.5), direction=st.sampled_from([-1.0, 1.0]))
 def test_a_smooth_start_reads_the_level_of_sliding(onset_s: float, direction: float) -> None:
     q, dq, torque = start(onset_s, direction)

@@ -83,8 +83,8 @@ def assert_same(found: Estimate, expected: Estimate) -> None:
     assert_same_cycles(found.cycles, expected.cycles)
     for caution, same in zip(found.friction.warnings, expected.friction.warnings, strict=True):
         assert (caution.code, caution.joint, [*caution.numbers]) == (same.code, same.joint, [*same.numbers])
-        numbers = [[one for one in of.numbers.values() if isinstance(one, float)] for of in (caution, same)]
-        np.testing.assert_allclose(*numbers, rtol=1e-9)  # seed 353: the last digit of a mean
+        mine, theirs = ([one for one in of.numbers.values() if isinstance(one, float)] for of in (caution, same))
+        np.testing.assert_allclose(mine, theirs, rtol=1e-9)  # seed 353: the last digit of a mean
     for own, other in zip(found.friction.joints, expected.friction.joints, strict=True):
         assert (own.reason, own.cycles, own.method) == (other.reason, other.cycles, other.method)
         for name in ("coulomb", "viscous"):

@@ -82,7 +82,7 @@ class LocalExecutor(AbstractContextManager["LocalExecutor"]):
 
     def run(self, work: Callable[[Asked], Done], tasks: Iterable[Asked]) -> Generator[tuple[Asked, Done | Lost]]:
         """Yield what came of each task, in any order."""
-        again, finished, submit = list[Asked](), False, partial(self._submit, work)
+        again, submit = list[Asked](), partial(self._submit, work)
         try:
             for task, future in feed(submit, lambda: self.workers, tasks):
                 if _is_broken(future):
@@ -96,10 +96,9 @@ class LocalExecutor(AbstractContextManager["LocalExecutor"]):
                     if not _is_broken(future):
                         break
                 yield task, self._loss() if _is_broken(future) else future.result()
-            finished = True
-        finally:
-            if not finished:
-                self._close()
+        except BaseException:  # also where the iterator is closed before its end
+            self._close()
+            raise
 
     def _submit(self, work: Callable[[Asked], Done], task: Asked) -> "Future[Done]":
         """Give work to the processes, or to new ones where those are broken."""

@@ -222,9 +222,8 @@ def reversals(data: JointData, nominal: Nominal) -> str | None:
 def neighbours_move(data: JointData, _nominal: Nominal) -> str | None:
     """Another joint that moves."""
     other = np.delete(data.others_dq[data.valid], data.own_column, axis=1)
-    if other.size == 0 or np.sqrt(np.mean(other**2, axis=0)).max() < data.dead_speed_rad_s:
-        return "no other joint moves: move the neighbours, also while this joint rests"
-    return None
+    still = other.size == 0 or np.sqrt(np.mean(other**2, axis=0)).max() < data.dead_speed_rad_s
+    return "no other joint moves: move the neighbours, also while this joint rests" if still else None
 
 
 def neighbours_loaded(data: JointData, nominal: Nominal) -> str | None:

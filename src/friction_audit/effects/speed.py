@@ -14,6 +14,7 @@ from friction_audit.joint_log import Float
 
 # Shares of the log's high speed between which friction may fade: beyond, no film has built up within the log.
 LOWEST, HIGHEST = 0.01, 0.4
+STRIBECK_RAD_S, WIDTH_RAD_S, FASTEST_RAD_S = 1e-6, 1e-4, 10.0  # bounds of those speeds
 EXPONENTS = (0.5, 1.0, 2.0)
 
 CARREAU = 2.0  # degrees of freedom of Carreau's bend, whose sharpness is 0
@@ -27,11 +28,11 @@ SMOOTH, DEAD_BAND = 0.0, 1.0
 FORMS = ((-0.3, SMOOTH), (0.0, SMOOTH), (0.3, SMOOTH), (0.0, DEAD_BAND))  # skews with forms
 
 
-def low_speeds(data: JointData, effect: Effect, count: int) -> list[float]:
-    """Return speeds below which friction may fade, by those of the log and within the effect's first bounds."""
-    (fast,), first = speeds(data, 95.0), effect.nonlinear[0]
+def low_speeds(data: JointData, count: int, slowest: float) -> list[float]:
+    """Return speeds below which friction may fade, by those of the log, within bounds."""
+    (fast,) = speeds(data, 95.0)
     tried = np.geomspace(LOWEST * fast, HIGHEST * fast, count)
-    return [float(speed) for speed in np.clip(tried, first.lower, first.upper)]
+    return [float(speed) for speed in np.clip(tried, slowest, FASTEST_RAD_S)]
 
 
 class Stribeck(Effect):
@@ -57,12 +58,12 @@ STRIBECK = Stribeck(
     axis="speed",
     coefficients=(Parameter("stribeck_excess_nm", "N m", "static minus Coulomb friction", lower=0.0),),
     nonlinear=(
-        Parameter("stribeck_speed_rad_s", "rad/s", "Stribeck velocity", lower=1e-6, upper=10.0),
+        Parameter("stribeck_speed_rad_s", "rad/s", "Stribeck velocity", lower=STRIBECK_RAD_S, upper=FASTEST_RAD_S),
         Parameter("stribeck_exponent", "1", "Stribeck exponent", lower=0.2, upper=5.0),
     ),
     traits=Trait.FRICTION | Trait.SPEED_ONLY,
     needs=partial(speed_range, ratio=8.0),
-    tries=lambda data: product(low_speeds(data, STRIBECK, 8), EXPONENTS),
+    tries=lambda data: product(low_speeds(data, 8, STRIBECK_RAD_S), EXPONENTS),
     record="move steadily at speeds that differ by a factor of 8, very slow to fast",
     separate={
         "nonlinear_viscous": "move steadily at speeds that differ by a factor of 8 and more, very slow to fast",
@@ -192,12 +193,12 @@ UNLOGGED_COMPENSATION = UnloggedCompensation(
     axis="speed",
     coefficients=(Parameter("unlogged_nm", "N m", "compensator torque at high speed", lower=0.0),),
     nonlinear=(
-        Parameter("unlogged_width_rad_s", "rad/s", "velocity scale near zero", lower=1e-4, upper=10.0),
+        Parameter("unlogged_width_rad_s", "rad/s", "velocity scale near zero", lower=WIDTH_RAD_S, upper=FASTEST_RAD_S),
         Parameter("unlogged_skew", "1", "shift of its sigmoid", lower=-2.0, upper=2.0),
         Parameter.choice("unlogged_form", "0 smooth, 1 dead band", 0.0, 1.0),
     ),
     traits=Trait.SPEED_ONLY,
-    tries=lambda data: ((w, *form) for w, form in product(low_speeds(data, UNLOGGED_COMPENSATION, 6), FORMS)),
+    tries=lambda data: ((w, *form) for w, form in product(low_speeds(data, 6, WIDTH_RAD_S), FORMS)),
     record="log the commanded torque",
     jumps=("unlogged_width_rad_s",),
 )
