@@ -9,7 +9,7 @@ import pytest
 from friction_audit.errors import InputError
 from friction_audit.io.readers import ReadOptions, read_log
 from friction_audit.io.readers.reader import InBlocks
-from friction_audit.io.writers.write_log import write_log
+from friction_audit.io.writers.write_log import WRITERS, write_log
 from friction_audit.joint_log import JointLog, Source
 from friction_audit.log_in_blocks import LogInBlocks
 from friction_audit.pipeline import AuditSettings
@@ -17,16 +17,8 @@ from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from tests.io.synthetic_recordings import motion
 from tests.io.test_in_blocks import assert_same_log
 
-FORMS = {
-    "csv": "run.csv",
-    "csv-rostopic": "run.csv",
-    "npz": "run.npz",
-    "mcap": "run.mcap",
-    "mcap-json": "run.mcap",
-    "mcap-franka-robot-state": "run.mcap",
-    "rosbag1-joint-state": "run.bag",
-    "rosbag2-sqlite3": "run",
-}
+BAGS = ("mcap", "mcap-json", "mcap-franka-robot-state", "rosbag1-joint-state", "rosbag2-sqlite3")
+FORMS = ("csv", "csv-rostopic", "npz", *BAGS)
 
 
 @pytest.fixture(scope="module")
@@ -60,8 +52,9 @@ def test_blocks_are_the_whole(
 ) -> None:
     cut_into(rows, monkeypatch)
     shorter = log.take_window(0.0, 4.0) if dialect == "mcap-json" else log  # decoded one by one
-    write_log(shorter, tmp_path / FORMS[dialect], dialect=dialect)
-    assert_in_blocks(tmp_path / FORMS[dialect], blocks=2)
+    path = tmp_path / f"run{next(one.suffix for one in WRITERS if one.name == dialect)}"
+    write_log(shorter, path, dialect=dialect)
+    assert_in_blocks(path, blocks=2)
 
 
 @pytest.mark.parametrize("order", ["C", "F"])

@@ -12,6 +12,7 @@ from mcap.writer import CompressionType
 
 from friction_audit.errors import InputError, UsageError
 from friction_audit.io.readers import list_topics
+from friction_audit.io.readers.message_decoder import franka_types
 from friction_audit.io.readers.rosbag1 import Rosbag1Stream
 from friction_audit.io.recording import Recording
 from friction_audit.io.writers.mcap import _descriptors
@@ -19,17 +20,6 @@ from tests.io import bag_writing as bags
 
 STORE, STORE2 = bags.ros1_store(), bags.ros2_store()
 FRANKA_STATE = "franka_msgs/msg/FrankaState"
-FRANKA_DEFINITION = """Header header
-float64[7] q
-float64[7] q_d
-float64[7] dq
-float64[7] tau_J
-float64[7] tau_J_d
-float64[7] tau_ext_hat_filtered
-float64 time
-uint8 robot_mode
-bool[3] errors
-"""
 
 
 def codes(recording: Recording) -> set[str]:
@@ -49,7 +39,8 @@ def test_arm_and_gripper_taking_turns_on_one_topic(tmp_path: Path) -> None:
 
 
 def test_franka_state_beside_republished_joint_states(tmp_path: Path) -> None:
-    store = bags.ros1_store((FRANKA_STATE, FRANKA_DEFINITION))
+    store = bags.ros1_store()
+    store.register(franka_types(("Errors_41", "FrankaState_ros1"), FRANKA_STATE))
     values = bags.samples(90)
     topic = "/franka_state_controller/joint_states"
     twice = [bags.joint_states(STORE, values), bags.joint_states(STORE, values, topic, every=2)]

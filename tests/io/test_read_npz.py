@@ -16,19 +16,11 @@ def test_a_log_of_panda_py(tmp_path: Path) -> None:
     """What get_log() returns: lists of vectors, time in ms as vectors of length 1."""
     arrays = motion(300, 7)
     time = [np.array([5_000 + n]) for n in range(300)]
-    signals: dict[str, Any] = {
-        "q": arrays["q"],
-        "dq": arrays["dq"],
-        "tau_J": arrays["tau_J"],
-        "tau_ext_hat_filtered": arrays["q"],
-    }
-    others: dict[str, Any] = {
-        "O_T_EE": np.zeros((300, 16)),
-        "elbow": np.zeros((300, 2)),
-        "control_command_success_rate": time,
-    }
+    signals: dict[str, Any] = {name: arrays[name] for name in ("q", "dq", "tau_J")} | {"time": time}
+    signals |= {"tau_ext_hat_filtered": arrays["q"], "control_command_success_rate": time}
+    signals |= {"O_T_EE": np.zeros((300, 16)), "elbow": np.zeros((300, 2))}
     path = tmp_path / "run.npz"
-    np.savez(path, time=time, **{name: list(array) for name, array in {**signals, **others}.items()})  # type: ignore[arg-type]
+    np.savez(path, **{name: list(array) for name, array in signals.items()})  # type: ignore[arg-type]
     log = read_log(path)
     np.testing.assert_array_equal(log.q, arrays["q"])
     np.testing.assert_array_equal(log.tau_ext_hat_filtered, arrays["q"])

@@ -84,12 +84,12 @@ def _with_channels(first_path: Path, first: Recording, path: Path, other: Record
             f"with --map, or leave out --join {path}"
         )
     order = _joints_in_order(first_path, first, path, other)
-    stamps, rows = np.unique(stamps, return_index=True)  # NaN comes last
-    stamps = stamps[np.isfinite(stamps)]
+    rows = np.flatnonzero(np.isfinite(stamps))
+    stamps, first_of = np.unique(stamps[rows], return_index=True)
     longest = LONGEST_GAP * float(np.median(np.diff(stamps))) if len(stamps) > 1 else 0.0
     channels = dict(first.channels)
     for channel in new:
-        values = other.channels[channel][rows[: len(stamps)]]
+        values = other.channels[channel][rows[first_of]]
         columns = [interpolated(first.t, stamps, values[:, joint], longest) for joint in order]
         channels[channel] = np.asfortranarray(np.column_stack(columns))
     findings = [replace(one, message=f"{path.name}: {one.message}") for one in other.findings]

@@ -41,14 +41,7 @@ READERS: tuple[Reader, ...] = (
 _FORMATS = ", ".join(f"{reader.name} ({' '.join(reader.suffixes) or 'directory'})" for reader in READERS)
 _DEFAULT = ReadOptions()
 _FACTORS = {"torque_constant": "torque constant {} N m/A", "gear_ratio": "gear ratio {}", "torque_scale": "scale {}"}
-_AS_READ = (
-    "robot",
-    "serial",
-    "clock",
-    "topic",
-    "clock_windows",
-    "findings",
-)  # what a source says as its recording does
+_AS_READ = ("robot", "serial", "clock", "topic", "clock_windows", "findings")  # of a source, as of its recording
 Listen = Callable[[JointLog], Take | None]
 _PACKED = {b"\x1f\x8b": "gzip", b"BZh": "bzip2", b"\xfd7zXZ": "xz", b"\x28\xb5\x2f\xfd": "zstd"}
 

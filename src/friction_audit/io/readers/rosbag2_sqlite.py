@@ -202,9 +202,8 @@ class Sqlite3Stream(MessageStream):
     def _read_connections(self, database: sqlite3.Connection) -> tuple[Connection, ...]:
         tables = {name for (name,) in database.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
         if missing := {"topics", "messages"} - tables:
-            what = (
-                f"no table {' and no table '.join(sorted(missing))}; tables are {', '.join(sorted(tables)) or 'none'}"
-            )
+            there = ", ".join(sorted(tables)) or "none"
+            what = f"no table {' and no table '.join(sorted(missing))}; tables are {there}"
             raise InputError(f"{self._path}: {what}; expected the sqlite3 storage of a ROS 2 bag; choose another file")
         query = "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions"
         known = database.execute(query) if "message_definitions" in tables else ()
