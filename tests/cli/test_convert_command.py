@@ -13,6 +13,13 @@ LOG = Path(__file__).parents[2] / "sample_logs" / "formats" / "csv.csv"
 """A log with all that any dialect needs."""
 
 
+@pytest.mark.parametrize(("out", "lost"), [("out.csv", True), ("out.parquet", False)])
+def test_the_name_of_the_arm_is_not_lost_in_silence(run: Run, logs: Path, out: str, *, lost: bool) -> None:
+    """Without it the same log has another model of gravity."""
+    answer = run("convert", logs / "moved2.csv", out, "--robot", "panda")
+    assert ("the name of the arm (read it with --robot panda)" in answer.err) is lost
+
+
 def test_joints_and_time_are_cut(run: Run, logs: Path, tmp_path: Path) -> None:
     asked = ("--joints", "2", "--t-start", "2", "--t-end", "5")
     output = run("convert", logs / "moved2.csv", "part.parquet", *asked, "--json").document()["output"]

@@ -6,6 +6,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -74,7 +75,7 @@ def test_of_a_long_log_a_part_is_diagnosed_and_that_is_said(run: Run, logs: Path
     assert run("diagnose", logs / "moved1.csv", "--at-most", "0").code == 2
 
 
-DEAD = {
+DEAD: dict[str, tuple[str, Any]] = {
     "torque of zeros": ("tau_interaction", 0.0), "frozen torque": ("tau_interaction", 0.37), "no dq": ("dq", 0.0),
     "a few counts": ("tau_interaction", 0.001 * np.random.default_rng(1).integers(-2, 3, 1 << 16)),
 }  # fmt: skip

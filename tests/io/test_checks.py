@@ -268,7 +268,7 @@ def test_a_motor_or_an_encoder_of_an_arm_is_not_taken_for_degrees(tmp_path: Path
     frame = tidy_frame(3000).rename(
         columns=lambda column: column.replace("q_", f"{name}_") if column[0] == "q" else column
     )
-    turned = [column for column in frame if column.startswith((name, "dq"))]
+    turned = [column for column in map(str, frame) if column.startswith((name, "dq"))]
     frame[turned] *= factor
     frame.to_csv(tmp_path / "arm.csv", index=False)
     with pytest.raises(InputError, match=r"a motor of many turns; .* divide the columns of a motor by the gear ratio"):

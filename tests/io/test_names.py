@@ -65,7 +65,7 @@ TWO_ARMS = ["time", *(f"{a}_joint{i}/{c}" for a in ("left", "right") for c in ("
         ("q_dot_1|qDot1|position_dot_1|iiwa.joint_velocity_estimated[1]", "dq", 1, None),
         ("data.qpos.3|obs/joint_pos[3]|Axis3_FeedbackPosition|/friction_test/joint_states/position[3]", "q", 3, None),
         ("Feedback trq 3|lowstate.motor_state[3].tauEst|/panda/tau_measured.3", "tau_J", 3, None),
-        ("link_position_1|q1 [rad]", "q", 1, None),
+        ("link_position_1|q1 [rad]|actuators_1_position", "q", 1, None),
     ],
 )
 def test_names_of_columns_in_use(names: str, channel: str, index: int | None, joint: str | None) -> None:
@@ -152,6 +152,12 @@ def test_the_joint_comes_before_its_motor_and_the_degree_sign_is_read() -> None:
     both = [f"{side}_{c}_1" for side in ("motor", "link") for c in ("position", "velocity", "torque")]
     assert {name.split("_")[0] for name in mapped(["t", *both]).mapping.values()} == {"link"}
     assert mapped(["t", "q1 [°]", "dq1 [°/s]", "tau1 [Nm]"]).degrees == {"q", "dq"}
+
+
+def test_a_torque_from_elsewhere_than_the_position_is_doubted() -> None:
+    apart = mapped("t left.q1 left.q2 left.dq1 left.dq2 right.tau1 right.tau2")
+    assert [finding.code for finding in apart.findings] == ["topic_chosen"]
+    assert mapped("t left.q1 left.q2 left.dq1 left.dq2 left.tau1 left.tau2").findings == ()
 
 
 @pytest.mark.parametrize(

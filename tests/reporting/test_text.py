@@ -104,6 +104,7 @@ def test_the_longest_sentence_has_two_hundred_characters() -> None:
 
 def test_structure_in_what_is_called_noise_is_said_and_a_gravity_error_asks_for_the_payload() -> None:
     line = ResidualCheck(code="line", along="path", frequency=0.53, share=0.2)
+    assert NAMED.gap is not None
     gap = replace(NAMED.gap, after=6.1, floor=6.1)
     text = joint_message(replace(NAMED, verdict="unexplained", effects=(), gap=gap, checks=(line,)))
     assert text.startswith(

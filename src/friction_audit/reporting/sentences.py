@@ -50,8 +50,8 @@ SENTENCES: Mapping[str, str] = {
         code.replace("#", name): text.replace("#", name)
         for name in ("coulomb", "viscous")
         for code, text in {
-            "negative_#": "negative # coefficient: the torque contains more than friction; check gravity, payload, "
-            "delay and the range of speeds",
+            "negative_#": "negative # coefficient: the torque contains more than friction, or friction falls with the "
+            "speed (Stribeck); check gravity, payload, delay and the range of speeds, or ask `diagnose`",
             "#_changes": "the # coefficient changes within the log, from {early:.3f} (first {cycles} cycles) to "
             "{late:.3f} (last); see the history",
             "#_not_determined": "the # coefficient is not determined: its interval exceeds {most:g} times the torque "

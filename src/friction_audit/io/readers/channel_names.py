@@ -28,8 +28,9 @@ _TORQUES = {"ext": "tau_ext_hat_filtered", "external": "tau_ext_hat_filtered", "
             "gravity": "gravity", "grav": "gravity", "g": "gravity"}  # fmt: skip
 _WHOLE_NAMES = {"f_m": "tau_interaction", "friction_compensation": "tau_compensation"}
 _MEASURED = {"measured", "meas", "msr", "actual", "act", "j", "link", "real", "feedback", "fb"}
-_SAYS_NOTHING = {"joint", "joints", "jnt", "axis", "axes", "a", "m", "motor", "motors", "actuator", "state", "sensor",
-                 "as", "hat", "est", "estimated", "filtered", "filt", "raw", "angular", "field"}  # fmt: skip
+_SAYS_NOTHING = {"joint", "joints", "jnt", "axis", "axes", "a", "m", "motor", "motors", "actuator", "actuators",
+                 "state", "sensor", "as", "hat", "est", "estimated", "filtered", "filt", "raw", "angular",
+                 "field"}  # fmt: skip
 _COMMANDED = {"desired", "des", "cmd", "cmds", "command", "commands", "commanded", "target", "targets", "goal", "goals",
               "reference", "references", "ref", "refs", "setpoint", "setpoints", "action", "actions", "planned",
               "points"}  # fmt: skip

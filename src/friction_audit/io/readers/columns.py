@@ -84,7 +84,7 @@ def map_columns(
     parsed = {cell: parse_name(name) for cell, name in enumerate(bare) if cell not in outside and name not in taken}
     if joint is not None:  # the joint's name or number is in the row
         parsed = {cell: name for cell, name in parsed.items() if name and name.index is None and name.joint is None}
-    guessed, others = _guessed_groups(parsed, labels, stated)
+    guessed, others, heads = _guessed_groups(parsed, labels, stated)
     groups = {**guessed, **stated}
     q = groups.get("q")
     if q is not None and others and len(q.cells) == 1 and not q.names and "{" not in q.template:
@@ -107,6 +107,11 @@ def map_columns(
     columns = replace(_align(groups, time, bare, path, needed), stated=frozenset(stated))
     message = f"{columns.mapping.get('q')} was read as q; also there: {', '.join(others)}; choose with --map"
     found = (Finding("topic_chosen", message),) if others else ()
+    torque = next((c for c in TORQUE_CHANNELS if c in columns.channels), "")
+    if {"q", torque} <= heads.keys() and heads["q"] != heads[torque]:
+        both = f"{columns.mapping['q']} was read as q and {columns.mapping[torque]} as {torque}"
+        message = f"{both}, which stand apart; check that they are of one arm and one clock; choose with --map"
+        found += (Finding("topic_chosen", message),)
     return replace(columns, findings=(*columns.findings, *found))
 
 
@@ -174,8 +179,11 @@ def _outside_the_arm(
 
 def _guessed_groups(
     names: Mapping[int, ForeignName | None], labels: Mapping[int, str], stated: Collection[str]
-) -> tuple[dict[str, Group], list[str]]:
-    """Return the columns of each channel by the first of its best templates, and the other templates of q as good."""
+) -> tuple[dict[str, Group], list[str], dict[str, str]]:
+    """Group the columns by channel and template, and keep the first of the best templates of each channel.
+
+    Also returns the other templates of q that are as good, and what stands before the words of each channel.
+    """
     found: dict[str, dict[tuple[tuple[int, ...], str], dict[int, ForeignName]]] = {}
     rank_of = ranks([name for name in names.values() if name])
     for cell, parsed in names.items():
@@ -185,7 +193,8 @@ def _guessed_groups(
     best = {channel: min(candidates.items(), key=lambda one: one[0][0]) for channel, candidates in found.items()}
     groups = {channel: _group(template, cells, labels) for channel, ((_, template), cells) in best.items()}
     tied = [key[1] for key in found.get("q", {}) if key[0] == best["q"][0][0]]
-    return groups, tied[1:]
+    heads = {channel: next(iter(cells.values())).head for channel, (_, cells) in best.items()}
+    return groups, tied[1:], heads
 
 
 def _group(template: str, cells: Mapping[int, ForeignName], labels: Mapping[int, str]) -> Group:
