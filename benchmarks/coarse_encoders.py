@@ -1,9 +1,8 @@
 """Clean joints whose position or velocity is read in coarse steps: the clean logs of ``hidden_effects``, rounded.
 
 By seed in turn: q in steps of 1 mrad; dq in steps of 50 mrad/s; q in steps of 1 mrad, and no velocity but its slope;
-q in steps of 0.3 mrad likewise. Rows that failed: before a velocity's noise was at least its rounding, coarse_118021
-(named joint_elasticity); before columns that follow the acceleration of a coarse position were left out, all of the
-last two kinds (unexplained).
+q in steps of 0.3 mrad likewise. Rows that failed before: coarse_118021 (named joint_elasticity), most of the last two
+kinds (unexplained; now not_testable).
 """
 
 from collections.abc import Sequence

@@ -98,7 +98,7 @@ class Dictionary:
 
         def of(k: int) -> tuple[str | None, list[Block]]:
             effect = made.effects[k]
-            why = effect.not_identifiable(problem.data, baseline) or _hidden_by_rounding(effect, problem)
+            why = effect.not_identifiable(problem.data, baseline)
             return why, made.build_blocks(effect, grid_of(effect, problem.data, why is None))
 
         for effect, (why, blocks) in zip(made.effects, side_by_side(of, len(made.effects)), strict=True):
@@ -237,18 +237,6 @@ class Dictionary:
 
     def _grid(self, effect: Effect) -> Sequence[Nonlinear]:
         return effect.grid(self.problem.data) or effect.identifiable_part(self.problem.data)
-
-
-def _hidden_by_rounding(effect: Effect, problem: RegressionProblem) -> str | None:
-    """Which steps of the motion an effect that follows acceleration or reversals needs; None where they are fine."""
-    if problem.coarseness <= 1.0 or effect.axis not in ("acceleration", "displacement"):
-        return None
-    data, step = problem.data, 12.0**0.5 * problem.data.rounding
-    unit, other = ("rad", ", or the velocity itself") if data.derived_from == "q" else ("rad/s", "")
-    return (
-        f"{data.derived_from} is read in steps of {step:.2g} {unit}, too coarse for accelerations and reversals: "
-        f"record steps of at most {step / problem.coarseness:.1g} {unit}{other}"
-    )
 
 
 def grid_of(effect: Effect, data: JointData, testable: bool) -> Sequence[Nonlinear]:

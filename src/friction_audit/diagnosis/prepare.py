@@ -236,7 +236,7 @@ def _filtered_motion(
 def _slope_gain(low_pass: LowPass, t: Float) -> float:
     """Standard deviation of the slope of a low-passed signal over that of its white noise. [1/s]"""
     fine_s = float(low_pass.fine[1] - low_pass.fine[0])
-    return float(np.linalg.norm(low_pass.slope)) * (median_step(t) / fine_s) ** 0.5
+    return float(np.linalg.norm(low_pass.slope) * np.sqrt(median_step(t) / fine_s))
 
 
 def _cycle_of(t: Float, cycles: EnergyCycles, joint: int) -> Index:

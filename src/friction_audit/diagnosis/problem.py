@@ -23,7 +23,7 @@ from friction_audit.diagnosis.samples import (
 )
 from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, displacement
 from friction_audit.effects.joint_model import JointModel
-from friction_audit.effects.transmission import motion_below
+from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.even_grid import first_order
 
@@ -35,7 +35,6 @@ SIGN_WIDTHS_RAD_S = np.geomspace(5e-4, 1.2e-2, 9)
 SLOW_RAD_S = 5e-3  # below it the law of friction is as uncertain as right after a reversal
 OFFSET_SHARE = 0.0025  # of Coulomb friction: a quarter of what counts as negligible
 SAMPLE_SD = 0.29  # of a sample, the standard deviation of a delay evenly spread over one sample
-MOTION_HZ = 5.0  # what people and motors mean to do is below 4 Hz
 REVERSAL_S = 0.05  # time over which a wrong formula of a reversal fades
 LAGS_S = (0.03, 0.1, 0.3, 1.0, 3.0)  # of the velocity behind a first-order filter
 RINGING_HZ, DAMPING_RATIOS = np.geomspace(1.0, 12.0, 8), (0.05, 0.2)  # of what the acceleration excites
@@ -98,18 +97,24 @@ class RegressionProblem:
     age: Index  # samples before each one in its unbroken stretch, shape (m,)
     fold: Index  # number of the fold of each sample, whole cycles, shape (m,)
     curves: tuple[Curve, ...]  # a curve over every quantity that varies
-    coarseness: float  # how many times too large the steps of the motion are for columns that follow the acceleration
 
     @classmethod
     def build(cls, data: JointData, model: JointModel | None) -> "RegressionProblem":
         """Filter and thin out a joint.
 
         Raises:
-            AnalysisError: If the model leaves nothing to fit.
+            AnalysisError: If the model leaves nothing to fit, or the motion is read in steps that are too coarse.
         """
         samples = make_samples(data)
         nominal = nominal_model(data, samples, model)
         inertia = abs(nominal.baseline(least_squares(nominal.columns, nominal.y)).inertia_kg_m2)
+        if (coarse := coarseness(data, inertia)) > 1.0:
+            step = 12.0**0.5 * data.rounding
+            unit, other = ("rad", ", or the velocity itself") if data.derived_from == "q" else ("rad/s", "")
+            raise AnalysisError(
+                f"{data.derived_from} is read in steps of {step:.2g} {unit}, too coarse for an acceleration: record "
+                f"steps of at most {step / coarse:.1g} {unit}{other}"
+            )
         if (corner := corner_for(data, inertia)) < CORNER_HZ:
             samples = make_samples(data, corner)
             nominal = nominal_model(data, samples, model)
@@ -122,15 +127,7 @@ class RegressionProblem:
         follows &= samples.cycle == np.roll(samples.cycle, 1)
         follows &= ~samples.breakaway & ~np.roll(samples.breakaway, 1)
         fold, curves = folds_of(samples.cycle), _curves(data, samples)
-        return cls(
-            data=data,
-            samples=samples,
-            nominal=nominal,
-            age=_age(follows),
-            fold=fold,
-            curves=curves,
-            coarseness=coarseness(data, inertia),
-        )
+        return cls(data=data, samples=samples, nominal=nominal, age=_age(follows), fold=fold, curves=curves)
 
     @property
     def folds(self) -> int:
@@ -190,18 +187,13 @@ class RegressionProblem:
         )
 
     def nuisances(self, baseline: Nominal) -> tuple[Nuisance, ...]:
-        """Smoothing of the sign, delay of the recorder, errors of a coarse motion, offset of the sensor."""
+        """Smoothing of the sign, delay of the recorder, offset of the sensor."""
         data, coulomb = self.data, abs(baseline.coulomb_nm)
         fine = self._smoothed_sign()
         priors: list[tuple[float, tuple[str, ...]]] = [(coulomb, ())] * len(fine)
         if data.sample_s > 0:
             fine.append(-np.gradient(baseline.torque, data.step_s))
             priors.append((SAMPLE_SD * data.sample_s, ("time_delay",)))
-        if self.coarseness > 1.0:
-            # Errors of the acceleration make its coefficient too small, and other effects explain what is missing:
-            # without a smoother acceleration coarse_118037 is named gravity_error.
-            fine.append(motion_below(data, MOTION_HZ).ddq)
-            priors.append((abs(baseline.inertia_kg_m2), ()))
         fine.append(np.ones(len(data.t)))
         priors.append((OFFSET_SHARE * coulomb, ("torque_bias", "asymmetric_coulomb")))
         columns = self.columns(np.column_stack(fine))

@@ -50,18 +50,11 @@ def _curves(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
     return [
         ResidualCheck(code="curve", along=c.axis.name, share=1.0 - (held_out(gram, active, c.columns).rms / rms) ** 2)
         for c in gram.problem.curves
-        if not (_rounded(gram) and c.axis.name == "acceleration") and given.evidence(gram.whiten(c.columns)) > PRIOR
+        if given.evidence(gram.whiten(c.columns)) > PRIOR
     ]
 
 
-def _rounded(gram: Gram) -> bool:
-    """Whether the acceleration is mostly the rounding of the motion, of which the residual holds the same."""
-    return gram.problem.coarseness > 1.0
-
-
 def _response(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
-    if _rounded(gram):
-        return []
     columns = gram.problem.responses
     evidence, best = _integrated(Projected(Training(gram), active), [gram.whiten(one) for one in columns])
     if evidence <= PRIOR:

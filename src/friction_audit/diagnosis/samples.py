@@ -42,6 +42,7 @@ LOWEST_CORNER_HZ = 8.0
 # clean logs have a spring that is significant, if too small for a name.
 QUIET_SHARE = 0.5
 OBSERVED = 0.62  # of white noise, what a density from second differences finds: the grid's low-pass takes the rest
+SMALL = 1e-3  # of the torque, what no diagnosis needs
 MOST_UNCERTAIN = 0.02  # share of the filter's weight that may come from samples without a certain direction
 MOST_LAGS = 8
 LOADING = 0.05  # white part of the variance: plain AR weights frequencies that hold nothing but the filter's stop band
@@ -144,13 +145,16 @@ def corner_for(data: JointData, inertia_kg_m2: float) -> float:
 def coarseness(data: JointData, inertia_kg_m2: float) -> float:
     """How many times too large the steps are in which the position, or the velocity, is read.
 
-    Above 1 their noise in inertia times acceleration is more than half of that of the torque at every corner: columns
-    that follow the acceleration then explain that noise (errors in variables: W. A. Fuller, Measurement Error Models
-    (1987), section 1.1), which correlates with what is left. Steps of 1 mrad without a logged velocity do that, and the
-    residual of clean joints follows their past motion.
+    Above 1 their noise in inertia times acceleration is more than half of that of the torque at every corner. It is in
+    the residual and in all that follows the acceleration (errors in variables: W. A. Fuller, Measurement Error Models
+    (1987), section 1.1): without this coarse_118003 is unexplained, and coarse_118015 named nonlinear_viscous.
     """
+    # A torque without noise is as quiet as this share of it, white below the lowest corner.
+    least = (
+        SMALL * float(np.std(data.torque)) / SIGMA_PER_MEDIAN / np.sqrt(2.0 * np.pi * LOWEST_CORNER_HZ * data.step_s)
+    )
     noise = inertia_kg_m2 * _rounding_noise(data) * LOWEST_CORNER_HZ ** _order_of(data)
-    return noise / max(QUIET_SHARE * _torque_noise(data), np.finfo(float).tiny)
+    return float(noise / max(QUIET_SHARE * max(_torque_noise(data), least), np.finfo(float).tiny))
 
 
 def _order_of(data: JointData) -> int:
