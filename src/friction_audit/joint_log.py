@@ -1,6 +1,6 @@
 """JointLog: what was recorded, in SI units and libfranka symbols; its constructor alone checks its invariants."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
@@ -151,8 +151,8 @@ class JointLog(Recording):
         found = ((name, getattr(self, name)) for name in JOINT_CHANNELS)
         return {name: array for name, array in found if array is not None}
 
-    def blocks(self) -> "Iterator[LogPart]":
-        """Yield the log in parts that follow each other: one that is in memory is one part."""
+    def blocks(self, names: Collection[str] = JOINT_CHANNELS) -> "Iterator[LogPart]":  # noqa: ARG002
+        """Yield the log in parts that follow each other: one that is in memory is one part, with all channels."""
         yield LogPart(t=self.t, **self.channels(), joint_names=self.joint_names, source=self.source, first=0)
 
     def blocks_of(self, channel: str) -> "Iterator[tuple[int, Float, Float]]":

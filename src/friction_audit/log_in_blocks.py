@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.joint_log import Float, JointLog, LogPart
+from friction_audit.joint_log import JOINT_CHANNELS, Float, JointLog, LogPart
 from friction_audit.parallel import ahead
 
 # A longer log is judged by means of stretches that are spread evenly over it: an hour at 50 Hz, in pieces of 20 s.
@@ -53,11 +53,12 @@ class LogInBlocks(LogPart):
             return self
         return self.read_whole().take_window(start_s, stop_s)
 
-    def blocks(self) -> Iterator[LogPart]:
-        """Read the log in parts that follow each other."""
+    def blocks(self, names: Collection[str] = JOINT_CHANNELS) -> Iterator[LogPart]:
+        """Read the log, or some of its channels, in parts that follow each other; a position not asked for is NaN."""
         first = 0
-        for t, channels in ahead(self.read(self.channels())):
-            yield LogPart(t=t, **channels, joint_names=self.joint_names, source=self.source, first=first)
+        for t, channels in ahead(self.read([name for name in self.channels() if name in names])):
+            held = {"q": np.broadcast_to(np.nan, (len(t), len(self.joint_names))), **channels}
+            yield LogPart(t=t, **held, joint_names=self.joint_names, source=self.source, first=first)
             first += len(t)
 
     def blocks_of(self, channel: str) -> Iterator[tuple[int, Float, Float]]:

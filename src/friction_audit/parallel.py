@@ -74,6 +74,7 @@ def per_joint(work: Callable[[int], Result], joints: int) -> list[Result]:
         try:
             share()
         finally:
+            list(left)  # of work that is interrupted, no more is begun
             wait_for([one for one in helpers if not one.cancel()])
     return [done[joint].result() for joint in range(joints)]
 

@@ -78,11 +78,8 @@ class Estimate(Shown):
     port: PortTorque | None = None  # of a log that is read in blocks, whose ``interaction`` has no samples
 
     def parts(self) -> "Iterator[Interaction]":
-        """Yield motion and torque in parts that follow each other; those of a log in memory are one."""
-        if self.port is None:
-            yield self.interaction
-        else:
-            yield from map(self.port.interaction, self.port.log.blocks())
+        """Return velocity and torque in parts that follow each other; those of a log in memory are one."""
+        return iter([self.interaction]) if self.port is None else self.port.driving()
 
     def __repr__(self) -> str:
         unit = f"torque in {self.log.source.torque_unit}, velocity in rad/s, 95 % intervals"

@@ -9,14 +9,16 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from friction_audit.compensation.settings import ReplaySettings
 from friction_audit.io.readers import ReadOptions, read_log
 from friction_audit.io.readers.reader import InBlocks
 from friction_audit.joint_log import LogPart
 from friction_audit.log_in_blocks import LogInBlocks
-from friction_audit.pipeline import AuditSettings, estimate_log, while_read
+from friction_audit.pipeline import AuditSettings, estimate_log, replay_log, while_read
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.preprocessing.sign import coarse_log
 from friction_audit.reporting.estimate import estimate_document
+from friction_audit.reporting.replay import replay_document
 from friction_audit.robot import load_arm
 from tests.io.synthetic_recordings import motion
 from tests.pinned.test_pinned import same
@@ -93,6 +95,15 @@ def test_the_estimate_is_the_same(
         assert isinstance(log, LogInBlocks) is isinstance(options, InBlocks)
         found.append(estimate_document(estimate_log(log, settings)))
     assert_same(found[1], found[0])
+
+
+@pytest.mark.parametrize("case", ["logged gravity", "model", "compensation"])
+def test_the_replay_reads_what_the_torque_is_made_from(frame: pd.DataFrame, tmp_path: Path, case: str) -> None:
+    channels, torque = CASES[case]
+    path, settings = written(frame, tmp_path, *channels), AuditSettings(torque=TorqueSettings(**torque))
+    whole, blocks = (replay_log(read_log(path, how), settings, ReplaySettings()) for how in (ReadOptions(), InBlocks()))
+    assert any(joint.numbers for joint in whole.replay.joints)
+    assert_same(replay_document(blocks)["joints"], replay_document(whole)["joints"])
 
 
 def assert_same_log(

@@ -114,7 +114,7 @@ def _coupling(rows: "_Rows", others: "Mapping[int, RegressionRows]", dead_band_r
     """Say whether the residual follows the velocity of another joint; empty if it does not."""
     left = _left_by(rows.columns, rows.torque)
     for number, other in others.items():
-        velocity = other.velocity()[rows.place]
+        velocity = other.found["velocity"][rows.place]
         direction = np.tanh(velocity / dead_band_rad_s)
         more = np.column_stack([rows.columns, direction, velocity])
         share = 1.0 - _left_by(more, rows.torque) / left
@@ -169,7 +169,8 @@ class RegressionRows:
         self._response = np.convolve(response, SIMPSON)
         # Weights of the averages of three neighbouring blocks, with a sample more at both ends.
         self._blocks = np.pad(np.repeat(np.eye(3) / block, block, axis=0), ((1, 1), (0, 0)))
-        self._found: dict[str, Float] = defaultdict(partial(np.empty, len(self._index)))
+        # By name at all rows, those at which the joint rests among them.
+        self.found: dict[str, Float] = defaultdict(partial(np.empty, len(self._index)))
 
     def take(self, part: Interaction, velocity: Float, start: int, stop: int) -> None:
         """Take the rows of some samples, by their numbers in the log; the velocity is filtered at CUTOFF_HZ."""
@@ -195,7 +196,7 @@ class RegressionRows:
             "torque": self._filtered(load, index),
         }
         for name, values in found.items():
-            self._found[name][own] = values
+            self.found[name][own] = values
 
     def _filtered(self, load: Float, index: NDArray[np.int64]) -> Float:
         """Return a torque at the rows, filtered and averaged over neighbours as the velocity is."""
@@ -212,15 +213,11 @@ class RegressionRows:
             return np.asarray(sum(products[k : k + len(index), k] for k in range(stretches)))
         return np.asarray(self._smooth(load)[index[:, None] + NEIGHBOURS] @ SIMPSON)
 
-    def velocity(self) -> Float:
-        """Return the velocity at all rows, those at which the joint rests among them. [rad/s]"""
-        return self._found["velocity"]
-
     def moving(self, dead_band_rad_s: float) -> _Rows:
         """Return the rows at which the joint moves, after the last part."""
-        moving = np.abs(self._found["velocity"]) > dead_band_rad_s
-        place = np.flatnonzero(moving & (self._found["lasting"] < LONGEST * 2 * self.around * self._step_s))
-        own = {name: column[place] for name, column in self._found.items()}
+        moving = np.abs(self.found["velocity"]) > dead_band_rad_s
+        place = np.flatnonzero(moving & (self.found["lasting"] < LONGEST * 2 * self.around * self._step_s))
+        own = {name: column[place] for name, column in self.found.items()}
         columns = {name: own[name] for name in ("coulomb", "viscous")}
         columns |= {"offset": np.ones(len(place)), "inertia": own["inertia"]}
         columns |= {n: own[n] for n in ("gravity_x", "gravity_y") if len(place) and np.ptp(own[n]) > LEAST_SWING}

@@ -6,7 +6,7 @@ from typing import cast
 import numpy as np
 
 from friction_audit.joint_log import Float, JointLog
-from friction_audit.parallel import per_joint
+from friction_audit.parallel import WORKERS, per_joint
 from friction_audit.preprocessing.interaction import SignEvidence
 from friction_audit.preprocessing.resampling import GridTorque
 from friction_audit.preprocessing.sign import CoarseLog, most
@@ -82,8 +82,10 @@ class Balance:
         source, logged = getattr(log, CHANNELS[self.plan.source]), None if self.logged is None else log.gravity
         if self.sign > 0 and logged is None and self.modelled_means is None and len(columns) == source.shape[1]:
             return cast("Float", source)
-        torque = np.empty((len(log.t), len(columns)), order="F")
-        weight = self.plan.arm.gravity(log.q) if self.plan.arm is not None and self.plan.gravity == "model" else None
+        torque, arm, weight = np.empty((len(log.t), len(columns)), order="F"), self.plan.arm, None
+        if arm is not None and self.plan.gravity == "model":
+            pieces = np.array_split(log.q, WORKERS)
+            weight = np.concatenate(per_joint(lambda piece: arm.gravity(pieces[piece]), WORKERS))
 
         def fill(place: int) -> None:
             own, column = torque[:, place], columns[place]

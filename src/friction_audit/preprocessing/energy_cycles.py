@@ -20,14 +20,9 @@ KEPT, GAP, OPEN, SMALL, ONE_WAY, LONG = range(6)
 REASONS = ("", "gap", "open", "small", "one_way", "long")
 # What the energy balance of a part of a cycle is about, the energy last; see ``EnergyCycles.products``.
 BALANCE = (
-    "path_rad",
-    "square_speed_rad2_s",
-    "displacement_rad",
-    "half_square_speed_change",
-    "gravity_x_rad",
-    "gravity_y_rad",
+    "path_rad", "square_speed_rad2_s", "displacement_rad", "half_square_speed_change", "gravity_x_rad", "gravity_y_rad",
     "dissipated_j",
-)
+)  # fmt: skip
 PAIRS = np.triu_indices(len(BALANCE))
 PER_JOINT = ("initiation", "termination", "fastest", "standstill_rad_s", "moving_s", "peak_power_w")
 

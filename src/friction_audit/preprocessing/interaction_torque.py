@@ -1,5 +1,6 @@
 """The torque at the friction port of a log: source, gravity, inertia and sign chosen, proved and applied."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -31,9 +32,16 @@ class PortTorque:
     choice: TorqueChoice  # how the torque is made, for people
     warnings: tuple[Caution, ...]  # what the user must know
 
-    def interaction(self, part: LogPart) -> Interaction:
-        """Return motion and torque of a part of the log."""
-        index, direction = self.gravity_direction(part)
+    def driving(self) -> Iterator[Interaction]:
+        """Yield velocity and torque of the parts of the log; the position only where the torque is made from it."""
+        plan, logged = self.balance.plan, "gravity" if self.balance.logged is not None else ""
+        names = ("dq", CHANNELS[plan.source], logged, "tau_compensation", "tau_passivity")
+        for part in self.log.blocks((*names, "q") if plan.gravity == "model" else names):
+            yield self.interaction(part, directed=False)
+
+    def interaction(self, part: LogPart, *, directed: bool = True) -> Interaction:
+        """Return motion and torque of a part of the log, and where gravity points there."""
+        index, direction = self.gravity_direction(part) if directed else (None, None)
         kept = part.take_joints(self.columns)
         active = [torque for torque in (kept.tau_compensation, kept.tau_passivity) if torque is not None]
         return Interaction(

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from copy import copy
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from importlib import import_module, resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -116,6 +117,7 @@ class Arm:
                 direction[rows, joint] = down[body][:2].T
         return self.from_model(direction / np.linalg.norm(self.model.opt.gravity))
 
+    @lru_cache(maxsize=4)  # noqa: B019 - of few arms, and asked for with every block of a log
     def _joint_axes(self) -> tuple[Float, Float, Float, Float]:
         """Return axes for each body, the third along its joint, so that it turns two components of a vector only.
 

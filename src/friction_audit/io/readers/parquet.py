@@ -168,21 +168,18 @@ class ParquetTable(ColumnTable):
         """Yield the numbers of some cells, one batch of rows after the other, from a row group on."""
         names, kind = list(dict.fromkeys(self._cells[cell][0] for cell in cells)), self._stamp_type(time)
         groups, rows = range(group, len(self._sizes)), min(_BATCH_ROWS, _BATCH_BYTES // (8 * len(cells)))
-
-        def numbers_of(batch: pa.RecordBatch) -> dict[int, NDArray[Any]]:
-            table, found = arrow.flat(batch), dict[int, NDArray[Any]]()
-            values = {name: self._values(arrow.whole(table[name]), name, 0) for name in names}
-            for cell in cells:
-                name, place = self._cells[cell]
-                found[cell] = values[name] if place is None else values[name][:, place]
-                if cell in time.cells:
-                    self._refuse_missing_stamps(name, found[cell], np.empty(0, kind))
-                    found[cell] = found[cell].astype(kind)
-            return found
-
         try:
             with _open(self.path, self._file.metadata) as file:
-                yield from map(numbers_of, file.iter_batches(rows, groups, columns=names, use_threads=False))
+                for batch in file.iter_batches(rows, groups, columns=names, use_threads=False):
+                    table, found = arrow.flat(batch), dict[int, NDArray[Any]]()
+                    values = {name: self._values(arrow.whole(table[name]), name, 0) for name in names}
+                    for cell in cells:
+                        name, place = self._cells[cell]
+                        found[cell] = values[name] if place is None else values[name][:, place]
+                        if cell in time.cells:
+                            self._refuse_missing_stamps(name, found[cell], np.empty(0, kind))
+                            found[cell] = found[cell].astype(kind)
+                    yield found
         except (pa.ArrowException, OSError) as error:
             raise InputError(f"{self.path}: {error}; the file is damaged or has changed; read it again") from error
 

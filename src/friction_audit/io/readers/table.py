@@ -132,13 +132,10 @@ def part_in_blocks(
     def read(names: Collection[str], *group: int) -> Iterator[Block]:
         nonlocal is_sound
         wanted = {channel: cells for channel, cells in columns.channels.items() if channel in names}
-
-        def copied(piece: dict[int, NDArray[Any]]) -> Block:
-            t = to_clock(stamps_of([piece[cell] for cell in time.cells]), clock.unit, path=path, origin=origin).t
-            return t, {c: np.array([piece[cell] for cell in cells], np.float64).T for c, cells in wanted.items()}
-
-        try:  # by ``map``, which keeps no piece in memory while its copy is worked on
-            yield from map(copied, pieces([*time.cells, *(cell for own in wanted.values() for cell in own)], *group))
+        try:
+            for piece in pieces([*time.cells, *(cell for cells in wanted.values() for cell in cells)], *group):
+                t = to_clock(stamps_of([piece[cell] for cell in time.cells]), clock.unit, path=path, origin=origin).t
+                yield t, {c: np.array([piece[cell] for cell in cells], np.float64).T for c, cells in wanted.items()}
         except (InputError, WholeLogError, OSError) as error:
             if is_sound:
                 raise InputError(f"{path}: changed while it was read; read it again when it is finished") from error
