@@ -7,8 +7,7 @@ from types import ModuleType
 from typing import Any, TypeAlias, TypeVar, cast
 
 from numba import njit
-from numba.core.caching import FunctionCache, IndexDataCacheFile
-from numba.core.runtime.nrt import rtsys
+from numba.core.caching import IndexDataCacheFile
 
 Loop = TypeVar("Loop", bound=Callable[..., Any])
 Record: TypeAlias = Any  # a group of numbers as compiled code sees it: the fields of a dataclass
@@ -30,15 +29,6 @@ class _Index(IndexDataCacheFile):
             return {}
 
 
-class _Cache(FunctionCache):
-    """Machine code that is loaded without what compiles it, which numba would import first: 0.2 s for a command."""
-
-    def load_overload(self, sig: Any, target_context: Any) -> Any:  # noqa: ANN401 - numba has no types
-        rtsys.initialize(target_context)
-        with self._guard_against_spurious_io_errors():
-            return self._load_overload(sig, target_context)  # type: ignore[no-untyped-call]
-
-
 def compiled(signature: str | None = None, *, any_order: bool = False, inline: bool = False) -> Callable[[Loop], Loop]:
     """Compile a loop; it gives the interpreter away while it runs.
 
@@ -56,7 +46,6 @@ def compiled(signature: str | None = None, *, any_order: bool = False, inline: b
             if "cannot cache" not in str(error):
                 raise
             return cast("Loop", njit(signature, **options)(loop))
-        made._cache.__class__ = _Cache  # noqa: SLF001
         index = made._cache._cache_file  # noqa: SLF001 - numba itself looks at the file of the loop alone
         index.__class__, index._version = _Index, f"{index._version} {_age(made)}"  # noqa: SLF001
         if signature is not None:
