@@ -105,6 +105,11 @@ def map_columns(
     if joint is not None:
         return _of_long_table(groups, time, bare, joint, stated)
     columns = replace(_align(groups, time, bare, path, needed), stated=frozenset(stated))
+    return replace(columns, findings=(*columns.findings, *_choices(columns, others, heads)))
+
+
+def _choices(columns: ColumnMap, others: Sequence[str], heads: Mapping[str, str]) -> tuple[Finding, ...]:
+    """Say which columns were read where others could have been."""
     message = f"{columns.mapping.get('q')} was read as q; also there: {', '.join(others)}; choose with --map"
     found = (Finding("topic_chosen", message),) if others else ()
     torque = next((c for c in TORQUE_CHANNELS if c in columns.channels), "")
@@ -112,7 +117,7 @@ def map_columns(
         both = f"{columns.mapping['q']} was read as q and {columns.mapping[torque]} as {torque}"
         message = f"{both}, which stand apart; check that they are of one arm and one clock; choose with --map"
         found += (Finding("topic_chosen", message),)
-    return replace(columns, findings=(*columns.findings, *found))
+    return found
 
 
 def absent(mapping: Mapping[str, str], names: Sequence[str]) -> dict[str, str]:
