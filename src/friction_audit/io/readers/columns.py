@@ -108,15 +108,15 @@ def map_columns(
     return replace(columns, findings=(*columns.findings, *_choices(columns, others, heads)))
 
 
-def _choices(columns: ColumnMap, others: Sequence[str], heads: Mapping[str, str]) -> tuple[Finding, ...]:
+def _choices(columns: ColumnMap, others: Sequence[str], heads: Mapping[str, str]) -> list[Finding]:
     """Say which columns were read where others could have been."""
     message = f"{columns.mapping.get('q')} was read as q; also there: {', '.join(others)}; choose with --map"
-    found = (Finding("topic_chosen", message),) if others else ()
+    found = [Finding("topic_chosen", message)] if others else []
     torque = next((c for c in TORQUE_CHANNELS if c in columns.channels), "")
     if {"q", torque} <= heads.keys() and heads["q"] != heads[torque]:
         both = f"{columns.mapping['q']} was read as q and {columns.mapping[torque]} as {torque}"
         message = f"{both}, which stand apart; check that they are of one arm and one clock; choose with --map"
-        found += (Finding("topic_chosen", message),)
+        found.append(Finding("topic_chosen", message))
     return found
 
 
