@@ -140,7 +140,7 @@ def test_a_table_that_exists_and_the_log_itself_are_kept(run: Run, logs: Path) -
     mine.write_text("mine")
     words = ("-o", "out", "--export", "csv")
     answer = run("estimate", logs / "moved1.csv", *words)
-    assert (answer.code, "cycles.csv: exists already" in answer.err) == (2, True), answer
+    assert (answer.code, "out/cycles.csv, out/interaction.csv: exists already" in answer.err) == (2, True), answer
     answer = run("estimate", log, *words, "--overwrite")
     assert (answer.code, "interaction.csv: is the log itself; nothing was written" in answer.err) == (2, True), answer
     assert (mine.read_text(), log.read_bytes()) == ("mine", (logs / "moved1.csv").read_bytes())
