@@ -134,8 +134,7 @@ def corner_for(data: JointData, inertia_kg_m2: float) -> float:
     # With 25 Hz everywhere, none_none_16001 is named time_delay, and effects_backlash_16001 presliding as well.
     order, quiet = _order_of(data), QUIET_SHARE * _torque_noise(data)
     own = inertia_kg_m2 * max(noise_density(data.ddq, data.step_s, order), _rounding_noise(data))
-    load = 0.0 if data.load is None else noise_density(data.load, data.step_s, order)
-    inertial = float(np.hypot(own, load))
+    inertial = float(np.hypot(own, 0.0 if data.load is None else noise_density(data.load, data.step_s, order)))
     crossing = (quiet / inertial) ** (1.0 / order) if inertial > 0 else CORNER_HZ
     # f^2 / sqrt(f^2 + crossover^2) in the place of f, solved for f
     crossing = np.sqrt((crossing**2 + np.hypot(crossing**2, 2.0 * crossing * data.crossover_hz)) / 2.0)
@@ -145,16 +144,14 @@ def corner_for(data: JointData, inertia_kg_m2: float) -> float:
 def coarseness(data: JointData, inertia_kg_m2: float) -> float:
     """How many times too large the steps are in which the position, or the velocity, is read.
 
-    Above 1 their noise in inertia times acceleration is more than half of that of the torque at every corner. It is in
-    the residual and in all that follows the acceleration (errors in variables: W. A. Fuller, Measurement Error Models
-    (1987), section 1.1): without this coarse_118003 is unexplained, and coarse_118015 named nonlinear_viscous.
+    Above 1 they give inertia times acceleration more than half of the torque's noise at every corner, which all that
+    follows the acceleration explains (W. A. Fuller, Measurement Error Models, 1987): coarse_118003 is unexplained.
     """
     # A torque without noise is as quiet as this share of it, white below the lowest corner.
-    least = (
-        SMALL * float(np.std(data.torque)) / SIGMA_PER_MEDIAN / np.sqrt(2.0 * np.pi * LOWEST_CORNER_HZ * data.step_s)
-    )
-    noise = inertia_kg_m2 * _rounding_noise(data) * LOWEST_CORNER_HZ ** _order_of(data)
-    return float(noise / max(QUIET_SHARE * max(_torque_noise(data), least), np.finfo(float).tiny))
+    band = 2.0 * np.pi * LOWEST_CORNER_HZ * data.step_s
+    least = SMALL * float(np.std(data.torque)) / SIGMA_PER_MEDIAN / float(np.sqrt(band))
+    quiet = max(QUIET_SHARE * max(_torque_noise(data), least), np.finfo(float).tiny)
+    return inertia_kg_m2 * _rounding_noise(data) * LOWEST_CORNER_HZ ** _order_of(data) / quiet
 
 
 def _order_of(data: JointData) -> int:
