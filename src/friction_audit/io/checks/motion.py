@@ -173,7 +173,7 @@ _UNIT_FACTORS = (1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9)
 
 
 _TURNS, _OF_A_TURN = (2.0 * np.pi, 360.0), 0.08  # by which q jumps at the end of a turn, to this share
-_FROZEN_S = 0.5  # in which a channel of a moving joint does not change by the last digit
+_FROZEN_S = 1.0  # in which a channel of a moving joint does not change by the last digit
 _REVERSED_RAD_S = 0.05  # speed that is no noise; in both directions no torque with friction is one number
 
 
@@ -211,7 +211,7 @@ def find_frozen(recording: Recording, columns: Mapping[str, Column], clock: Cloc
     q, dq, found = columns["q"].sample, columns["dq"].sample, list[Finding]()
     step_s = (clock.last_s - clock.first_s) / len(q)
     names = [name for name in ("q", "dq", *TORQUE_CHANNELS) if name in columns]
-    dead = {finding.joint for finding in recording.findings if finding.code == "torque_dead"}
+    dead = {one.joint for one in recording.findings if one.code in ("torque_dead", "torque_coarse")}
     for name, joint in product(names, range(q.shape[1])):
         values = columns[name].sample[:, joint]
         edges = np.concatenate([[0], np.flatnonzero(np.diff(values)) + 1, [len(values)]])
