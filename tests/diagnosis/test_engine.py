@@ -18,7 +18,7 @@ from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_model
 from friction_audit.effects.registry import effect_of, effects
 from friction_audit.joint_log import Float
-from tests.diagnosis.toy_effects import BUMP, LOCKED_OUT, SQUARE, TOYS, altered
+from tests.diagnosis.toy_effects import BUMP, LOCKED_OUT, SQUARE, TOYS, altered, bump, rising
 from tests.effects.joint_data_by_hand import COULOMB_NM, INERTIA_KG_M2, TRUTH, VISCOUS_NMS_PER_RAD, moved_joint
 
 NOISE_NM = 0.02
@@ -38,16 +38,8 @@ def names(found: JointDiagnosis) -> list[str]:
     return [effect.name for effect in found.effects]
 
 
-def rising(data: JointData) -> Float:
-    return 0.1 * data.way * np.exp(-((data.dq / 0.1) ** 2))
-
-
 def offset(data: JointData) -> Float:
     return np.full(len(data.t), 0.03)
-
-
-def bump(data: JointData) -> Float:
-    return 0.1 * np.exp(-(((data.q - 0.2) / 0.2) ** 2))
 
 
 def smoothed(data: JointData) -> Float:

@@ -25,16 +25,8 @@ from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.registry import effect_of
 from friction_audit.joint_log import Float
-from tests.diagnosis.toy_effects import BUMP, SQUARE, WAVE
+from tests.diagnosis.toy_effects import BUMP, SQUARE, WAVE, bump, rising
 from tests.effects.joint_data_by_hand import moved_joint
-
-
-def bump(data: JointData) -> Float:
-    return np.asarray(0.1 * np.exp(-(((data.q - 0.2) / 0.2) ** 2)))
-
-
-def rising(data: JointData) -> Float:
-    return np.asarray(0.1 * data.way * np.exp(-((data.dq / 0.1) ** 2)))
 
 
 @cache

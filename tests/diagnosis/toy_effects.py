@@ -63,3 +63,14 @@ WAVE = toy(Effect, "wave", "a wave", "time", ["nm", "nm"], {"rate": 0.1}, {"rate
 SQUARE = toy(Effect, "square", "friction that grows with the square of the speed", "speed", ["nms2_per_rad2"])
 LOCKED_OUT = toy(Impossible, "locked_out", "what no log shows", "speed", ["nm"])
 TOYS = (BUMP, WAVE, SQUARE, LOCKED_OUT)
+
+
+# Torques that the nominal model lacks, shape (n,).
+
+
+def rising(data: JointData) -> Float:
+    return np.asarray(0.1 * data.way * np.exp(-((data.dq / 0.1) ** 2)))
+
+
+def bump(data: JointData) -> Float:
+    return np.asarray(0.1 * np.exp(-(((data.q - 0.2) / 0.2) ** 2)))

@@ -19,7 +19,7 @@ from tests.effects.joint_data_by_hand import STEP_S, baseline, share_explained, 
 DATA = two_sines(20.0)
 BASE = baseline(DATA)
 SUBSTEPS = 10
-DELAY, LAG, SPRING, GAP, BRISTLE = RIVALS = tuple(
+DELAY, LAG, SPRING, GAP, _ = RIVALS = tuple(
     effect_of(name) for name in ("time_delay", "frictional_lag", "joint_elasticity", "backlash", "presliding")
 )
 

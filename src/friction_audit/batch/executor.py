@@ -42,9 +42,8 @@ class Executor(Protocol):
     def run(self, work: Callable[[Asked], Done], tasks: Iterable[Asked]) -> Generator[tuple[Asked, Done | Lost]]:
         """Yield what came of each task as soon as it is known, in any order.
 
-        Work, tasks and what comes of them can be pickled. Tasks are taken only as workers become free, so that neither
-        tasks nor results pile up, and whoever yields them may still change his mind. When the iterator is closed, work
-        under way is given up.
+        Work, tasks and what comes of them can be pickled. Tasks are taken only as workers become free, so that none
+        pile up. When the iterator is closed, work under way is given up.
         """
         ...
 

@@ -122,8 +122,7 @@ def gather(standing: Standing, settings: BatchSettings, ledger: Ledger) -> Batch
 def _hashes(logs: Sequence[LogFile], ledger: Ledger) -> dict[str, str]:
     """Return the hash of every log whose content may have been seen before, by its place.
 
-    Where a log is not known by its size and its time, content of an unknown size is new, and so are logs of
-    one size whose ends differ: they are hashed when they are read. Of other logs the hash is taken here.
+    Content of an unknown size is new, and so are logs of one size whose ends differ: they are hashed as they are read.
     """
     known = ledger.known_hashes(logs)
     strange = [log for log in logs if log.place not in known and not log.is_remote]

@@ -193,9 +193,8 @@ class Judged(NamedTuple):
 def judge(report: DriftReport, limits: Sequence[Limit]) -> Iterator[Judged]:
     """Judge each coefficient by each limit that is meant for it.
 
-    A limit is exceeded if drift is proven and the change from the reference to the last sessions, as estimated, is at
-    least as large as the limit. It is untestable where the sessions cannot show a change as small as that; a limit of 0
-    asks for any drift that is proven, which every test answers.
+    A limit is exceeded if drift is proven and the estimated change at least as large; it is untestable where the
+    sessions cannot show a change as small. A limit of 0 asks for any drift that is proven, which every test answers.
     """
     for limit in limits:
         meant = [

@@ -131,11 +131,8 @@ def torque_known(torque: Float, breakaways: Breakaways, step_s: float) -> NDArra
 
 
 def signed_rest(dq: Float, ddq: Float, breakaways: Breakaways, dead_speed: float) -> tuple[Float, Float]:
-    """Give the standstill before a break-away the direction of the motion that follows, and no acceleration.
-
-    What is built on the sign of the velocity then holds at break-away as it does in motion. [rad/s], [rad/s^2]
-    """
-    dq, ddq = dq.copy(), ddq.copy()
+    """Give the standstill before a break-away the direction of the motion that follows, and no acceleration."""
+    dq, ddq = dq.copy(), ddq.copy()  # what is built on the sign of the velocity then holds as it does in motion
     for k, first in enumerate(breakaways.samples[:, 0]):
         dq[first : breakaways.certain[k]] = breakaways.direction[k] * dead_speed
         ddq[first : breakaways.onset[k]] = 0.0

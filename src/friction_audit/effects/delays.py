@@ -9,7 +9,7 @@ import numpy as np
 from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.transmission import far_side, simple_torque
 from friction_audit.effects.effect import Effect, Nonlinear, Trait
-from friction_audit.effects.joint_data import JointData, reversals, several_speeds
+from friction_audit.effects.joint_data import JointData, Nominal, moves, reversals
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.even_grid import EvenSpline, first_order
@@ -48,6 +48,17 @@ class FrictionalLag(Effect):
         usual = float(np.quantile(np.abs(data.dq), 0.95)) or 1.0
         return self.points((lag, e, share * usual) for (e, share), lag in product(STRIBECK, LAGS_S.tolist()))
 
+    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
+        """Peak speeds of the cycles that differ by a tenth: one sinusoid cannot separate it from delay and inertia."""
+        if lacking := moves(data, nominal):
+            return lacking
+        cycle, speed = data.cycle[data.used], np.abs(data.dq[data.used])
+        peak = np.zeros(int(cycle.max()) + 1)
+        np.maximum.at(peak, cycle, speed)
+        peak = peak[np.unique(cycle)]
+        equal = "all motions are equally fast: repeat them at two or more clearly different speeds"
+        return equal if peak.std() < 0.1 * peak.mean() else None
+
 
 FRICTIONAL_LAG = FrictionalLag(
     name="frictional_lag",
@@ -60,7 +71,6 @@ FRICTIONAL_LAG = FrictionalLag(
         Parameter("lag_speed_rad_s", "rad/s", "Stribeck velocity", lower=1e-4, upper=1e2),
     ),
     traits=Trait.NEEDS_NOMINAL,
-    needs=several_speeds,
     possible=lambda found, _: 0.0 < found[0] <= LARGEST_SHARE,
     record="repeat motions of equal speed with different accelerations",
     separate={"time_delay": "repeat motions of equal speed with different accelerations, and carry a load"},

@@ -16,8 +16,6 @@ SIGMA_PER_BEND = {2: 1.0 / 0.643, 4: 1.0 / 0.670}
 
 FEWEST_SAMPLES = 100
 FEWEST_REVERSALS = 8
-# A neighbour's torque must change by so much of this joint's Coulomb friction before a few percent of it are seen.
-CHANGE_PER_COULOMB = 0.5
 
 
 def mean_sign(t: Float, dq: Float, ddq: Float) -> Float:
@@ -191,18 +189,6 @@ def speed_range(data: JointData, nominal: Nominal, ratio: float) -> str | None:
     return f"the speed varies by a factor of {fast / slow:.1f}: vary it by at least {ratio:g}, slow to fast"
 
 
-def several_speeds(data: JointData, nominal: Nominal) -> str | None:
-    """Peak speeds of the cycles that differ by a tenth: one sinusoid cannot separate delay and inertia from others."""
-    if lacking := moves(data, nominal):
-        return lacking
-    cycle, speed = data.cycle[data.used], np.abs(data.dq[data.used])
-    peak = np.zeros(int(cycle.max()) + 1)
-    np.maximum.at(peak, cycle, speed)
-    peak = peak[np.unique(cycle)]
-    equal = "all motions are equally fast: repeat them at two or more clearly different speeds"
-    return equal if peak.std() < 0.1 * peak.mean() else None
-
-
 def span(data: JointData, nominal: Nominal, least_rad: float) -> str | None:
     """Range of positions of the moving joint at least so many radians."""
     if lacking := moves(data, nominal):
@@ -217,23 +203,3 @@ def reversals(data: JointData, nominal: Nominal) -> str | None:
     found = np.count_nonzero(np.diff(np.sign(data.dq[np.abs(data.dq) > data.dead_speed_rad_s])))
     few = f"{found} reversals: turn the direction of motion at least {FEWEST_REVERSALS} times"
     return moves(data, nominal) or (few if found < FEWEST_REVERSALS else None)
-
-
-def neighbours_move(data: JointData, _nominal: Nominal) -> str | None:
-    """Another joint that moves."""
-    other = np.delete(data.others_dq[data.valid], data.own_column, axis=1)
-    still = other.size == 0 or np.sqrt(np.mean(other**2, axis=0)).max() < data.dead_speed_rad_s
-    return "no other joint moves: move the neighbours, also while this joint rests" if still else None
-
-
-def neighbours_loaded(data: JointData, nominal: Nominal) -> str | None:
-    """A neighbour whose sensor reads something that changes."""
-    joint, joints = data.own_column, data.others_torque.shape[1]
-    neighbours = [k for k in (joint - 1, joint + 1) if 0 <= k < joints]
-    if not neighbours:
-        return "the log has one joint: record its neighbours too"
-    if lacking := moves(data, nominal):
-        return lacking
-    change = data.others_torque[data.used][:, neighbours].std(axis=0).max()
-    few = "the torque of the neighbours hardly changes: load them, also while this joint rests"
-    return few if change < CHANGE_PER_COULOMB * abs(nominal.coulomb_nm) else None

@@ -6,9 +6,12 @@ import numpy as np
 
 from friction_audit.dynamics.motion import INERTIAL_PARAMETERS, Motion
 from friction_audit.effects.effect import Effect, Nonlinear
-from friction_audit.effects.joint_data import JointData, neighbours_loaded, neighbours_move
+from friction_audit.effects.joint_data import JointData, Nominal, moves
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
+
+# A neighbour's torque must change by so much of this joint's Coulomb friction before a few percent of it are seen.
+CHANGE_PER_COULOMB = 0.5
 
 
 class TorqueCrosstalk(Effect):
@@ -32,6 +35,17 @@ class TorqueCrosstalk(Effect):
         sides = ((-1.0, before), (1.0, after), (0.0, before and after))
         return tuple({"crosstalk_side": side} for side, there in sides if there)
 
+    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
+        joint, joints = data.own_column, data.others_torque.shape[1]
+        neighbours = [k for k in (joint - 1, joint + 1) if 0 <= k < joints]
+        if not neighbours:
+            return "the log has one joint: record its neighbours too"
+        if lacking := moves(data, nominal):
+            return lacking
+        change = data.others_torque[data.used][:, neighbours].std(axis=0).max()
+        few = "the torque of the neighbours hardly changes: load them, also while this joint rests"
+        return few if change < CHANGE_PER_COULOMB * abs(nominal.coulomb_nm) else None
+
 
 TORQUE_CROSSTALK = TorqueCrosstalk(
     name="torque_crosstalk",
@@ -42,7 +56,6 @@ TORQUE_CROSSTALK = TorqueCrosstalk(
         Parameter("crosstalk_after", "1", "share of the next joint's torque"),
     ),
     nonlinear=(Parameter.choice("crosstalk_side", "-1 previous joint, 1 next joint, 0 both", -1, 1),),
-    needs=neighbours_loaded,
     possible=lambda found, _: bool(np.all(np.abs(found) < 1)),  # a sensor feels its own load best
     record="push against a neighbour while the arm rests",
     separate={"inertial_coupling": "move one joint at a time, then push against a neighbour at rest"},
@@ -102,6 +115,11 @@ class InertialCoupling(Effect):
         )
         return tuple({"coupling_source": float(source)} for source, there in sources if there)
 
+    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
+        other = np.delete(data.others_dq[data.valid], data.own_column, axis=1)
+        still = other.size == 0 or np.sqrt(np.mean(other**2, axis=0)).max() < data.dead_speed_rad_s
+        return "no other joint moves: move the neighbours, also while this joint rests" if still else None
+
     def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
         """Either sign is possible, for a rotor may turn against its neighbour; not that of what no arm carries."""
         share, mass_kg = np.abs(coefficients[2 * JOINTS : 2 * JOINTS + 2])
@@ -131,6 +149,5 @@ INERTIAL_COUPLING = InertialCoupling(
             *(BEFORE, TIP),
         ),
     ),
-    needs=neighbours_move,
     record="move the neighbours one at a time, also while this joint rests",
 )

@@ -50,10 +50,7 @@ class Presliding(Effect):
 
 
 def bristle(q: Float, reach_rad: float, exponent: float) -> Float:
-    """Return the state z along a path, exact for a path straight between its samples, 0 at the start, shape (n,).
-
-    At the reach a spring as stiff as at z = 0 would be at the level; exponent 0 gives way all at once.
-    """
+    """Return the state z along a path, exact for a path straight between its samples, 0 at the start, shape (n,)."""
     path = np.ascontiguousarray(q, dtype=np.float64) / reach_rad
     if exponent < 1.0:
         return np.asarray(_stops(path, *spread(exponent)))

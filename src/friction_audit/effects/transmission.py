@@ -55,6 +55,11 @@ class Link(Effect):
         """Return the link of some values, to a far side that usually takes so much torque (RMS)."""
         raise NotImplementedError
 
+    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
+        """Jumps of friction show a link, and an inertia that rings."""
+        inertia = "the torque shows no inertia: reverse faster, so that the motor's inertia is felt"
+        return reversals(data, nominal) or (None if nominal.inertia_kg_m2 > 0.0 else inertia)
+
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield columns for many values; all have one far side."""
         torque = simple_torque(motion)
@@ -90,12 +95,6 @@ class Link(Effect):
         for place, added in added_torques(motion, far, links):
             stiffness = many[place][0] if self.forward == "spring" else 1.0  # torque per compliance
             yield place, np.multiply(added, stiffness, out=added)[:, None]
-
-
-def jumps_and_inertia(data: JointData, nominal: Nominal) -> str | None:
-    """Return the motion that is lacking: jumps of friction show a link, and an inertia that rings."""
-    inertia = "the torque shows no inertia: reverse faster, so that the motor's inertia is felt"
-    return reversals(data, nominal) or (None if nominal.inertia_kg_m2 > 0.0 else inertia)
 
 
 def motion_below(data: JointData, below_hz: float) -> Motion:
@@ -186,7 +185,6 @@ JOINT_ELASTICITY = JointElasticity(
         FAR_SHARE,
     ),
     traits=Trait.NEEDS_NOMINAL,
-    needs=jumps_and_inertia,
     coefficient_of=lambda at: 1.0 / at["spring_nm_per_rad"],
     possible=lambda found, at: LEAST_OF_SPRING <= found[0] / (1.0 / at["spring_nm_per_rad"]) <= LARGEST_SHARE,
     forward="spring",
@@ -248,7 +246,6 @@ BACKLASH = Backlash(
         FAR_SHARE,
     ),
     traits=Trait.NEEDS_NOMINAL,
-    needs=jumps_and_inertia,
     coefficient_of=lambda _: 1.0,
     possible=lambda found, _: LEAST_OF_GAP <= found[0] <= LARGEST_SHARE,
     forward="gap",
