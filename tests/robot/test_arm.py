@@ -117,7 +117,7 @@ def test_joints_are_matched_by_name_when_the_names_agree() -> None:
     assert_allclose(matched.inverse_dynamics(*turned), ARM.inverse_dynamics(*MOTION)[:, order])
     assert_allclose(matched.gravity_direction(turned[0]), ARM.gravity_direction(MOTION[0])[:, order])
     assert ARM.matched(tuple(f"fer_joint{number}" for number in range(1, 8)), "log") is ARM
-    with pytest.raises(UsageError, match=r"log\.csv: joints: 2 \(a, b\); the model panda has 7 .*--urdf"):
+    with pytest.raises(UsageError, match=r"log\.csv: joints: 2 \(a, b\); the model panda needs 7 .*--urdf"):
         ARM.matched(("a", "b"), "log.csv")
 
 
