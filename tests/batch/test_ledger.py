@@ -1,4 +1,4 @@
-"""What a ledger keeps; one whose rows are broken names each such session, which is computed anew."""
+"""What a ledger keeps, whole although runs are killed; of one whose rows are broken such sessions are computed anew."""
 
 import os
 import random

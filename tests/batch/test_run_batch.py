@@ -1,3 +1,5 @@
+"""Batches from logs to sessions: formats, copies, faults, several arms, URLs; and what is kept of an estimate."""
+
 import os
 from collections.abc import Iterator
 from dataclasses import replace

@@ -1,3 +1,5 @@
+"""Which sessions are compared; limits that users set, and the reference that they ask for."""
+
 from dataclasses import replace
 
 import numpy as np
