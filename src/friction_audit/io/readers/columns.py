@@ -104,7 +104,7 @@ def map_columns(
         return _of_long_table(groups, time, bare, joint, stated)
     columns = replace(_align(groups, time, bare, path, needed), stated=frozenset(stated))
     message = f"{columns.mapping.get('q')} was read as q; also there: {', '.join(others)}; choose with --map"
-    found = (Finding("topic_chosen", message),) if others else ()
+    found: tuple[Finding, ...] = (Finding("topic_chosen", message),) if others else ()
     torque = next((c for c in TORQUE_CHANNELS if c in columns.channels), "")
     if {"q", torque} <= heads.keys() and heads["q"] != heads[torque]:
         both = f"{columns.mapping['q']} was read as q and {columns.mapping[torque]} as {torque}"
