@@ -24,9 +24,13 @@ class Recording(NamedTuple):
     files: tuple[str, ...]
 
 
+MOST_NAMES = 2  # in a line of the table; the document has all
+
+
 def _answer(answer: Answer) -> str:
-    names = {frozenset(one): " or ".join(one) for one in answer.sets}.values()
-    return ": ".join(filter(None, (answer.verdict.replace("_", " "), " and ".join(names))))
+    names = list({frozenset(one): " or ".join(one) for one in answer.sets}.values())
+    more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
+    return ": ".join(filter(None, (answer.verdict.replace("_", " "), " and ".join(names[:MOST_NAMES]) + more)))
 
 
 STROKE = Record(
@@ -113,7 +117,7 @@ def plan_notices(recordings: Iterable[Recording], *, known_start: bool) -> Itera
         answers = plan.answers if plan.task.purpose == "decide" else ()
         if near := " and ".join(one.effect for one in answers if not one.exact):
             yield notice("near_numbers", number, names=near)
-        if undecided := " and ".join(one.effect for one in answers if not one.decided):
+        if undecided := " or ".join(one.effect for one in answers if not one.decided):
             yield notice("not_decided", number, names=undecided)
 
 

@@ -16,7 +16,7 @@ from friction_audit.io.checks import motion
 from friction_audit.io.checks.clock import Clock, Steps, Window, drop_repeats, sort_rows, spread_batches, take_window
 from friction_audit.io.checks.columns import Column
 from friction_audit.io.checks.torque import Stale, check_torque, drop_stale_samples
-from friction_audit.io.checks.values import Missing, leave_out_columns, leave_out_rows
+from friction_audit.io.checks.values import Missing, find_frozen, leave_out_columns, leave_out_rows
 from friction_audit.io.checks.wild import TO_ZERO, leave_out_wild
 from friction_audit.io.recording import Recording, WholeLogError, with_velocity
 from friction_audit.joint_log import MINIMUM_SAMPLES, Float
@@ -165,7 +165,7 @@ def examine(
     look = look.after(drop_stale_samples(look.recording, look.survey.stale, look.survey.columns))
     look = look.after(with_velocity(look.recording, look.clock.step_s))
     look = look.after(check_torque(look.recording, look.survey.columns))
-    look = look.after(motion.find_frozen(look.recording, look.survey.columns, look.clock))
+    look = look.after(find_frozen(look.recording, look.survey.columns, look.clock))
     look = look.after(motion.check_motion(look.recording, look.survey.ratios, path, scaled=time_scale != 1.0))
     if window != (None, None):
         origin_s = look.clock.first_s if read_s is None else read_s

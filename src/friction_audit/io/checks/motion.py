@@ -8,7 +8,6 @@ well, 57.3 if q is in degrees, 1000 if the clock was read in the wrong unit, 1.0
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +16,7 @@ from friction_audit.errors import InputError
 from friction_audit.io.checks.clock import Clock, gap_threshold_s
 from friction_audit.io.checks.columns import Column
 from friction_audit.io.recording import Block, Recording
-from friction_audit.joint_log import DERIVATIVE, TORQUE_CHANNELS, Finding, Float
+from friction_audit.joint_log import DERIVATIVE, Finding, Float
 
 _TRAVELLED = 0.1  # range of q that no noise of a joint at rest makes [rad]
 _DISAGREES = 0.05
@@ -173,8 +172,6 @@ _UNIT_FACTORS = (1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9)
 
 
 _TURNS, _OF_A_TURN = (2.0 * np.pi, 360.0), 0.08  # by which q jumps at the end of a turn, to this share
-_FROZEN_S = 1.0  # in which a channel of a moving joint does not change by the last digit
-_REVERSED_RAD_S = 0.05  # speed that is no noise; in both directions no torque with friction is one number
 
 
 def join_turns(recording: Recording, columns: Mapping[str, Column]) -> Recording:
@@ -204,32 +201,6 @@ def join_turns(recording: Recording, columns: Mapping[str, Column]) -> Recording
     text = "{} jumps by a turn at the end of its range; it is made continuous"
     found = [Finding("turns_joined", text.format(recording.name_of("q", j)), j + 1) for j in wrapped.tolist()]
     return recording.mended(mend).with_findings(*found)
-
-
-def find_frozen(recording: Recording, columns: Mapping[str, Column], clock: Clock) -> Recording:
-    """Notice channels that keep one value for a part of the log although the joint moves there."""
-    q, dq, found = columns["q"].sample, columns["dq"].sample, list[Finding]()
-    step_s = (clock.last_s - clock.first_s) / len(q)
-    names = [name for name in ("q", "dq", *TORQUE_CHANNELS) if name in columns]
-    dead = {one.joint for one in recording.findings if one.code in ("torque_dead", "torque_coarse")}
-    for name, joint in product(names, range(q.shape[1])):
-        values = columns[name].sample[:, joint]
-        edges = np.concatenate([[0], np.flatnonzero(np.diff(values)) + 1, [len(values)]])
-        longest = int(np.argmax(np.diff(edges)))
-        part = slice(edges[longest], edges[longest + 1])
-        lasts_s, speed = (part.stop - part.start) * step_s, dq[part, joint]
-        if lasts_s < _FROZEN_S or len(edges) == 2 or (name in TORQUE_CHANNELS and joint + 1 in dead):  # noqa: PLR2004
-            continue  # or in all of the log, which is reported elsewhere
-        reverses = speed.min() < -_REVERSED_RAD_S and speed.max() > _REVERSED_RAD_S
-        apart = np.ptp(q[part, joint] - step_s * np.cumsum(speed)) > _TRAVELLED
-        if reverses if name not in ("q", "dq") else apart and (name == "dq" or np.abs(speed).max() > _REVERSED_RAD_S):
-            text = (
-                f"{recording.name_of(name, joint)} keeps the value {values[part.start]:.4g} from about "
-                f"{part.start * step_s:.3g} to {part.stop * step_s:.3g} s while the joint moves: it was not recorded "
-                "there; leave that part out with --t-start and --t-end"
-            )
-            found.append(Finding("channel_frozen", text, joint + 1, lasts_s))
-    return recording.with_findings(*found)
 
 
 def refuse_dead_velocity(recording: Recording, columns: Mapping[str, Column], clock: Clock, path: str) -> Recording:

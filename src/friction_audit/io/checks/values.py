@@ -1,12 +1,15 @@
-"""What was not recorded: channels, joints and rows without numbers."""
+"""What was not recorded: channels, joints and rows without numbers, channels that keep one value."""
 
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
+from friction_audit.io.checks.clock import Clock
+from friction_audit.io.checks.columns import Column
 from friction_audit.io.recording import Marks, Recording
 from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Float
 
@@ -98,3 +101,34 @@ def _leave_out_joints(recording: Recording, missing: Counts, path: str) -> Recor
         text = f"{recording.joint_names[joint]} lacks a channel in all {samples} rows; the joint is left out"
         findings.append(Finding("empty_joint", text, joint + 1, float(samples)))
     return recording.take_joints(np.flatnonzero(~empty).tolist()).with_findings(*findings)
+
+
+_FROZEN_S = 1.0  # in which a channel of a moving joint does not change by the last digit
+_REVERSED_RAD_S = 0.05  # speed that is no noise; in both directions no torque with friction is one number
+_DEVIATES_RAD = 0.1  # of q from the integral of dq, that no noise of a joint at rest makes
+
+
+def find_frozen(recording: Recording, columns: Mapping[str, Column], clock: Clock) -> Recording:
+    """Notice channels that keep one value for a part of the log although the joint moves there."""
+    q, dq, found = columns["q"].sample, columns["dq"].sample, list[Finding]()
+    step_s = (clock.last_s - clock.first_s) / len(q)
+    names = [name for name in ("q", "dq", *TORQUE_CHANNELS) if name in columns]
+    dead = {one.joint for one in recording.findings if one.code in ("torque_dead", "torque_coarse")}
+    for name, joint in product(names, range(q.shape[1])):
+        values = columns[name].sample[:, joint]
+        edges = np.concatenate([[0], np.flatnonzero(np.diff(values)) + 1, [len(values)]])
+        longest = int(np.argmax(np.diff(edges)))
+        part = slice(edges[longest], edges[longest + 1])
+        lasts_s, speed = (part.stop - part.start) * step_s, dq[part, joint]
+        if lasts_s < _FROZEN_S or len(edges) == 2 or (name in TORQUE_CHANNELS and joint + 1 in dead):  # noqa: PLR2004
+            continue  # or in all of the log, which is reported elsewhere
+        reverses = speed.min() < -_REVERSED_RAD_S and speed.max() > _REVERSED_RAD_S
+        apart = np.ptp(q[part, joint] - step_s * np.cumsum(speed)) > _DEVIATES_RAD
+        if reverses if name not in ("q", "dq") else apart and (name == "dq" or np.abs(speed).max() > _REVERSED_RAD_S):
+            text = (
+                f"{recording.name_of(name, joint)} keeps the value {values[part.start]:.4g} from about "
+                f"{part.start * step_s:.3g} to {part.stop * step_s:.3g} s while the joint moves: it was not recorded "
+                "there; leave that part out with --t-start and --t-end"
+            )
+            found.append(Finding("channel_frozen", text, joint + 1, lasts_s))
+    return recording.with_findings(*found)
