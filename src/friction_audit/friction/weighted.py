@@ -18,7 +18,6 @@ from friction_audit.preprocessing.energy_cycles import BALANCE, PAIRS, EnergyCyc
 
 FRICTION = {"combined": ("coulomb", "viscous"), "coulomb": ("coulomb",), "viscous": ("viscous",)}
 COLUMNS = ("coulomb", "viscous", "offset", "inertia", "gravity_x", "gravity_y")  # in the order of BALANCE
-NUISANCE = ("offset", "inertia", "gravity_x", "gravity_y")
 # A nuisance column counts if at least this share of its length is independent of the columns before it; a column that
 # the motion hardly excites (gravity about a vertical axis) would add nothing but variance.
 INDEPENDENT_SHARE = 0.02
@@ -69,7 +68,7 @@ def set_up(cycles: EnergyCycles, model: str) -> Equations:
 def _independent(gram: Float, friction: tuple[str, ...]) -> list[int]:
     """Return the friction columns and those nuisance columns that are independent of the ones before."""
     used = [COLUMNS.index(name) for name in friction]
-    for one in (COLUMNS.index(name) for name in NUISANCE):
+    for one in range(len(FRICTION["combined"]), len(COLUMNS)):
         by_others = np.linalg.lstsq(gram[np.ix_(used, used)], gram[used, one], rcond=None)[0]
         if gram[one, one] - gram[one, used] @ by_others > INDEPENDENT_SHARE**2:
             used.append(one)

@@ -105,7 +105,6 @@ class EnergyCycles:
 
     def rows(self, mask: NDArray[np.bool_]) -> "EnergyCycles":
         """Return the rows selected by a mask of shape (m,)."""
-        per_cycle = ("joint", "start", "stop", "start_s", "stop_s", "peak_speed_rad_s", "open", "reason")
-        per_cycle += ("products", "speeds")
-        kept = {name: getattr(self, name)[mask] for name in per_cycle}
+        per_cycle = "joint", "start", "stop", "start_s", "stop_s", "peak_speed_rad_s", "open", "reason"
+        kept = {name: getattr(self, name)[mask] for name in (*per_cycle, "products", "speeds")}
         return replace(self, **kept, sums=self.sums.rows(mask))

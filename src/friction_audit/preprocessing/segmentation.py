@@ -319,12 +319,13 @@ def _gravity_work(interaction: Interaction, column: int, edges: Int) -> tuple[Fl
 def _moments(parts: EnergySums) -> tuple[Float, Float]:
     """Return ``products`` and ``speeds`` of cycles from the sums over their parts, shape (m, PARTS) each."""
     path, square = parts.path_rad, parts.square_speed_rad2_s
-    weight = np.divide(1.0, square, out=np.zeros(square.shape), where=square > 0.0)
-    balance = np.stack([getattr(parts, name) for name in BALANCE], axis=1)
-    products = (balance * weight[:, None]) @ np.swapaxes(balance, 1, 2)
+    weight = np.sqrt(np.divide(1.0, square, out=np.zeros(square.shape), where=square > 0.0))
+    balance = np.stack([getattr(parts, name) for name in BALANCE], axis=1) * weight[:, None]
+    one, other = (balance[:, index] for index in PAIRS)
     moves = (path > 0.0) & (square > 0.0)
     second = np.divide(square**2, path, out=np.zeros(path.shape), where=moves)
-    return products[:, *PAIRS], np.stack([path * moves, square * moves, second], axis=-1).sum(axis=1)
+    speeds = np.stack([path * moves, square * moves, second], axis=-1).sum(axis=1)
+    return (one * other).sum(axis=-1), speeds
 
 
 def join_cycles(joints: Sequence[EnergyCycles]) -> EnergyCycles:

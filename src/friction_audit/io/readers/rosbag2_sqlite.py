@@ -185,7 +185,8 @@ class Sqlite3Stream(MessageStream):
         """Open without writing any file next to it, unless a journal of its own must be taken into account."""
         journal = self._path.with_name(f"{self._path.name}-wal")
         immutable = "" if journal.exists() and journal.stat().st_size else "&immutable=1"
-        database = sqlite3.connect(f"{self._path.resolve().as_uri()}?mode=ro{immutable}", uri=True)
+        file = f"{self._path.resolve().as_uri()}?mode=ro{immutable}"
+        database = sqlite3.connect(file, uri=True, check_same_thread=False)  # one thread after the other reads a block
         if self._is_cut:
             database.execute("PRAGMA writable_schema = ON")  # else SQLite refuses it
         database.text_factory = lambda text: text.decode(errors="replace")
