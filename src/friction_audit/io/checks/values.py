@@ -115,16 +115,18 @@ def find_frozen(recording: Recording, columns: Mapping[str, Column], clock: Cloc
     names = [name for name in ("q", "dq", *TORQUE_CHANNELS) if name in columns]
     dead = {one.joint for one in recording.findings if one.code in ("torque_dead", "torque_coarse")}
     for name, joint in product(names, range(q.shape[1])):
-        values = columns[name].sample[:, joint]
+        is_torque, values = name in TORQUE_CHANNELS, columns[name].sample[:, joint]
         edges = np.concatenate([[0], np.flatnonzero(np.diff(values)) + 1, [len(values)]])
         longest = int(np.argmax(np.diff(edges)))
         part = slice(edges[longest], edges[longest + 1])
         lasts_s, speed = (part.stop - part.start) * step_s, dq[part, joint]
-        if lasts_s < _FROZEN_S or len(edges) == 2 or (name in TORQUE_CHANNELS and joint + 1 in dead):  # noqa: PLR2004
+        if lasts_s < _FROZEN_S or len(edges) == 2 or (is_torque and joint + 1 in dead):  # noqa: PLR2004
             continue  # or in all of the log, which is reported elsewhere
-        reverses = speed.min() < -_REVERSED_RAD_S and speed.max() > _REVERSED_RAD_S
         apart = np.ptp(q[part, joint] - step_s * np.cumsum(speed)) > _DEVIATES_RAD
-        if reverses if name not in ("q", "dq") else apart and (name == "dq" or np.abs(speed).max() > _REVERSED_RAD_S):
+        is_wrong = apart and (name == "dq" or np.abs(speed).max() > _REVERSED_RAD_S)
+        if is_torque:
+            is_wrong = speed.min() < -_REVERSED_RAD_S and speed.max() > _REVERSED_RAD_S
+        if is_wrong:
             text = (
                 f"{recording.name_of(name, joint)} keeps the value {values[part.start]:.4g} from about "
                 f"{part.start * step_s:.3g} to {part.stop * step_s:.3g} s while the joint moves: it was not recorded "
