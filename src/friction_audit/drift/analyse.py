@@ -12,7 +12,7 @@ import numpy as np
 from friction_audit.drift import regression
 from friction_audit.drift import report as made
 from friction_audit.drift.change_points import Step, find_isolated, find_steps, leave_outliers_out
-from friction_audit.drift.change_test import Verdict, judge_family, orthogonal
+from friction_audit.drift.change_test import COLLINEAR, Verdict, judge_family
 from friction_audit.drift.covariates import CONFOUNDED, choose_comparable, shared, use_temperature
 from friction_audit.drift.regression import Fit, Model, to_change, to_level, to_relative
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, ControlPoint, DriftReport, DriftSettings
@@ -262,19 +262,13 @@ def smallest_change(series: Series, fit: Fit, *, critical: float, growth: float,
     """
     from scipy.stats import t
 
-    start = np.zeros(1, dtype=np.int64)
-    ramp = orthogonal(
-        regression.ramp_columns(series)[:, :1],
-        split=start,
-        back=start + len(series.y),
-        base=regression.baseline_columns(series),
-        y=series.y,
-        weight=1.0 / (np.sqrt(series.y_error**2 + fit.scatter**2) * max(fit.scale, 1.0)),
-    )
-    if ramp.freedom < 1 or ramp.length[0] == 0.0:
+    weight = 1.0 / (np.sqrt(series.y_error**2 + fit.scatter**2) * max(fit.scale, 1.0))
+    base, ramp = regression.baseline_columns(series) * weight[:, None], regression.ramp_columns(series)[:, 0] * weight
+    left, freedom = ramp - base @ np.linalg.lstsq(base, ramp, rcond=None)[0], len(ramp) - base.shape[1] - 1
+    if freedom < 1 or left @ left <= COLLINEAR * (ramp @ ramp):
         return math.nan
-    statistic = float(t.isf(np.exp(-critical), ramp.freedom))
-    return noncentrality(statistic, ramp.freedom, power) * growth / float(ramp.length[0])
+    statistic = float(t.isf(np.exp(-critical), freedom))
+    return noncentrality(statistic, freedom, power) * growth / float(np.linalg.norm(left))
 
 
 def noncentrality(statistic: float, freedom: int, power: float) -> float:

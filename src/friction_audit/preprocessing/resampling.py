@@ -71,14 +71,13 @@ def grids_of(log: JointLog, rate_hz: float) -> tuple[Grid, ...]:
     holes = log.gaps_longer_than(max(HOLE_S, HOLE_STEPS / log.rate_hz))
     firsts = [(0, 0.0), *((int(row) + 1, after) for row, _, after in holes.tolist())]
     lasts = [*((int(row) + 1, before) for row, before, _ in holes.tolist()), (log.samples, log.duration_s)]
-    return tuple(_grid(*first, *last, rate_hz) for first, last in zip(firsts, lasts, strict=True))
-
-
-def _grid(first: int, start: float, end: int, stop: float, rate_hz: float) -> Grid:
-    # A stretch of one sample has a grid of two times all the same, so that nothing else needs to know.
-    stop = stop if end - first > 1 else start + 1 / rate_hz
-    t = np.linspace(start, stop, int(np.ceil((stop - start) * rate_hz)) + 1)
-    return Grid(rows=slice(first, end), t=t, rate_hz=rate_hz)
+    grids = []
+    for (first, start), (end, stop) in zip(firsts, lasts, strict=True):
+        # A stretch of one sample has a grid of two times all the same, so that nothing else needs to know.
+        stop = stop if end - first > 1 else start + 1 / rate_hz  # noqa: PLW2901
+        t = np.linspace(start, stop, int(np.ceil((stop - start) * rate_hz)) + 1)
+        grids.append(Grid(rows=slice(first, end), t=t, rate_hz=rate_hz))
+    return tuple(grids)
 
 
 def position_on(grids: Sequence[Grid], log: JointLog) -> list[Float]:

@@ -236,13 +236,7 @@ def load_arm(
     model.opt.gravity[:] = gravity_vector
     name, names = BUILT_IN if urdf is None else urdf.stem, tuple(model.joint(k).name for k in range(model.njnt))
     arm = Arm(name=name, joint_names=names, flange=_flange(model), model=model, columns=tuple(range(len(names))))
-    if payload is None:
-        return arm
-    mass, *centre = payload
-    if not (np.isfinite(payload).all() and mass > 0):
-        given = ",".join(f"{value:g}" for value in payload)
-        raise UsageError(f"--payload {given}: expected mass,x,y,z in kg and m with a mass above zero")
-    return arm.with_load(mass, np.array(centre), np.zeros((3, 3)))
+    return arm if payload is None else arm.with_load(payload[0], np.array(payload[1:]), np.zeros((3, 3)))
 
 
 def read_urdf(urdf: Path | None) -> bytes:
