@@ -119,11 +119,7 @@ def gather(standing: Standing, settings: BatchSettings, ledger: Ledger) -> Batch
 
 
 def _hashes(logs: Sequence[LogFile], ledger: Ledger) -> dict[str, str]:
-    """Return the hash of every log whose content may have been seen before, by its place.
-
-    Where a log is not known by its size and its time, content of a size that no other log has is new: it is hashed when
-    it is read. Of other logs the hash is taken here.
-    """
+    """Return the hash of each log that is known or as large as another, by its place; others are hashed when read."""
     known = ledger.known_hashes(logs)
     strange = [log for log in logs if log.place not in known and not log.is_remote]
     seen = ledger.known_sizes()

@@ -1,7 +1,4 @@
-"""What a worker does with one log: read it, run the chain, keep the summary; and what is compared of an estimate.
-
-A worker may be a process on this machine or on another one: all that goes in and comes out can be pickled.
-"""
+"""What a worker, here or on another machine, does with one log: all that goes in and comes out can be pickled."""
 
 import math
 import socket
@@ -186,11 +183,8 @@ def bin_torque(velocity: Float, torque: Float) -> SpeedCurve:
 
 
 def _change_within(own: EnergyCycles, joint: JointFriction) -> dict[str, Coefficient]:
-    """Return the relative change of each coefficient from the first third of the cycles to the last one.
-
-    The thirds are fitted apart: points of the history share cycles, and their difference would look surer than it is.
-    """
-    kept = own.rows(own.reason == KEPT)
+    """Return the change of each coefficient from the first third of the cycles to the last, over the first."""
+    kept = own.rows(own.reason == KEPT)  # points of the history share cycles: their difference would look too sure
     third, found = len(kept.joint) // 3, dict.fromkeys(COEFFICIENTS, UNDETERMINED)
     if not joint.reason and third >= FEWEST_CYCLES:
         fit = fit_windows(set_up(kept, joint.model), third)

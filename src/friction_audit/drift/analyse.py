@@ -255,11 +255,7 @@ def make_chart(
 
 
 def smallest_change(series: Series, fit: Fit, *, critical: float, growth: float, power: float) -> float:
-    """Return the straight change of y, start to end, that the test of the arm finds with a probability, the power.
-
-    A step of that size near the middle is found more often, one near either end less often. ``critical`` is the score
-    that the test asks for; ``growth`` says by how much autocorrelation makes statistics larger.
-    """
+    """Return the straight change of y, start to end, that the test of the arm finds with a probability, the power."""
     from scipy.stats import t
 
     weight = 1.0 / (np.sqrt(series.y_error**2 + fit.scatter**2) * max(fit.scale, 1.0))

@@ -120,10 +120,7 @@ def studentise(rows: Float, directions: Directions) -> Float:
 
 
 def _studentise_orders(directions: Directions, order: NDArray[np.int64]) -> Float:
-    """Return t of each direction with the sessions in other orders (m, n), shape (m, k).
-
-    A session takes its error and its temperature along: an estimate that is worse than its error says stays as it is.
-    """
+    """Return t of each direction with the sessions, and their errors, in other orders (m, n), shape (m, k)."""
     steps = directions.split > 0
 
     def along(rows: Float, ramp: Float) -> Float:

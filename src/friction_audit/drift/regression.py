@@ -23,10 +23,7 @@ SETTLED = 4  # rounds of mean and scatter in turns; they converge at once
 
 
 def steps_scatter(y: Float, error: Float) -> float:
-    """Return the scatter between sessions beyond their errors (n,), from differences of neighbours.
-
-    A few steps or a slow ramp do not matter. The variance of a difference is 2 tau^2 + s_i^2 + s_{i+1}^2.
-    """
+    """Return the scatter between sessions beyond their errors (n,), from neighbours: steps hardly matter."""
     if len(y) <= 1:
         return 0.0
     spread = (MAD_TO_SD * float(np.median(np.abs(np.diff(y))))) ** 2

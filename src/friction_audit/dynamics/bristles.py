@@ -56,10 +56,7 @@ NO_BRISTLES = Bristles(path=np.zeros(0), torque=np.zeros(0), stiffness=np.zeros(
 
 
 def bristles_of(term: Term) -> tuple[float, Bristles, Bristles]:
-    """Ask a term for its curve after a reversal; return the bristles as one curve, and the same as springs.
-
-    Before them, the dry friction that the term adds to that of the joint, below zero where bristles take its place.
-    """
+    """Return the dry friction that a term adds, below zero where bristles replace it; these as curve and springs."""
     before, slow = _reversal(term, SLOW_RAD_S)
     # At the reversal the direction jumps at once, the bristles do not; the first sample after it is a step further.
     dry = -0.5 * (2.0 * slow[0] - slow[1] - before)

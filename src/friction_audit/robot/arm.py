@@ -23,7 +23,7 @@ FLANGE_NAMES = ("link8", "flange", "tool0")
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)
 CHUNK = 4096
 
-Payload = tuple[float, float, float, float]
+Payload = tuple[float, float, float, float]  # mass [kg] and place x, y, z [m] of a point mass in the flange frame
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -215,12 +215,9 @@ def chunks(samples: int) -> Iterator[slice]:
 def load_arm(
     urdf: Path | None = None,
     payload: Payload | None = None,
-    gravity_vector: tuple[float, float, float] = STANDARD_GRAVITY,
+    gravity_vector: tuple[float, float, float] = STANDARD_GRAVITY,  # in the base frame [m/s^2]
 ) -> Arm:
-    """Load the built-in Panda, or the arm of a URDF; gravity is in the base frame. [m/s^2]
-
-    The payload is mass [kg] and centre of mass x, y, z [m] of a point mass in the flange frame.
-    """
+    """Load the built-in Panda, or the arm of a URDF."""
     # In a thread of its own: MuJoCo keeps an error from its import, and with that all frames that the import was called
     # from, a whole log among them.
     with ThreadPoolExecutor(max_workers=1) as pool:
