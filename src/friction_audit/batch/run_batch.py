@@ -10,6 +10,8 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
+from itertools import groupby
+from operator import attrgetter
 from pathlib import Path
 from typing import NamedTuple
 
@@ -18,7 +20,7 @@ from friction_audit.batch.find_logs import LogFile
 from friction_audit.batch.identity import FailedLog, Fault, Worked, identify, name_of, time_in_name
 from friction_audit.batch.ledger import BatchSettings, Ledger
 from friction_audit.batch.work import work_on
-from friction_audit.drift.analyse import analyse_arm, analyse_drift, arms_of
+from friction_audit.drift.analyse import analyse_arm
 from friction_audit.drift.report import ArmDrift, DriftReport, DriftSettings
 from friction_audit.drift.session import Session
 from friction_audit.errors import AnalysisError, few
@@ -27,9 +29,10 @@ from friction_audit.io.files import sha256_of
 
 def drift_of_arms(sessions: Sequence[Session], settings: DriftSettings, executor: Executor) -> DriftReport:
     """Find what changed between the sessions of each arm; a single arm is analysed here, where its sessions are."""
-    arms = arms_of(sessions)
+    by_robot = attrgetter("robot")
+    arms = [tuple(own) for _, own in groupby(sorted(sessions, key=by_robot), by_robot)]
     if len(arms) == 1:
-        return analyse_drift(sessions, settings)
+        return DriftReport(arms=(analyse_arm(arms[0], settings),))
     found: list[ArmDrift] = []
     for arm, drift in executor.run(partial(analyse_arm, settings=settings), arms):
         if isinstance(drift, Lost):

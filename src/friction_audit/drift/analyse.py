@@ -1,10 +1,9 @@
-"""Sessions -> DriftReport: arm by arm, joint by joint, what became of each coefficient."""
+"""Sessions of an arm -> ArmDrift: joint by joint, what became of each coefficient."""
 
 import math
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
-from itertools import groupby, pairwise, product
-from operator import attrgetter
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from friction_audit.drift.change_points import Step, find_isolated, find_steps, 
 from friction_audit.drift.change_test import COLLINEAR, Verdict, judge_family
 from friction_audit.drift.covariates import CONFOUNDED, choose_comparable, shared, use_temperature
 from friction_audit.drift.regression import Fit, Model, to_change, to_level, to_relative
-from friction_audit.drift.report import ArmDrift, CoefficientDrift, ControlPoint, DriftReport, DriftSettings
+from friction_audit.drift.report import ArmDrift, CoefficientDrift, ControlPoint, DriftSettings
 from friction_audit.drift.session import COEFFICIENTS, NORMAL_95, Order, Series, Session, make_series, put_in_order
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_log import Float
@@ -25,19 +24,8 @@ SPEED_CHANGE = 1.25  # a speed of motion that changes less with a drift does not
 CERTAIN = 30.0  # statistic beyond which the noise of the numerator of t is negligible against that of its denominator
 
 
-def analyse_drift(sessions: Sequence[Session], settings: DriftSettings) -> DriftReport:
-    """Find what changed between sessions of any arms, in any order, for each arm by itself."""
-    return DriftReport(arms=tuple(analyse_arm(arm, settings) for arm in arms_of(sessions)))
-
-
-def arms_of(sessions: Iterable[Session]) -> list[tuple[Session, ...]]:
-    """Return the sessions of each arm, arms in the order of their names."""
-    by_robot = attrgetter("robot")
-    return [tuple(own) for _, own in groupby(sorted(sessions, key=by_robot), by_robot)]
-
-
 def analyse_arm(sessions: Sequence[Session], settings: DriftSettings) -> ArmDrift:
-    """Find what changed between the sessions of one arm."""
+    """Find what changed between the sessions of one arm, in any order."""
     order = put_in_order(sessions)
     compared, left_out, limits = choose_comparable(order)
     reference, odd = choose_reference(compared, settings.baseline)

@@ -129,15 +129,9 @@ def stretch(deflection: float, way: float, reach: float) -> float:
 
 @compiled(inline=True)
 def _around(value: float, torque: Float) -> tuple[int, int]:
-    """Return the points of a falling curve around a torque (bisection)."""
-    low, high = 0, len(torque) - 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        if torque[middle] >= value:
-            low = middle
-        else:
-            high = middle
-    return low, high
+    """Return the points of a falling curve around a torque."""
+    low = min(max(len(torque) - 1 - np.searchsorted(torque[::-1], value), 0), len(torque) - 2)
+    return low, low + 1
 
 
 @compiled()
