@@ -183,11 +183,11 @@ def bin_torque(velocity: Float, torque: Float) -> SpeedCurve:
 
 
 def _change_within(own: EnergyCycles, joint: JointFriction) -> dict[str, Coefficient]:
-    """Return the change of each coefficient from the first third of the cycles to the last, over the first."""
-    kept = own.rows(own.reason == KEPT)  # points of the history share cycles: their difference would look too sure
+    """Return the relative change of each coefficient from the first third of the cycles to the last one."""
+    kept = own.rows(own.reason == KEPT)
     third, found = len(kept.joint) // 3, dict.fromkeys(COEFFICIENTS, UNDETERMINED)
     if not joint.reason and third >= FEWEST_CYCLES:
-        fit = fit_windows(set_up(kept, joint.model), third)
+        fit = fit_windows(set_up(kept, joint.model), third)  # apart, for points of the history share cycles
         for key, name in zip(COEFFICIENTS, ("coulomb", "viscous"), strict=True):
             first, last = (fit.coefficient(name, end) for end in (0, -1))
             found[key] = relative_change(first, last) if first.low > 0.0 else UNDETERMINED

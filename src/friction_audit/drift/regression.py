@@ -23,11 +23,11 @@ SETTLED = 4  # rounds of mean and scatter in turns; they converge at once
 
 
 def steps_scatter(y: Float, error: Float) -> float:
-    """Return the scatter between sessions beyond their errors (n,), from neighbours: steps hardly matter."""
+    """Return the scatter between sessions beyond their errors (n,), from differences of neighbours."""
     if len(y) <= 1:
         return 0.0
     spread = (MAD_TO_SD * float(np.median(np.abs(np.diff(y))))) ** 2
-    own = float(np.median(error[1:] ** 2 + error[:-1] ** 2))
+    own = float(np.median(error[1:] ** 2 + error[:-1] ** 2))  # of the difference it is 2 tau^2 + s_i^2 + s_{i+1}^2
     return float(np.sqrt(max(spread - own, 0.0) / 2))
 
 
