@@ -218,8 +218,7 @@ def load_arm(
     gravity_vector: tuple[float, float, float] = STANDARD_GRAVITY,  # in the base frame [m/s^2]
 ) -> Arm:
     """Load the built-in Panda, or the arm of a URDF."""
-    # In a thread of its own: MuJoCo keeps an error from its import, and with that all frames that the import was called
-    # from, a whole log among them.
+    # In a thread: MuJoCo keeps an error from its import, with all frames that it was called from, and so a whole log.
     with ThreadPoolExecutor(max_workers=1) as pool:
         mj: Any = pool.submit(import_module, "mujoco").result()
     where = "the built-in Panda" if urdf is None else str(urdf)
