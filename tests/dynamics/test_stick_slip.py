@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from friction_audit.dynamics.motion import Motion
-from friction_audit.dynamics.stick_slip import Step, advance, can_follow, link_of, move_two_sides
+from friction_audit.dynamics.stick_slip import Step, advance, link_of, move_two_sides
 from friction_audit.dynamics.torque_tables import tabulate
 from friction_audit.dynamics.transmission import Transmission
 from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_model
@@ -176,11 +176,3 @@ def test_pieces_begin_with_what_the_recording_has_done_to_the_spring() -> None:
     assert inside.sum() == 801
     assert found[700] == rows[1, 700]
     assert np.sqrt(np.mean((found - rows[1])[inside] ** 2)) < 0.03 * np.sqrt(np.mean(rows[1] ** 2))
-
-
-def test_a_near_side_that_rings_too_fast_has_no_inertia_to_speak_of() -> None:
-    stiff = Transmission(stiffness_nm_per_rad=1e6, damping_ratio=0.1)
-    tables, _ = tabulate(B, (), recording_of(T, np.sin(T), np.cos(T)))
-    assert can_follow(link_of(stiff, 0.1 * B, 0.9 * B), tables, STEP_S)
-    assert not can_follow(link_of(stiff, 1e-5, B), tables, STEP_S)
-    assert not can_follow(link_of(stiff, 0.0, B), tables, STEP_S)
