@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from benchmarks.drift.library import OneJoint
-from friction_audit.drift.analyse import analyse_drift
+from friction_audit.drift.analyse import analyse_arm
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, DriftSettings
 from friction_audit.drift.session import Conditions, JointSummary, Session
 
@@ -71,7 +71,7 @@ def make_session(i: int, joints: tuple[JointSummary, ...], conditions: Condition
 
 def judge(sessions: Sequence[Session], settings: DriftSettings, true_step: int | None, true_total: float) -> Outcome:
     """Analyse one arm and compare with the truth; joint 3's Coulomb friction is what drifts."""
-    (arm,) = analyse_drift(sessions, settings).arms
+    arm = analyse_arm(sessions, settings)
     mine = coulomb_of(arm, DRIFTING)
     others = [d for joint in arm.joints for d in joint.coefficients if d is not mine]
     at = [(point.session, point.low, point.high) for point in mine.change_points]

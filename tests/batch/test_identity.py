@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 import pytest
 
 from friction_audit.batch.find_logs import LogFile, ManifestRow
-from friction_audit.batch.identity import identify, parse_time, robot_folder, time_in_name
+from friction_audit.batch.identity import identify, parse_time, time_in_name
 from friction_audit.drift.session import Session
 from tests.drift.made_sessions import make_joint, make_session
 
@@ -35,26 +35,17 @@ def robots(sessions: Sequence[Session]) -> dict[str, list[str]]:
 
 def test_manifest_before_log_before_folder() -> None:
     row = ManifestRow(path="a/1.csv", robot="R1", start_s=5.0, temperature_c=21.0, payload="tool", note="new oil")
-    logs = ((file("a/1.csv", row), "left"), (file("a/2.csv"), "left"), (file("a/3.csv"), ""))
+    logs = ((file("a/1.csv", row), "left"), (file("a/2.csv"), "left"), (file("a/2026-03-01/3.csv"), ""))
     found, warnings = identify([(log, recorded(told, start=float(n))) for n, (log, told) in enumerate(logs, start=1)])
-    assert robots(found) == {"R1": ["a/1.csv"], "a": ["a/3.csv"], "left": ["a/2.csv"]}
+    assert robots(found) == {"R1": ["a/1.csv"], "a": ["a/2026-03-01/3.csv"], "left": ["a/2.csv"]}
     first = next(session for session in found if session.robot == "R1")
     assert (first.start_s, first.start_from, first.temperature_c, first.note) == (5.0, "manifest", 21.0, "new oil")
     assert (first.conditions.payload, warnings) == ("tool", ())
 
 
-@pytest.mark.parametrize(
-    ("folders", "robot"),
-    [
-        (("left", "lab"), "left"),
-        (("2026-03-01", "left", "lab"), "left"),
-        (("2026-03-01", "2026"), "2026"),
-        (("2026-03-01",), "2026-03-01"),
-        ((), "robot"),
-    ],
-)
-def test_folders_of_days_are_no_robots(folders: tuple[str, ...], robot: str) -> None:
-    assert robot_folder(folders) == robot
+def test_folders_of_days_are_no_robots_where_there_is_another() -> None:
+    found, _ = identify([(file(path), recorded()) for path in ("lab/2026-03-01/1.csv", "2026-03-01/2.csv", "3.csv")])
+    assert set(robots(found)) == {"lab", "2026-03-01", "robot"}
 
 
 def test_arms_of_one_log_stay_apart_and_under_the_manifest_s_name() -> None:

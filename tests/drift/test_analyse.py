@@ -5,7 +5,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from friction_audit.drift.analyse import analyse_drift
+from friction_audit.drift.analyse import analyse_arm
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, DriftSettings
 from friction_audit.drift.session import Session
 from friction_audit.friction.history import Coefficient
@@ -17,8 +17,7 @@ QUICK = DriftSettings(permutations=199)
 
 
 def analyse(sessions: list[Session], chosen: DriftSettings = QUICK) -> ArmDrift:
-    (arm,) = analyse_drift(sessions, chosen).arms
-    return arm
+    return analyse_arm(sessions, chosen)
 
 
 def coulomb(sessions: list[Session], chosen: DriftSettings = QUICK) -> CoefficientDrift:
@@ -35,8 +34,14 @@ def described(sessions: list[Session]) -> tuple[CoefficientDrift, str]:
     return found, describe(found, sessions)
 
 
-def test_step_of_15_percent_is_found_sized_and_dated() -> None:
-    found, text = described(make_arm_sessions(stepped(noisy(24), 14)))
+def test_step_of_15_percent_of_one_joint_is_found_sized_and_dated_and_leaves_the_others_alone() -> None:
+    sessions = make_arm_sessions(stepped(noisy(24), 14))
+    arm = analyse(sessions)
+    assert [joint.joint for joint in arm.joints if joint.drift] == [1]
+    assert joint_sentence(arm, arm.joints[0]).startswith("Coulomb friction rose by 1")
+    assert joint_sentence(arm, arm.joints[0]).endswith("; nothing else changed")
+    found = arm.joints[0].coefficients[0]
+    text = describe(found, sessions)
     assert (found.drift, found.shape) == (True, "step")
     (step,) = found.change_points
     assert (step.session, step.low, step.high) == (14, 14, 14)
@@ -45,13 +50,6 @@ def test_step_of_15_percent_is_found_sized_and_dated() -> None:
     assert found.total.value == pytest.approx(0.15, abs=0.01)
     assert "Coulomb friction rose by 15 %" in text
     assert "between 2026-03-14 and 2026-03-15" in text
-
-
-def test_step_of_one_joint_leaves_the_others_alone() -> None:
-    arm = analyse(make_arm_sessions(stepped(noisy(20), 2)))
-    assert [joint.joint for joint in arm.joints if joint.drift] == [1]
-    assert joint_sentence(arm, arm.joints[0]).startswith("Coulomb friction rose by 1")
-    assert joint_sentence(arm, arm.joints[0]).endswith("; nothing else changed")
 
 
 def test_slow_rise_is_a_ramp() -> None:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from friction_audit.drift.analyse import analyse_drift
+from friction_audit.drift.analyse import analyse_arm
 from friction_audit.drift.covariates import choose_comparable
 from friction_audit.drift.report import DriftReport, DriftSettings, judge, parse_baseline, parse_limit
 from friction_audit.drift.session import Conditions, Session, put_in_order
@@ -68,7 +68,7 @@ def test_other_speeds_are_told() -> None:
 @pytest.fixture(scope="module")
 def stepped() -> DriftReport:
     level = noisy(16) * np.where(np.arange(16) >= 9, 1.15, 1.0)
-    return analyse_drift(make_sessions(level), DriftSettings(permutations=199))
+    return DriftReport(arms=(analyse_arm(make_sessions(level), DriftSettings(permutations=199)),))
 
 
 @pytest.mark.parametrize(
@@ -117,7 +117,7 @@ def test_proven_change_beyond_the_limit(stepped: DriftReport, text: str) -> None
     ],
 )
 def test_a_limit_below_what_would_have_been_seen_is_not_tested(sessions: int, text: str, told: bool) -> None:
-    report = analyse_drift(make_sessions(noisy(sessions)), DriftSettings(permutations=199))
+    report = DriftReport(arms=(analyse_arm(make_sessions(noisy(sessions)), DriftSettings(permutations=199)),))
     _, sentences = limit_sentences(report, [parse_limit(text)])
     assert len(sentences) == (not told)
     assert all(text in sentence for sentence in sentences)

@@ -76,7 +76,6 @@ def tables_of(model: JointModel) -> Tables:
 class Moved(NamedTuple):
     q: Float
     dq: Float
-    ddq: Float
 
 
 def simulate(model: JointModel, t: Float, drive: Float, *, q: float = 0.0, dq: float = 0.0) -> Moved:
@@ -91,6 +90,4 @@ def simulate(model: JointModel, t: Float, drive: Float, *, q: float = 0.0, dq: f
                 start = drive[i - 1] + k * rise
                 q, v, sign = advance(q, v, sign, Step(h, start, start + rise, 0.0, 0.0), bent, tables)
         rows[:, i] = q, v
-    place, speed = rows
-    still = Motion(t=t, q=place, dq=speed, ddq=np.zeros(len(t)))
-    return Moved(place, speed, np.where(speed != 0.0, (drive - model.torque(still)) / model.inertia_kg_m2, 0.0))
+    return Moved(*rows)

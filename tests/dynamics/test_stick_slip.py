@@ -1,6 +1,5 @@
 """One mass, and two on a spring or with a gap, against hand calculation, SciPy, energy and the term."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 
@@ -11,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from friction_audit.dynamics.motion import Motion
-from friction_audit.dynamics.stick_slip import Step, advance, can_follow, link_of, move_two_sides
+from friction_audit.dynamics.stick_slip import Step, advance, link_of, move_two_sides
 from friction_audit.dynamics.torque_tables import tabulate
 from friction_audit.dynamics.transmission import Transmission
 from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_model
@@ -52,33 +51,14 @@ def test_it_breaks_away_inside_a_step() -> None:
 
 
 def reference(model: JointModel, t: Float, amplitude: float, rate: float) -> Float:
-    """Velocity by scipy, stopped and started again at every reversal; the drive is strong enough never to stick."""
+    """Velocity by scipy, its sign smooth over 1e-5 rad/s; the drive is strong enough never to stick."""
     still = np.zeros(1)
 
-    def make_slope(sign: float) -> Callable[[float, Float], list[float]]:
-        def slope(time: float, state: Float) -> list[float]:
-            motion = Motion(t=still, q=still, dq=np.array([sign * max(sign * state[1], 1e-9)]), ddq=still)
-            return [state[1], (amplitude * np.cos(rate * time) - model.torque(motion)[0]) / model.inertia_kg_m2]
+    def slope(time: float, state: Float) -> list[float]:
+        motion = Motion(t=still, q=still, dq=state[1:], ddq=still, way=np.tanh(state[1:] / 1e-5))
+        return [state[1], (amplitude * np.cos(rate * time) - model.torque(motion)[0]) / model.inertia_kg_m2]
 
-        return slope
-
-    def make_stop(sign: float) -> Callable[[float, Float], float]:
-        def stop(_time: float, state: Float) -> float:
-            return float(state[1])
-
-        stop.terminal, stop.direction = True, -sign  # type: ignore[attr-defined]
-        return stop
-
-    state, start, sign, out = np.zeros(2), 0.0, 1.0, np.zeros(len(t))
-    while start < t[-1]:
-        span, events = (start, float(t[-1])), make_stop(sign)
-        part = solve_ivp(
-            make_slope(sign), span, state, "DOP853", dense_output=True, events=events, rtol=1e-7, atol=1e-9
-        )
-        inside = (t >= start) & (t <= part.t[-1])
-        out[inside] = part.sol(t[inside])[1] if part.sol else np.nan
-        start, state, sign = float(part.t[-1]), np.array([part.y[0, -1], 0.0]), -sign
-    return out
+    return np.asarray(solve_ivp(slope, (0.0, t[-1]), np.zeros(2), "LSODA", t_eval=t, rtol=1e-8, atol=1e-10).y[1])
 
 
 @pytest.mark.parametrize("model", [MODEL, STRIBECK], ids=["plain", "stribeck"])
@@ -196,11 +176,3 @@ def test_pieces_begin_with_what_the_recording_has_done_to_the_spring() -> None:
     assert inside.sum() == 801
     assert found[700] == rows[1, 700]
     assert np.sqrt(np.mean((found - rows[1])[inside] ** 2)) < 0.03 * np.sqrt(np.mean(rows[1] ** 2))
-
-
-def test_a_near_side_that_rings_too_fast_has_no_inertia_to_speak_of() -> None:
-    stiff = Transmission(stiffness_nm_per_rad=1e6, damping_ratio=0.1)
-    tables, _ = tabulate(B, (), recording_of(T, np.sin(T), np.cos(T)))
-    assert can_follow(link_of(stiff, 0.1 * B, 0.9 * B), tables, STEP_S)
-    assert not can_follow(link_of(stiff, 1e-5, B), tables, STEP_S)
-    assert not can_follow(link_of(stiff, 0.0, B), tables, STEP_S)

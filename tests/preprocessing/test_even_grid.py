@@ -67,14 +67,6 @@ def test_grid_is_not_faster_than_the_log(rate: float, grid: float, corner: float
     assert low_pass.of(t, np.ones(len(t))) == pytest.approx(1.0)
 
 
-def test_an_impulse_comes_out_where_it_went_in() -> None:
-    t = np.arange(0, 2, 1e-3)
-    low_pass = LowPass.for_stamps(t)
-    passed = low_pass.of(t, (t == 1.0).astype(float))
-    assert passed @ low_pass.t / passed.sum() == pytest.approx(1.0, abs=1e-6)
-    assert np.argmax(passed) == 400
-
-
 def test_gaps_are_those_that_motion_bends_in() -> None:
     t = np.delete(np.arange(2000) * 1e-3, [*range(500, 515), *range(900, 925)])
     (gap,) = gaps(t)

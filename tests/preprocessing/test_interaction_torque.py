@@ -18,6 +18,7 @@ from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.preprocessing.torque_source import known_arm
 from friction_audit.reporting.sentences import sentence_of
 from friction_audit.robot import load_arm
+from tests.robot.test_arm import PENDULUM
 from tests.synthetic_interaction import choice
 from tests.synthetic_interaction import log_of as made_log
 
@@ -26,10 +27,6 @@ HAND = (0.73, -0.01, 0.0, 0.03)
 PANDA = load_arm()
 FORGOTTEN = load_arm(payload=(2.0, 0.05, 0.0, 0.1))
 LEFT = {"gravity_error", "torque_offset"}
-PENDULUM = """<robot name="pendulum"><link name="base"/>
-  <joint name="hinge" type="continuous"><parent link="base"/><child link="bob"/><axis xyz="0 1 0"/></joint>
-  <link name="bob"><inertial><origin xyz="0 0 -0.5"/><mass value="2"/>
-    <inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial></link></robot>"""
 
 
 def motion(joints: int, seconds: float = 12.0) -> tuple[Float, Float, Float, Float]:
@@ -266,7 +263,7 @@ def test_a_file_that_is_no_arm_is_refused_even_where_none_is_needed(tmp_path: Pa
 
 def test_any_arm_by_its_urdf(tmp_path: Path) -> None:
     path = tmp_path / "pendulum.urdf"
-    path.write_text(PENDULUM)
+    path.write_text(PENDULUM.format(kind="continuous"))
     _, q, _, ddq = motion(1)
     log = log_of("unknown", 1, tau_J=0.5 * ddq + 9.81 * np.sin(q) + friction(1))
     found = extract(log, urdf=path, drive="robot")

@@ -166,7 +166,6 @@ def test_arms_of_one_urdf_come_in_the_order_of_their_joints_names(tmp_path: Path
         ('<link name="cog"/>', '<link name="cog"/><link name="cog"/>', "2 links of the name cog"),
         ('<link name="cog"/>', '<link name="cog"/><link name="odd"/>', "2 links that are no child of a joint"),
         ('joint name="slider"', 'joint name="hinge"', "2 joints of the name hinge"),
-        ('value="2"', 'value="two" /><axis xyz="0 0 0"', "link bob: mass"),
     ],
 )  # fmt: skip
 def test_a_malformed_urdf_is_refused_by_name(tmp_path: Path, sound: str, wrong: str, message: str) -> None:
@@ -182,12 +181,6 @@ def test_a_chain_without_end_and_a_missing_file_are_refused(tmp_path: Path) -> N
         load_arm(write(tmp_path, f'<robot name="r">{links}</robot>'))
     with pytest.raises(UsageError, match=r"nowhere\.urdf: No such file"):
         load_arm(tmp_path / "nowhere.urdf")
-
-
-@pytest.mark.parametrize("mass", [0.0, -1.0, float("nan")])
-def test_a_payload_without_mass_is_refused(mass: float) -> None:
-    with pytest.raises(UsageError, match="--payload"):
-        load_arm(payload=(mass, 0, 0, 0))
 
 
 def test_gravity_direction_explains_what_a_displaced_mass_does() -> None:

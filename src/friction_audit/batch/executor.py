@@ -177,10 +177,7 @@ def _connect(address: str) -> Any:  # noqa: ANN401
 
 
 def _check_workers(client: Any, address: str) -> None:  # noqa: ANN401
-    """Compare what has to be the same on all machines for the numbers to be the same.
-
-    It is asked with functions that any worker has: one that it lacks would never be answered.
-    """
+    """Compare what makes the numbers, by functions that any worker has: one that it lacks would never be answered."""
     ours = {"friction-audit": __version__, **{name: version(name) for name in ("numpy", "scipy")}}
     theirs = {name: client.run(version, name, on_error="return") for name in ours}
     ours, theirs = ours | {"Python": get_python_version()}, theirs | {"Python": client.run(get_python_version)}

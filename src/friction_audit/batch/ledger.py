@@ -49,6 +49,7 @@ TABLES = (
         SELECT robot, datetime(start_s, 'unixepoch') AS start, path, joint, coefficient, value, low, high
         FROM arms JOIN coefficients ON arm = id ORDER BY robot, start_s, path, joint, coefficient""",
 )
+REMEMBER = "INSERT OR REPLACE INTO files VALUES (?, ?, ?, ?)"
 BUSY_S = 60.0  # to wait while another run writes
 PARTS = ("", "-wal", "-shm")  # endings of the files that a ledger consists of while it is open
 UNCLEAN = ("-wal", "-journal")  # what lies next to a ledger that is open or was not closed
@@ -87,7 +88,7 @@ class Ledger(AbstractContextManager["Ledger"]):
         unclean = any(path.with_name(path.name + ending).exists() for ending in UNCLEAN)
         self._open()
         try:
-            with self._worded():
+            with self._whole():
                 is_ledger = self._pragma("application_id") == APPLICATION_ID
                 if is_ledger and self._pragma("user_version") < SCHEMA_VERSION:
                     # Its sessions are of older results, which are never asked for again.
@@ -102,7 +103,7 @@ class Ledger(AbstractContextManager["Ledger"]):
     def _open(self) -> None:
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
-            self._database = sqlite3.connect(self.path, timeout=BUSY_S, isolation_level=None)
+            self._database = sqlite3.connect(self.path, timeout=BUSY_S, isolation_level="IMMEDIATE")
         except (OSError, sqlite3.Error) as error:
             raise InputError(f"{self.path}: cannot be opened: {error}; choose another folder with -o") from error
         self._database.row_factory = sqlite3.Row
@@ -124,9 +125,8 @@ class Ledger(AbstractContextManager["Ledger"]):
 
     def remember(self, log: LogFile, sha256: str) -> None:
         """Keep the hash of a log's content."""
-        values = (encodable(log.place), log.size, log.changed, sha256)
-        with self._worded():
-            self._database.execute("INSERT OR REPLACE INTO files VALUES (?, ?, ?, ?)", values)
+        with self._whole():
+            self._database.execute(REMEMBER, (encodable(log.place), log.size, log.changed, sha256))
 
     def is_done(self, sha256: str, settings: str) -> bool:
         """Return True if nothing new would come of a log."""
@@ -139,7 +139,7 @@ class Ledger(AbstractContextManager["Ledger"]):
         broken = {row["id"]: str(row["sha256"]) for row in stored if row["digest"] != _digest(row["content"])}
         if broken:
             keys = [(key,) for key in broken]
-            with self._transaction():
+            with self._whole():
                 self._database.executemany("DELETE FROM coefficients WHERE arm = ?", keys)
                 self._database.executemany("DELETE FROM arms WHERE id = ?", keys)
         return set(broken.values())
@@ -147,12 +147,12 @@ class Ledger(AbstractContextManager["Ledger"]):
     def save(self, log: LogFile, settings: BatchSettings, worked: Worked) -> None:
         """Keep what came of a log, all of it or nothing."""
         key, place = settings.key(), encodable(log.place)
-        with self._transaction():
+        with self._whole():
             self._database.execute("INSERT OR IGNORE INTO settings VALUES (?, ?)", (key, settings.text()))
             query = "DELETE FROM arms WHERE settings = ? AND sha256 IN (?, ?) AND message IS NOT NULL"
             self._database.execute(query, (key, worked.sha256, place))
             if worked.sha256:
-                self.remember(log, worked.sha256)
+                self._database.execute(REMEMBER, (place, log.size, log.changed, worked.sha256))
             every: tuple[Session | Fault, ...] = (*worked.sessions, *worked.faults)
             for one in every:
                 self._save_arm(one, (worked.sha256 or place, key, one.topic, log.path))
@@ -181,7 +181,7 @@ class Ledger(AbstractContextManager["Ledger"]):
         query = """UPDATE arms SET path = ?1, robot = ?2, start_s = ?3
             WHERE sha256 = ?4 AND settings = ?5 AND topic = ?6 AND (path, robot, start_s) IS NOT (?1, ?2, ?3)"""
         values = [(one.path, one.robot, one.start_s, one.sha256, settings, one.topic) for one in named]
-        with self._transaction():
+        with self._whole():
             self._database.executemany(query, values)
 
     def note(self, key: str) -> str | None:
@@ -190,7 +190,7 @@ class Ledger(AbstractContextManager["Ledger"]):
 
     def write_note(self, key: str, value: str) -> None:
         """Keep a note about the ledger as a whole."""
-        with self._worded():
+        with self._whole():
             self._database.execute("INSERT OR REPLACE INTO meta VALUES (?, ?)", (key, value))
 
     def _set_up(self, *, unclean: bool) -> None:
@@ -211,7 +211,8 @@ class Ledger(AbstractContextManager["Ledger"]):
         self._database.execute("PRAGMA synchronous = NORMAL")
         if version == SCHEMA_VERSION:
             return
-        with self._transaction():
+        with self._whole():
+            self._database.execute("BEGIN IMMEDIATE")
             for table in TABLES:
                 self._database.execute(table)
             self._database.execute(f"PRAGMA application_id = {APPLICATION_ID}")
@@ -235,25 +236,15 @@ class Ledger(AbstractContextManager["Ledger"]):
             self._database.executemany("INSERT OR REPLACE INTO coefficients VALUES (?, ?, ?, ?, ?, ?)", rows)
 
     def _ask(self, query: str, values: tuple[object, ...] = ()) -> list[sqlite3.Row]:
-        with self._worded():
+        with self._whole():
             return self._database.execute(query, values).fetchall()
 
     @contextmanager
-    def _transaction(self) -> Iterator[None]:
-        with self._worded():
-            self._database.execute("BEGIN IMMEDIATE")
-            try:
-                yield
-            except BaseException:
-                self._database.rollback()
-                raise
-            self._database.commit()
-
-    @contextmanager
-    def _worded(self) -> Iterator[None]:
-        """Turn an error of SQLite into an InputError."""
+    def _whole(self) -> Iterator[None]:
+        """Commit what is written in a ``with`` block, or nothing of it; turn an error of SQLite into an InputError."""
         try:
-            yield
+            with self._database:
+                yield
         except sqlite3.DatabaseError as error:
             if getattr(error, "sqlite_errorname", "") == "SQLITE_NOTADB":
                 raise InputError(f"{self.path}: no SQLite database, and so no ledger; {OTHER_PLACE}") from error

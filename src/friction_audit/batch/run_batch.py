@@ -10,6 +10,8 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
+from itertools import groupby
+from operator import attrgetter
 from pathlib import Path
 from typing import NamedTuple
 
@@ -18,7 +20,7 @@ from friction_audit.batch.find_logs import LogFile
 from friction_audit.batch.identity import FailedLog, Fault, Worked, identify, name_of, time_in_name
 from friction_audit.batch.ledger import BatchSettings, Ledger
 from friction_audit.batch.work import work_on
-from friction_audit.drift.analyse import analyse_arm, analyse_drift, arms_of
+from friction_audit.drift.analyse import analyse_arm
 from friction_audit.drift.report import ArmDrift, DriftReport, DriftSettings
 from friction_audit.drift.session import Session
 from friction_audit.errors import AnalysisError, few
@@ -27,9 +29,10 @@ from friction_audit.io.files import sha256_of
 
 def drift_of_arms(sessions: Sequence[Session], settings: DriftSettings, executor: Executor) -> DriftReport:
     """Find what changed between the sessions of each arm; a single arm is analysed here, where its sessions are."""
-    arms = arms_of(sessions)
+    by_robot = attrgetter("robot")
+    arms = [tuple(own) for _, own in groupby(sorted(sessions, key=by_robot), by_robot)]
     if len(arms) == 1:
-        return analyse_drift(sessions, settings)
+        return DriftReport(arms=(analyse_arm(arms[0], settings),))
     found: list[ArmDrift] = []
     for arm, drift in executor.run(partial(analyse_arm, settings=settings), arms):
         if isinstance(drift, Lost):
@@ -38,7 +41,6 @@ def drift_of_arms(sessions: Sequence[Session], settings: DriftSettings, executor
     return DriftReport(arms=tuple(sorted(found, key=lambda one: one.robot)))
 
 
-ENDS_BYTES = 65536  # at each end of a file: the start of a recording, and the index or notes of most formats
 MOST_NAMED = 3  # copies that a warning names; more are counted
 # Takes how many logs are finished, of those that were new, and how many of them failed.
 Watch = Callable[[int, int, int], None]
@@ -120,34 +122,18 @@ def gather(standing: Standing, settings: BatchSettings, ledger: Ledger) -> Batch
 
 
 def _hashes(logs: Sequence[LogFile], ledger: Ledger) -> dict[str, str]:
-    """Return the hash of every log whose content may have been seen before, by its place.
-
-    Content of an unknown size is new, and so are logs of one size whose ends differ: they are hashed as they are read.
-    """
+    """Return the hash of each log that is known or as large as another, by its place; others are hashed when read."""
     known = ledger.known_hashes(logs)
     strange = [log for log in logs if log.place not in known and not log.is_remote]
     seen = ledger.known_sizes()
     of_size = Counter(log.size for log in strange)
-    ends = {log.place: _ends(log) for log in strange if of_size[log.size] > 1 and log.size not in seen}
-    alike = Counter(ends.values())
-    familiar = [log for log in strange if log.size in seen or alike[ends.get(log.place, "")] > 1]
+    familiar = [log for log in strange if log.size in seen or of_size[log.size] > 1]
     with ThreadPoolExecutor(thread_name_prefix="sha256") as pool:
         for log, hashed in [(log, pool.submit(sha256_of, Path(log.place))) for log in familiar]:
             with suppress(OSError):  # the worker will say why
                 known[log.place] = hashed.result()
                 ledger.remember(log, known[log.place])
     return known
-
-
-def _ends(log: LogFile) -> str:
-    """Return the size of a file and the hash of its ends; of the folder of a bag the size alone."""
-    path, ends = Path(log.place), b""
-    if path.is_file():  # to open a pipe waits for its writer
-        with suppress(OSError), path.open("rb") as file:  # the worker will say why
-            ends = file.read(ENDS_BYTES)
-            file.seek(max(0, log.size - ENDS_BYTES))
-            ends += file.read(ENDS_BYTES)
-    return f"{log.size} {hashlib.sha256(ends).hexdigest()}"
 
 
 def _one_of_each(logs: Sequence[LogFile], hashes: Mapping[str, str]) -> tuple[list[LogFile], dict[str, str]]:

@@ -1,7 +1,4 @@
-"""What a worker does with one log: read it, run the chain, keep the summary; and what is compared of an estimate.
-
-A worker may be a process on this machine or on another one: all that goes in and comes out can be pickled.
-"""
+"""What a worker, here or on another machine, does with one log: all that goes in and comes out can be pickled."""
 
 import math
 import socket

@@ -1,10 +1,9 @@
-"""Sessions -> DriftReport: arm by arm, joint by joint, what became of each coefficient."""
+"""Sessions of an arm -> ArmDrift: joint by joint, what became of each coefficient."""
 
 import math
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
-from itertools import groupby, pairwise, product
-from operator import attrgetter
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
@@ -12,10 +11,10 @@ import numpy as np
 from friction_audit.drift import regression
 from friction_audit.drift import report as made
 from friction_audit.drift.change_points import Step, find_isolated, find_steps, leave_outliers_out
-from friction_audit.drift.change_test import Verdict, judge_family, orthogonal
+from friction_audit.drift.change_test import COLLINEAR, Verdict, judge_family
 from friction_audit.drift.covariates import CONFOUNDED, choose_comparable, shared, use_temperature
 from friction_audit.drift.regression import Fit, Model, to_change, to_level, to_relative
-from friction_audit.drift.report import ArmDrift, CoefficientDrift, ControlPoint, DriftReport, DriftSettings
+from friction_audit.drift.report import ArmDrift, CoefficientDrift, ControlPoint, DriftSettings
 from friction_audit.drift.session import COEFFICIENTS, NORMAL_95, Order, Series, Session, make_series, put_in_order
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_log import Float
@@ -25,19 +24,8 @@ SPEED_CHANGE = 1.25  # a speed of motion that changes less with a drift does not
 CERTAIN = 30.0  # statistic beyond which the noise of the numerator of t is negligible against that of its denominator
 
 
-def analyse_drift(sessions: Sequence[Session], settings: DriftSettings) -> DriftReport:
-    """Find what changed between sessions of any arms, in any order, for each arm by itself."""
-    return DriftReport(arms=tuple(analyse_arm(arm, settings) for arm in arms_of(sessions)))
-
-
-def arms_of(sessions: Iterable[Session]) -> list[tuple[Session, ...]]:
-    """Return the sessions of each arm, arms in the order of their names."""
-    by_robot = attrgetter("robot")
-    return [tuple(own) for _, own in groupby(sorted(sessions, key=by_robot), by_robot)]
-
-
 def analyse_arm(sessions: Sequence[Session], settings: DriftSettings) -> ArmDrift:
-    """Find what changed between the sessions of one arm."""
+    """Find what changed between the sessions of one arm, in any order."""
     order = put_in_order(sessions)
     compared, left_out, limits = choose_comparable(order)
     reference, odd = choose_reference(compared, settings.baseline)
@@ -255,26 +243,16 @@ def make_chart(
 
 
 def smallest_change(series: Series, fit: Fit, *, critical: float, growth: float, power: float) -> float:
-    """Return the straight change of y, start to end, that the test of the arm finds with a probability, the power.
-
-    A step of that size near the middle is found more often, one near either end less often. ``critical`` is the score
-    that the test asks for; ``growth`` says by how much autocorrelation makes statistics larger.
-    """
+    """Return the straight change of y, start to end, that the test of the arm finds with a probability, the power."""
     from scipy.stats import t
 
-    start = np.zeros(1, dtype=np.int64)
-    ramp = orthogonal(
-        regression.ramp_columns(series)[:, :1],
-        split=start,
-        back=start + len(series.y),
-        base=regression.baseline_columns(series),
-        y=series.y,
-        weight=1.0 / (np.sqrt(series.y_error**2 + fit.scatter**2) * max(fit.scale, 1.0)),
-    )
-    if ramp.freedom < 1 or ramp.length[0] == 0.0:
+    weight = 1.0 / (np.sqrt(series.y_error**2 + fit.scatter**2) * max(fit.scale, 1.0))
+    base, ramp = regression.baseline_columns(series) * weight[:, None], regression.ramp_columns(series)[:, 0] * weight
+    left, freedom = ramp - base @ np.linalg.lstsq(base, ramp, rcond=None)[0], len(ramp) - base.shape[1] - 1
+    if freedom < 1 or left @ left <= COLLINEAR * (ramp @ ramp):
         return math.nan
-    statistic = float(t.isf(np.exp(-critical), ramp.freedom))
-    return noncentrality(statistic, ramp.freedom, power) * growth / float(ramp.length[0])
+    statistic = float(t.isf(np.exp(-critical), freedom))
+    return noncentrality(statistic, freedom, power) * growth / float(np.linalg.norm(left))
 
 
 def noncentrality(statistic: float, freedom: int, power: float) -> float:

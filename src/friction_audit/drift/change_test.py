@@ -47,12 +47,10 @@ class Directions:
     split: NDArray[np.int64]  # first session after the step, shape (k,); 0 for a ramp
     back: NDArray[np.int64]  # first session after the step back, shape (k,); n where there is none
     direction: Float  # unit vectors, orthogonal to level and temperature, shape (n, k); 0 where nothing is left of one
-    length: Float  # length of each shape given level and temperature, before it was made a unit vector, shape (k,)
     base: Float  # orthonormal basis of level and temperature, shape (n, b)
     residual: Float  # what level and temperature leave of y, shape (n,)
     weight: Float  # one over the standard error with scatter, shape (n,)
     ramp: Float  # ramps as they are, shape (n, r); the last r of the directions
-    ramps: NDArray[np.bool_]  # which directions are ramps, shape (k,)
     factor: Float  # on the statistic of each direction, below 1 for changes that come and go, shape (k,)
     freedom: int  # degrees of freedom given level, temperature and one direction
 
@@ -97,12 +95,10 @@ def orthogonal(shapes: Float, *, split: Places, back: Places, base: Float, y: Fl
         split=split,
         back=back,
         direction=np.divide(left, length, out=np.zeros_like(left), where=length > 0),
-        length=length,
         base=basis,
         residual=residual,
         weight=weight,
         ramp=shapes[:, split == 0],
-        ramps=split == 0,
         factor=np.where(back < len(y), EPISODE_FACTOR, 1.0),
         freedom=len(y) - basis.shape[1] - 1,
     )
@@ -124,11 +120,8 @@ def studentise(rows: Float, directions: Directions) -> Float:
 
 
 def _studentise_orders(directions: Directions, order: NDArray[np.int64]) -> Float:
-    """Return t of each direction with the sessions in other orders (m, n), shape (m, k).
-
-    A session takes its error and its temperature along: an estimate that is worse than its error says stays as it is.
-    """
-    steps = ~directions.ramps
+    """Return t of each direction with the sessions, and their errors, in other orders (m, n), shape (m, k)."""
+    steps = directions.split > 0
 
     def along(rows: Float, ramp: Float) -> Float:
         before = np.cumsum(np.insert(rows, 0, 0.0, axis=1), axis=1)
@@ -234,7 +227,7 @@ def judge_family(family: Sequence[Series], settings: DriftSettings) -> list[Verd
         real, freedom = np.abs(studentise(directions.residual[None, :], directions)), directions.freedom
         growth = of_kind[kind].growth
         observed[k] = score(np.max(real) / growth, freedom)
-        ramp[k] = score(np.max(real[:, directions.ramps], initial=0.0) / growth, freedom)
+        ramp[k] = score(np.max(real[:, directions.split == 0], initial=0.0) / growth, freedom)
         maxima[:, k], ramp_maxima[:, k] = score(maxima[:, k], freedom), score(ramp_maxima[:, k], freedom)
     critical = float(np.quantile(np.max(maxima, axis=1), 1.0 - settings.alpha))
     p_values = zip(step_down(observed, maxima).tolist(), step_down(ramp, ramp_maxima).tolist(), kinds, strict=True)
@@ -250,7 +243,7 @@ def permute(
 
     def keep(rows: Places, k: int, drawn: Float) -> None:
         largest[rows, k] = np.max(drawn, axis=1)
-        largest_ramp[rows, k] = np.max(drawn[:, family[k].ramps], axis=1, initial=0.0)
+        largest_ramp[rows, k] = np.max(drawn[:, family[k].split == 0], axis=1, initial=0.0)
 
     long = [k for k, directions in enumerate(family) if len(directions.residual) >= FEWEST_TO_PERMUTE]
     for k in sorted(set(range(len(family))).difference(long)):

@@ -56,10 +56,7 @@ NO_BRISTLES = Bristles(path=np.zeros(0), torque=np.zeros(0), stiffness=np.zeros(
 
 
 def bristles_of(term: Term) -> tuple[float, Bristles, Bristles]:
-    """Ask a term for its curve after a reversal; return the bristles as one curve, and the same as springs.
-
-    Before them, the dry friction that the term adds to that of the joint, below zero where bristles take its place.
-    """
+    """Return the dry friction that a term adds, below zero where bristles replace it; these as curve and springs."""
     before, slow = _reversal(term, SLOW_RAD_S)
     # At the reversal the direction jumps at once, the bristles do not; the first sample after it is a step further.
     dry = -0.5 * (2.0 * slow[0] - slow[1] - before)
@@ -132,15 +129,9 @@ def stretch(deflection: float, way: float, reach: float) -> float:
 
 @compiled(inline=True)
 def _around(value: float, torque: Float) -> tuple[int, int]:
-    """Return the points of a falling curve around a torque (bisection)."""
-    low, high = 0, len(torque) - 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        if torque[middle] >= value:
-            low = middle
-        else:
-            high = middle
-    return low, high
+    """Return the points of a falling curve around a torque."""
+    low = min(max(len(torque) - 1 - np.searchsorted(torque[::-1], value), 0), len(torque) - 2)
+    return low, low + 1
 
 
 @compiled()

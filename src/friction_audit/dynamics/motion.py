@@ -106,6 +106,5 @@ class Term(Protocol):
         """Return the torque. [N m], shape (n,)."""
 
 
-# An ``effects.joint_model.JointModel``: its ``inertia_kg_m2``, its ``terms``, and ``rest(motion)``, the torque of
-# inertia, Coulomb and viscous friction.
+# An ``effects.joint_model.JointModel``: ``inertia_kg_m2``, ``terms``, and ``rest(motion)``, its simple torque.
 Model: TypeAlias = Any

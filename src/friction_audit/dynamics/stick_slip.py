@@ -74,10 +74,7 @@ def slide(q: float, v: float, sign: float, step: Step, bent: Float, tables: Tabl
 
 @compiled()
 def advance(q: float, v: float, sign: float, step: Step, bent: Float, tables: Tables) -> tuple[float, float, float]:
-    """Move a joint with tables on by a step; return position, velocity and direction at the end.
-
-    The direction is 0 if friction holds it; the state of the bristles, shape (1 + m,), changes.
-    """
+    """Move a joint and its bristles on by a step; return position, velocity and direction, 0 where it is held."""
     for _ in range(EVENTS):
         if sign == 0.0:
             held = bristle_nm(bent, 0.0, tables)

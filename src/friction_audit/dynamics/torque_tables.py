@@ -52,10 +52,7 @@ ADDED = ("inertia_kg_m2", "speed", "place", "place_per_speed", "time", "time_per
 
 
 def tabulate(inertia_kg_m2: float, terms: Iterable[Term], motion: Motion) -> tuple[Tables, tuple[Term, ...]]:
-    """Tabulate the terms of a joint that act by a torque, instantly or by bristles, along an even recording.
-
-    Returns the tables, and the terms that no table holds; second bristles are among them.
-    """
+    """Tabulate the terms that act by a torque along an even recording; return also those that no table holds."""
     n, nothing = len(motion.t), np.zeros((2, 1))  # a table of one entry is level
     top = HEADROOM * max(float(np.max(np.abs(motion.dq), initial=0.0)), CRAWL_RAD_S)
     low, high = float(motion.q.min()), float(motion.q.max())
@@ -108,11 +105,7 @@ def rms(signal: Float) -> float:
 
 
 def _forms(term: Term, motion: Motion, empty: Tables) -> Iterable[Tables]:
-    """Yield a term over speed, over position and over time, with the inertia that it adds.
-
-    Position and time have a share in proportion to the speed. A term that needs the past answers with nonsense, which
-    ``_holds`` finds out.
-    """
+    """Yield a term over speed, position and time, with its inertia: nonsense for a term that needs the past."""
     n = len(motion.t)
     still, top = np.zeros(n), empty.speed_step * (n - 1)
 

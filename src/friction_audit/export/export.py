@@ -196,10 +196,7 @@ def _simulated(laws: Sequence[FrictionLaw], joints: Joints, estimate: Estimate) 
 def _gaps(
     model: "MjModel", numbers: Sequence[int], friction: Mapping[int, FittedFriction], t: Float, *signals: Float
 ) -> Iterator[SimulatedGap]:
-    """Move joints by recorded torques over windows that each start from the recording, and compare their ends.
-
-    ``signals`` are position, velocity and torque of the joints with these numbers, shape (n, j) each.
-    """
+    """Move joints by recorded torques, the last signal, over windows from recorded states, and compare their ends."""
     import mujoco
     from mujoco import rollout
 

@@ -73,10 +73,7 @@ def of_estimate(estimate: Estimate) -> Joints:
 def laws_of(
     joints: Joints, speeds: Mapping[int, Float], *, wanted: Iterable[int] | None, armature: bool
 ) -> tuple[tuple[FrictionLaw, ...], tuple[tuple[int, str], ...]]:
-    """Return the friction laws of the joints that have one, or of those wanted, and number and reason of the others.
-
-    ``speeds`` are by number of the joint; a joint that is not there is fitted over SPEEDS. [rad/s]
-    """
+    """Return the friction laws of the joints that have one, or of those wanted, and number and reason of the others."""
     asked = None if wanted is None else set(wanted)
     there = {number for number, *_ in joints.models} | {number for number, _ in joints.lacking}
     if asked is not None and not asked <= there:

@@ -13,8 +13,7 @@ from friction_audit.preprocessing.sign import CoarseLog, most, strokes_of, votin
 from friction_audit.preprocessing.torque_source import with_a_model
 from friction_audit.robot import STANDARD_GRAVITY, parse_urdf, read_urdf
 
-# An identified model errs by a few tenths of a newton metre, the vendor's by up to two on the heaviest joints; a
-# forgotten hand makes two to three.
+# An identified model errs by a few tenths of a N m, the vendor's by up to 2; a forgotten hand makes 2 to 3.
 LARGEST_NM = 1.5
 LEAST_RANGE_RAD = 0.3  # over less, gravity looks like an offset or a spring
 LEAST_ACROSS = 0.1  # share of gravity across an axis below which it is vertical: a payload does not load it

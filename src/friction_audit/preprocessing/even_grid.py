@@ -38,29 +38,21 @@ MOST_MOVED = 0.1  # share of stamps that are a tick late: where there are more, 
 
 
 def kaiser_low_pass(corner_hz: float, rate_hz: float) -> Float:
-    """Return the weights of a symmetric low-pass with 60 dB in the stop band, an odd number of them, sum 1.
-
-    Half of the amplitude passes at the corner, none from twice of it on.
-    """
+    """Return an odd number of weights, sum 1: half of the amplitude passes at the corner, none from twice it on."""
     share = 2.0 * corner_hz / rate_hz
     taps = int(np.ceil((STOPBAND_DB - 7.95) / (2.285 * np.pi * share) + 1.0)) | 1
     return windowed_sinc(share, np.kaiser(taps, 0.1102 * (STOPBAND_DB - 8.7)))
 
 
 def windowed_sinc(share: float, window: Float) -> Float:
-    """Return the weights of a symmetric low-pass, sum 1; half of the amplitude passes at a share of half the rate.
-
-    scipy.signal designs the same ones, but takes 0.5 s to load, an eighth of the diagnosis of a short log.
-    """
+    """Return the weights of a symmetric low-pass, sum 1; half of the amplitude passes at a share of half the rate."""
+    # scipy.signal has this and the next one, but takes 0.5 s to load, an eighth of the diagnosis of a short log.
     weights = np.sinc(share * (np.arange(len(window)) - 0.5 * (len(window) - 1))) * window
     return np.asarray(weights / weights.sum())
 
 
 def first_order(signal: NDArray[Any], pole: complex, before: complex) -> NDArray[Any]:
-    """Return y_k = pole y_(k-1) + (1 - pole) x_k of a signal x, as real as the pole, from a value before it on.
-
-    scipy.signal, which has the filter, takes 0.5 s to load.
-    """
+    """Return y_k = pole y_(k-1) + (1 - pole) x_k of a signal x, as real as the pole, from a value before it on."""
     driven = (1.0 - pole) * signal
     driven[0] += pole * before
     return _remembered(driven, pole)
@@ -109,11 +101,7 @@ def filtered(rows: Float, kernel: Float, centre: NDArray[np.int64]) -> Float:
 
 
 class EvenSpline:
-    """The cubic B-spline through evenly spaced samples.
-
-    M. Unser, IEEE Signal Processing Magazine 16(6) (1999) 22. It reads all values at once that are equally far from a
-    sample, where ``CubicSpline`` looks for the place of each.
-    """
+    """The cubic B-spline through even samples, all read at once (M. Unser, IEEE Signal Proc. Mag. 16(6), 1999)."""
 
     def __init__(self, values: NDArray[np.floating[Any]], *, held: bool) -> None:
         """Find the coefficients of values, shape (n, ...), that are held beyond the ends, or go on as they end."""
@@ -139,11 +127,8 @@ class EvenSpline:
 
 
 def natural_spline(x: Float, y: Float, at: Float) -> Float:
-    """Values at some places of the cubic spline through y at x that is straight at both ends, by its curvatures.
-
-    That of SciPy is in scipy.interpolate, which takes 0.2 s to load.
-    """
-    from scipy.linalg.lapack import dptsv
+    """Values at some places of the cubic spline through y at x that is straight at both ends, by its curvatures."""
+    from scipy.linalg.lapack import dptsv  # scipy.interpolate takes 0.2 s to load
 
     step = np.diff(x)
     slope = np.diff(y) / step

@@ -22,9 +22,7 @@ class SignEvidence:
     """What the energy of one joint says about the sign of its torque."""
 
     joint: int  # joint number for people (1..n of the log)
-    # ``"rises"`` (the sign is right), ``"falls"`` (it is wrong), ``"undecided"``, ``"still"`` or ``"no_torque"`` (its
-    # torque channel is dead)
-    verdict: str
+    verdict: str  # ``"rises"`` (it is right), ``"falls"``, ``"undecided"``, ``"still"``, ``"no_torque"`` (dead)
     moving_s: float  # time for which the joint moves [s]
     path_rad: float  # how far it moves in that time, both directions added [rad]
     # part of F_m + u that goes with the direction of motion; NaN where it is undetermined [N m]

@@ -1,5 +1,6 @@
 """What the interaction torque is made of: decided from what the log holds and what the user said."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -178,18 +179,17 @@ def _payload_missing(log: JointLog, coarse: CoarseLog, settings: TorqueSettings,
 
 def _cautions(
     log: JointLog, coarse: CoarseLog, settings: TorqueSettings, source: str, reason: str, gravity: str, robot: str
-) -> list[Caution]:
-    found: dict[str, dict[str, object]] = {}
+) -> Iterator[Caution]:
     if source == "tau_ext":
-        found["tau_ext_filtered"] = {}
+        yield Caution(code="tau_ext_filtered")
     if reason == "payload":
-        found["payload_missing"] = {"most": VENDOR_DISAGREES_NM}
-    if gravity == "in-torque" and robot in PRESETS and robot not in MODELS:
-        found["no_model"] = {"arm": PRESETS[robot].label}
-    if gravity == "in-torque":
-        command = _with_gravity_removed(log, coarse, settings) if log.source.torque_unit == "N m" else ""
-        found["gravity_in_torque"] = {"command": command, "lead": "remove it: "}
-    return [Caution(code=code, numbers=numbers) for code, numbers in found.items()]
+        yield Caution(code="payload_missing", numbers={"most": VENDOR_DISAGREES_NM})
+    if gravity != "in-torque":
+        return
+    if robot in PRESETS and robot not in MODELS:
+        yield Caution(code="no_model", numbers={"arm": PRESETS[robot].label})
+    command = _with_gravity_removed(log, coarse, settings) if log.source.torque_unit == "N m" else ""
+    yield Caution(code="gravity_in_torque", numbers={"command": command, "lead": "remove it: "})
 
 
 def _with_gravity_removed(log: JointLog, coarse: CoarseLog, settings: TorqueSettings) -> str:

@@ -34,10 +34,7 @@ FINE = 0.01  # noise of a velocity from the position, of the rms speed, that is 
 
 
 def filter_velocity(dq: Float, *, rate_hz: float, cutoff_hz: float) -> Float:
-    """Low-pass a velocity without phase shift: second-order Butterworth, forwards and backwards, shape (n,).
-
-    The corner is that of each pass; where the rate is too low to filter, the velocity comes back itself.
-    """
+    """Low-pass a velocity (n,) by a second-order Butterworth, both ways; as it is where the rate is too low."""
     if cutoff_hz >= HIGHEST_SHARE_OF_RATE * rate_hz or len(dq) < MINIMUM_LENGTH:
         return dq
     k = math.tan(math.pi * cutoff_hz / rate_hz)
@@ -200,10 +197,7 @@ def _is_fine(log: JointLog, lag: Float) -> NDArray[np.bool_]:
 
 
 def on_time(log: JointLog, coarse: CoarseLog) -> tuple[JointLog, tuple[Caution, ...]]:
-    """Return the log with its velocities on time, and what the user must know about it.
-
-    A velocity that comes later than any filter's is left as it is: which clock the torque is on is not known.
-    """
+    """Return the log with its velocities on time, but those later than any filter's, and what the user must know."""
     step_s = 1.0 / log.rate_hz
     lag = find_lag(coarse, step_s)
     for joint in map(int, np.flatnonzero(lag)):
@@ -221,10 +215,7 @@ def on_time(log: JointLog, coarse: CoarseLog) -> tuple[JointLog, tuple[Caution, 
 
 
 def noise_density(signal: Float, step_s: float, order: int) -> float:
-    """Return D of a noise whose amplitude density is D f^order up to a fifth of the rate, from second differences.
-
-    The order is 0 for white noise, 1 for that of a differentiated signal.
-    """
+    """Return D of noise of the amplitude density D f^order, to a fifth of the rate; order 0 is white noise."""
     w = np.linspace(0.0, 0.4 * np.pi, 400)
     gain = float(np.sqrt(np.trapezoid((w / (2 * np.pi * step_s)) ** (2 * order) * (2 - 2 * np.cos(w)) ** 2, w)))
     return float(np.median(np.abs(np.diff(signal, n=2)))) / gain

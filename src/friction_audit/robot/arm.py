@@ -24,7 +24,7 @@ FLANGE_NAMES = ("link8", "flange", "tool0")
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)
 CHUNK = 4096
 
-Payload = tuple[float, float, float, float]
+Payload = tuple[float, float, float, float]  # mass [kg] and place x, y, z [m] of a point mass in the flange frame
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -217,14 +217,10 @@ def chunks(samples: int) -> Iterator[slice]:
 def load_arm(
     urdf: Path | None = None,
     payload: Payload | None = None,
-    gravity_vector: tuple[float, float, float] = STANDARD_GRAVITY,
+    gravity_vector: tuple[float, float, float] = STANDARD_GRAVITY,  # in the base frame [m/s^2]
 ) -> Arm:
-    """Load the built-in Panda, or the arm of a URDF; gravity is in the base frame. [m/s^2]
-
-    The payload is mass [kg] and centre of mass x, y, z [m] of a point mass in the flange frame.
-    """
-    # In a thread of its own: MuJoCo keeps an error from its import, and with that all frames that the import was called
-    # from, a whole log among them.
+    """Load the built-in Panda, or the arm of a URDF."""
+    # In a thread: MuJoCo keeps an error from its import, with all frames that it was called from, and so a whole log.
     with ThreadPoolExecutor(max_workers=1) as pool:
         mj: Any = pool.submit(import_module, "mujoco").result()
     where = "the built-in Panda" if urdf is None else str(urdf)
@@ -238,13 +234,7 @@ def load_arm(
     model.opt.gravity[:] = gravity_vector
     name, names = BUILT_IN if urdf is None else urdf.stem, tuple(model.joint(k).name for k in range(model.njnt))
     arm = Arm(name=name, joint_names=names, flange=_flange(model), model=model, columns=tuple(range(len(names))))
-    if payload is None:
-        return arm
-    mass, *centre = payload
-    if not (np.isfinite(payload).all() and mass > 0):
-        given = ",".join(f"{value:g}" for value in payload)
-        raise UsageError(f"--payload {given}: expected mass,x,y,z in kg and m with a mass above zero")
-    return arm.with_load(mass, np.array(centre), np.zeros((3, 3)))
+    return arm if payload is None else arm.with_load(payload[0], np.array(payload[1:]), np.zeros((3, 3)))
 
 
 def read_urdf(urdf: Path | None) -> bytes:

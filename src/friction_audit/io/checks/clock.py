@@ -93,10 +93,7 @@ def _sorted(blocks: Iterator[Block], late_s: float) -> Iterator[Block]:
 
 
 def drop_repeats(recording: Recording, clock: Clock, path: str) -> Recording:
-    """Return the recording, whose rows are in order of time, without those that carry the stamp of the one before.
-
-    InputError where these are of other joints: a table with one row per joint and time that was read as one joint.
-    """
+    """Leave out rows with the stamp of the one before; InputError where a table has a row for each joint and time."""
     repeats = clock.repeated.count
     if not repeats:
         return recording
@@ -147,10 +144,7 @@ _MOST_PLACES = 1 << 16
 
 
 def spread_batches(recording: Recording, steps: "Steps") -> Recording:
-    """Return the recording with the samples of each batch a period apart, the last one where it is.
-
-    WholeLogError if there are batches and it is read in blocks: their period is a median over all of them.
-    """
+    """Put the samples of a batch a period apart, the last one where it is; WholeLogError if they are read in blocks."""
     # Every step counts: of every second one, a log that comes in pairs would show only short ones or only long ones.
     if steps.short < _LEAST_SHARE * steps.count:
         return recording

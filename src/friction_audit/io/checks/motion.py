@@ -120,10 +120,7 @@ class Motion:
             windows.take(q[own], dq[own], integral[np.searchsorted(rows, own)])
 
     def ratios(self, holes: Sequence[tuple[int, float, float]]) -> MotionRatio:
-        """Regress the change of q on the integral of dq, per joint.
-
-        A second regressor, the change of dq over the window, takes up a delay between q and dq.
-        """
+        """Regress the change of q on the integral of dq and, for a delay, on the change of dq, per joint."""
         several = [windows.whole(holes, self._gap_s) for windows in self._windows]
         joints = range(len(self._integral))
         found = [_first_that_moves([(begin[..., j], end[..., j]) for begin, end in several]) for j in joints]
@@ -175,10 +172,7 @@ _TURNS, _OF_A_TURN = (2.0 * np.pi, 360.0), 0.08  # by which q jumps at the end o
 
 
 def join_turns(recording: Recording, columns: Mapping[str, Column]) -> Recording:
-    """Return the recording with positions that go on where a joint passes the end of its turn, in radians or degrees.
-
-    A joint of many turns may report its angle from 0 to 360 degrees, or between -pi and pi.
-    """
+    """Return the recording with positions that go on where a joint passes the end of a turn, in rad or degrees."""
     jump = columns["q"].jump
     turn = next((turn for turn in _TURNS if (np.abs(jump - turn) < _OF_A_TURN * turn).any()), None)
     if turn is None:

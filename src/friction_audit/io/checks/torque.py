@@ -17,10 +17,7 @@ _HELD_PERIODS = 3.5  # a state that is held for more of its own periods did stal
 
 
 class Stale:
-    """Finds the rows that are equal to the row before in q, dq and torque while some joint moves.
-
-    At standstill equal rows are left alone: an ideal simulation at rest repeats itself rightly.
-    """
+    """Finds rows that are equal to the row before in q, dq and torque while a joint moves; at rest that is right."""
 
     def __init__(self, recording: Recording) -> None:
         logged = [name for name in recording.channels if recording.mapping.get(name) != DERIVATIVE]
@@ -59,10 +56,7 @@ class Stale:
 
 
 def drop_stale_samples(recording: Recording, stale: Stale, columns: Mapping[str, Column]) -> Recording:
-    """Drop rows that are equal to the row before while some joint moves.
-
-    WholeLogError if the state itself seems to be slow, and the recording is read in blocks.
-    """
+    """Drop rows equal to the row before while a joint moves; WholeLogError where the state is slow and in blocks."""
     marks = stale.marks
     moves = stale.rows * float(moving(columns["dq"].sample, slice(None)).mean())
     if marks.count and _HELD_PERIODS * stale.period > GAP_S and stale.repeats >= _HELD_SHARE * moves:
@@ -84,10 +78,7 @@ def moving(dq: Float, rows: NDArray[np.intp] | slice) -> NDArray[np.bool_]:
 
 
 def _keep_slow_state(recording: Recording, stale: Stale) -> tuple[Recording, Marks]:
-    """Return what is left of the marks where the state is new less often than a hole is long.
-
-    It is on a bus of many motors; without these rows, each step of the state would pass for a hole in the log.
-    """
+    """Unmark the rows of a state that is new less often than a hole is long: its steps would pass for holes."""
     lost = stale.marks.of(0, stale.rows)
     rows = np.flatnonzero(~lost)
     steps, repeats = np.diff(recording.t[rows]), np.diff(rows) - 1
@@ -159,14 +150,11 @@ def _poor(recording: Recording, columns: Mapping[str, Column], channel: str, joi
 
 
 def _step(torque: Float) -> float:
-    """Return the step to which a torque is rounded, 0 if it takes too many values or is no multiple of any.
-
-    Coulomb friction alone, +-0.3 N m, takes two values, which are no multiples of their distance.
-    """
+    """Return the step to which a torque is rounded, 0 if it takes too many values or is no multiple of any."""
     values = np.unique(torque)
     steps = np.diff(values)
     steps = steps[steps > 1e-6 * (values[-1] - values[0])]
     if not 0 < len(steps) <= _MOST_VALUES:
         return 0.0
-    step = float(steps.min())
+    step = float(steps.min())  # Coulomb friction alone takes two values, no multiples of their distance
     return step if np.abs(values / step - np.round(values / step)).max() < _UNEVEN else 0.0

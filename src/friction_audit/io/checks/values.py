@@ -74,10 +74,8 @@ def _leave_out_channels(recording: Recording, missing: Counts, path: str) -> Rec
             f"NaN, infinite or beyond {_ABSURD:g}); expected q and one torque of {', '.join(TORQUE_CHANNELS)}; "
             "record a topic that carries them, such as the robot's own state"
         )
-    findings = []
-    for channel in empty:
-        text = f"{names[channel]} holds no number in {samples} rows; the channel is left out"
-        findings.append(Finding("empty_channel", text, amount=float(samples)))
+    text = "{} holds no number in {} rows; the channel is left out"
+    findings = [Finding("empty_channel", text.format(names[c], samples), amount=float(samples)) for c in empty]
     for channel in sparse:
         few = int(missing[channel].max())
         text = f"{channel} lacks {few} of {samples} rows; the channel is left out, the rows are kept"
@@ -96,10 +94,9 @@ def _leave_out_joints(recording: Recording, missing: Counts, path: str) -> Recor
         raise InputError(
             f"{path}: no joint has q, dq and torque together; each lacks one of them in all {samples} rows"
         )
-    findings = []
-    for joint in np.flatnonzero(empty).tolist():
-        text = f"{recording.joint_names[joint]} lacks a channel in all {samples} rows; the joint is left out"
-        findings.append(Finding("empty_joint", text, joint + 1, float(samples)))
+    text, names = "{} lacks a channel in all {} rows; the joint is left out", recording.joint_names
+    lost = np.flatnonzero(empty).tolist()
+    findings = [Finding("empty_joint", text.format(names[j], samples), j + 1, float(samples)) for j in lost]
     return recording.take_joints(np.flatnonzero(~empty).tolist()).with_findings(*findings)
 
 

@@ -50,10 +50,7 @@ class _Run:
 def leave_out_wild(
     recording: Recording, columns: Mapping[str, Column], step_s: float, *, first_s: float, numbered: bool
 ) -> Recording:
-    """Leave out rows that hold a wild sample, and name each: by its number too where the rows are those of the file.
-
-    The log's first sample is at ``first_s`` on the recording's clock.
-    """
+    """Leave out rows that hold a wild sample, and name each: by its number too where the rows are those of the file."""
     joints = [_Wild(joint, columns, step_s, recording.rows) for joint in range(len(recording.joint_names))]
     joints = [joint for joint in joints if joint.suspected]
     if not joints:
