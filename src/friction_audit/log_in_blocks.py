@@ -17,11 +17,7 @@ COARSE_HZ = 50.0  # of the means by which the sign of a torque is proved: above 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class LogInBlocks(LogPart):
-    """A log that is not kept in memory: its samples are read in blocks, anew for every pass.
-
-    Its arrays are means over ``mean_of`` samples each, of all of the log or, of a long one, of stretches spread evenly
-    over it.
-    """
+    """A log that is read in blocks, anew for every pass; its arrays are means over ``mean_of`` samples each."""
 
     mean_of: int  # samples per mean
     numbers: NDArray[np.int64]  # number of each mean among those of the whole log, shape (m,)

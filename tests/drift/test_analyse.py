@@ -60,14 +60,6 @@ def test_slow_rise_is_a_ramp() -> None:
     assert found.total.value == pytest.approx(1.19 / 1.02 - 1, abs=0.02)
 
 
-def test_two_steps_are_two() -> None:
-    level = noisy(30) + np.where(np.arange(30) >= 10, 0.06, 0.0) + np.where(np.arange(30) >= 20, 0.03, 0.0)
-    found = coulomb(make_sessions(level))
-    assert found.shape == "steps"
-    assert [point.session for point in found.change_points] == [10, 20]
-    assert found.total.low < 0.3 < found.total.high
-
-
 def test_nothing_changes() -> None:
     arm = analyse(make_sessions(noisy(30, 3)))
     assert not arm.drift

@@ -20,7 +20,7 @@ from friction_audit.preprocessing.even_grid import (
     natural_spline,
     steady_clock,
 )
-from friction_audit.preprocessing.resampling import Grid, GridTorque, grids_of, position_on, velocity_on
+from friction_audit.preprocessing.resampling import Grid, GridTorque, grids_of, motion_on
 from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.robot import load_arm
 from tests.synthetic_interaction import log_of
@@ -200,9 +200,7 @@ def test_inverse_dynamics_from_the_grid_is_within_a_hundredth_of_the_inertial_to
     log, ddq = moving_arm(jittered(1000.0, 6.0))
     arm = load_arm()
     exact = arm.inverse_dynamics(log.q, log.dq, ddq)
-    torque = at_samples(
-        log, lambda grid: arm.inverse_dynamics(position_on((grid,), log)[0], *velocity_on((grid,), log)[0])
-    )
+    torque = at_samples(log, lambda grid: arm.inverse_dynamics(*motion_on((grid,), log)[0]))
     inside = (log.t > 0.5) & (log.t < log.t[-1] - 0.5)
     moving = np.abs(exact - arm.gravity(log.q)).max(axis=0)
     assert (np.abs(torque - exact)[inside].max(axis=0) < np.maximum(0.01, 0.01 * moving)).all()
@@ -213,7 +211,7 @@ def test_velocity_has_no_delay_and_loses_noise() -> None:
     log, ddq = moving_arm(t)
     noisy = np.asfortranarray(log.dq + np.random.default_rng(5).normal(0, 0.003, log.dq.shape))
     (grid,) = grids_of(log, RATE_HZ)
-    smooth, slope = velocity_on((grid,), replace(log, dq=noisy))[0]
+    _, smooth, slope = motion_on((grid,), replace(log, dq=noisy))[0]
     inside = slice(50, -50)
     for joint in range(7):
         exact = np.interp(grid.t, t, log.dq[:, joint])
@@ -225,7 +223,7 @@ def test_velocity_has_no_delay_and_loses_noise() -> None:
 def test_a_log_slower_than_the_filter_is_still_followed(rate_hz: float) -> None:
     log, _ = moving_arm(np.arange(0.0, 8.0, 1 / rate_hz))
     (grid,) = grids_of(log, RATE_HZ)
-    velocity, acceleration = velocity_on((grid,), log)[0]
+    _, velocity, acceleration = motion_on((grid,), log)[0]
     assert len(grid.t) <= len(log.t) + 1
     assert np.abs(velocity).max() < 1.2 * np.abs(log.dq).max()
     assert np.isfinite(acceleration).all()
@@ -237,13 +235,12 @@ def test_nothing_crosses_a_hole_in_the_log() -> None:
     assert [(round(grid.t[0]), round(grid.t[-1])) for grid in grids] == [(0, 2), (1000, 1002)]
     assert sum(len(grid.t) for grid in grids) < 410
     arm = load_arm()
-    torque = at_samples(log, lambda grid: arm.gravity(position_on((grid,), log)[0]), [1, 3])
+    torque = at_samples(log, lambda grid: arm.gravity(motion_on((grid,), log)[0][0]), [1, 3])
     assert np.abs(torque - arm.gravity(log.q)[:, [1, 3]]).max() < 0.01
 
 
 @pytest.mark.parametrize("samples", [3, 4, 5, 40])
 def test_very_short_logs_and_lone_samples(samples: int) -> None:
     log, _ = moving_arm(np.concatenate([np.arange(samples) * 0.001, [60.0]]))
-    velocity = velocity_on(grids_of(log, RATE_HZ), log)
-    assert all(np.isfinite(array).all() for pair in velocity for array in pair)
-    np.testing.assert_allclose(at_samples(log, lambda grid: position_on((grid,), log)[0]), log.q, atol=1e-3)
+    assert all(np.isfinite(array).all() for motion in motion_on(grids_of(log, RATE_HZ), log) for array in motion)
+    np.testing.assert_allclose(at_samples(log, lambda grid: motion_on((grid,), log)[0][0]), log.q, atol=1e-3)

@@ -261,7 +261,7 @@ def test_a_file_that_is_no_arm_is_refused_even_where_none_is_needed(tmp_path: Pa
         extract(log, urdf=path)
 
 
-def test_any_arm_by_its_urdf(tmp_path: Path) -> None:
+def test_any_arm_by_its_urdf_of_which_turning_joints_count_that_are_no_fingers(tmp_path: Path) -> None:
     path = tmp_path / "pendulum.urdf"
     path.write_text(PENDULUM.format(kind="continuous"))
     _, q, _, ddq = motion(1)

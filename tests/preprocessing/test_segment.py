@@ -145,5 +145,5 @@ def test_velocity_noise_at_rest_adds_no_path() -> None:
     noise = 0.003 * rng.normal(size=len(t))
     filtered = 1e-4 * rng.normal(size=len(t))
     sums = cycle_sums.add_up(t, np.zeros_like(t), noise, filtered, noise, None, np.array([[0, 19_999]]))
-    assert sums[0, 0, cycle_sums.RECTIFIED] > 0.04  # 0.0024 rad per second of dwell
-    assert sums[0, 0, cycle_sums.PATH] == 0.0
+    assert sums["rectified_path_rad"].item() > 0.04  # 0.0024 rad per second of dwell
+    assert sums["path_rad"].item() == 0.0

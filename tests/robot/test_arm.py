@@ -121,14 +121,6 @@ def test_joints_are_matched_by_name_when_the_names_agree() -> None:
         ARM.matched(("a", "b"), "log.csv")
 
 
-def test_any_urdf_only_turning_joints_that_are_no_fingers_count(tmp_path: Path) -> None:
-    arm = load_arm(write(tmp_path, PENDULUM.format(kind="continuous")))
-    assert (arm.name, arm.joint_names) == ("arm", ("hinge",))
-    q = np.array([[0.0], [np.pi / 2], [7.0]])
-    assert_allclose(arm.gravity(q)[:, 0], 2 * 9.81 * 0.5 * np.sin(q[:, 0]), atol=1e-9)
-    assert arm.mass_diagonal(q)[:, 0] == pytest.approx(2 * 0.5**2)
-
-
 def test_arms_of_one_urdf_come_in_the_order_of_their_joints_names(tmp_path: Path) -> None:
     def side(name: str) -> str:
         bob = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'

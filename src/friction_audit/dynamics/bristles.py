@@ -130,7 +130,8 @@ def stretch(deflection: float, way: float, reach: float) -> float:
 @compiled(inline=True)
 def _around(value: float, torque: Float) -> tuple[int, int]:
     """Return the points of a falling curve around a torque."""
-    low = min(max(len(torque) - 1 - np.searchsorted(torque[::-1], value), 0), len(torque) - 2)
+    low = len(torque) - 1 - int(np.searchsorted(torque[::-1], value))
+    low = min(max(low, 0), len(torque) - 2)
     return low, low + 1
 
 

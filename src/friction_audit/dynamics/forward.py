@@ -163,10 +163,7 @@ def _transmission(model: Model, motion: Motion, between: Mapping[Forward, Term])
 
 
 def _ahead(recording: _Recording, link: Link | None, far: Tables) -> Float:
-    """By how far the measured side, without inertia, is ahead of that of friction. [rad], shape (n,)
-
-    Of a gap it is what the dead zone takes: a noisy position does not show how far flanks give way.
-    """
+    """By how far the measured side, without inertia, is ahead; of a gap what its dead zone takes, (n,). [rad]"""
     motion, drive, step_s = recording.motion, recording.drive, recording.step_s
     if link is None:
         return np.zeros(len(drive))

@@ -31,10 +31,7 @@ MOST_STEPS = 200  # per sample of the recording
 
 
 class Tables(NamedTuple):
-    """Torque that a joint takes, against the drive, signed; n samples of a recording.
-
-    Tables have one row per direction, forwards and backwards; those ``per_speed`` are multiplied by the speed.
-    """
+    """Torque that a joint takes, one row forwards, one backwards; what is ``per_speed`` is multiplied by the speed."""
 
     inertia_kg_m2: float  # inertia
     speed_step: float  # spacing of the table over speed, which begins at rest [rad/s]

@@ -132,10 +132,7 @@ def export_friction(
     into: XmlText | None = None,
     estimate: Estimate | None = None,
 ) -> Export:
-    """Write the friction of joints in a file, whole or not at all: in a copy of ``into``, if given.
-
-    The estimate, if any, gives the speeds over which a curve is fitted, and the motion that is simulated.
-    """
+    """Write friction in a file, or a copy of ``into``, whole or not at all; an estimate gives speeds and motion."""
     numbers = [number for number, *_ in joints.models]
     speeds: dict[int, Float] = {}
     if settings.speeds is not None:

@@ -26,10 +26,7 @@ class Edit(NamedTuple):
 
 @dataclass(eq=False, slots=True)
 class Tag:
-    """An element and its place in the text: ``start`` to ``inside`` its start tag, ``close`` to ``stop`` its end tag.
-
-    Of an element without an end tag (``<a/>``), ``inside``, ``close`` and ``stop`` are the same.
-    """
+    """An element: ``start`` to ``inside`` is its start tag, ``close`` to ``stop`` its end tag, empty if it has none."""
 
     name: str
     attributes: Mapping[str, str]

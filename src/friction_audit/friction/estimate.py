@@ -27,8 +27,7 @@ from friction_audit.preprocessing.energy_cycles import KEPT, EnergyCycles
 from friction_audit.preprocessing.interaction import Caution, Interaction
 from friction_audit.preprocessing.velocity import filter_velocity
 
-# An interval of more than so many times the torque in motion on either side (the viscous one: per rms speed) does not
-# exclude any friction that the joint could have.
+# A half interval of so many times the torque in motion (the viscous one: per rms speed) excludes no friction at all.
 MOST_UNCERTAIN = 2.0
 RANK_CUTOFF = 1e-6  # share of the largest singular value below which others are zero: cycles that are copies
 
@@ -142,10 +141,7 @@ def _solve_weighted(own: EnergyCycles, kept: EnergyCycles, settings: FrictionSet
 
 
 def _solve_paper(own: EnergyCycles, kept: EnergyCycles, settings: FrictionSettings) -> dict[str, Any]:
-    """Estimate after each cycle from the last k, (8), (14) or (20) of the paper.
-
-    It has no value for a whole log and no interval: the median of its estimates stands for the log.
-    """
+    """Estimate after each cycle from the last k, (8), (14) or (20) of the paper; their median stands for the log."""
     sums, window, used = kept.sums, settings.window_of(len(kept.joint)), FRICTION[settings.model]
     lengths = {"coulomb": sums.rectified_path_rad, "viscous": sums.square_speed_rad2_s}
     matrix = np.stack([lengths[name] for name in used], axis=1)

@@ -31,22 +31,19 @@ CUTOFF_HZ = 20.0
 ROW_RATE_HZ = 50.0
 MOST_ROWS = 20_000
 FEWEST_ROWS = 100
-# A difference of neighbours is the mean slope between them; torque and velocity are averaged likewise, or a slow log
-# would give another inertia.
+# A difference of neighbours is a mean slope: torque and velocity are averaged likewise, for the inertia of slow logs.
 NEIGHBOURS, SIMPSON = np.array([-1, 0, 1]), np.array([1.0, 4.0, 1.0]) / 6.0
 SETTLED = 41  # samples by which the filter's response to an impulse exceeds the part that is used
 LONGEST = 2.0  # times its nominal duration that a row's support may last; beyond, there is a hole in it
 BLOCK_S = 0.02  # the position is averaged over so long, against its noise and resolution [s]
 LEAST_SWING = 1e-3  # of the direction of gravity: what does not turn is an offset
-# Of a regression matrix with columns of unit length: beyond, the columns are as good as collinear (D. A. Belsley,
-# E. Kuh, R. E. Welsch, Regression Diagnostics, Wiley 1980).
+# Of columns of unit length: beyond, they are as good as collinear (Belsley, Kuh, Welsch, Regression Diagnostics, 1980).
 HIGHEST_CONDITION = 30.0
 LEAST_ONE_WAY = 0.1  # share of the samples that each direction has at least, or the offset takes what is friction
 # Partial R^2 of direction and velocity. Measured excitation logs: 0.90 and more where the coefficients agree with the
 # published ones, 0.79 where the inertia of other joints doubles the Coulomb coefficient.
 LEAST_FRICTION_SHARE = 0.85
-# Share of the residual that the velocity of another joint may explain: 0.92 and 0.96 on a wrist whose two joints share
-# gears, at most 0.40 elsewhere.
+# Share of the residual that another joint's velocity may explain: 0.92, 0.96 where two share gears, else at most 0.40.
 LARGEST_COUPLED_SHARE = 0.5
 HUBER = 1.345  # residuals beyond so many standard deviations lose weight: 95 % efficiency where the noise is normal
 SIGMA_PER_MEDIAN = 1 / 0.6744897501960817  # standard deviation of a normal variable over its median absolute value
@@ -204,8 +201,7 @@ class RegressionRows:
         stretches = -(-len(self._response) // spacing)
         rows = len(index) + stretches - 1
         if len(index) and reach <= index[0] and index[-1] + reach + 1 < len(load):
-            # Stretches of one spacing times the weights of all stretches of a response: to copy windows that overlap
-            # would take most of the time.
+            # Stretches of one spacing times the weights of all: to copy windows that overlap takes most of the time.
             weights = np.append(self._response, np.zeros(stretches * spacing - len(self._response)))
             own = load[index[0] - reach :][: rows * spacing]
             own = np.append(own, np.zeros(rows * spacing - len(own)))  # where there is no weight

@@ -102,11 +102,8 @@ class Fit:
 
 @cache
 def t_quantile(freedom: int) -> float:
-    """Return the half width of an interval of CONFIDENCE in standard errors, by Student's t.
-
-    Newton's method on the sum of M. Abramowitz and I. Stegun, 26.7.3 and 26.7.4. To load ``scipy.special`` takes a
-    fifth of all that `estimate` does with a short log.
-    """
+    """Return the half width of an interval of CONFIDENCE in standard errors (Abramowitz and Stegun, 26.7.3, 26.7.4)."""
+    # Newton's method: to load scipy.special takes a fifth of all that `estimate` does with a short log.
     odd = freedom % 2
     k = np.arange(2 + odd, freedom - 1, 2)
     log_slope = math.log(2.0 / math.sqrt(math.pi)) + math.lgamma((freedom + 1) / 2) - math.lgamma(freedom / 2)

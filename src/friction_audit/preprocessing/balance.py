@@ -17,19 +17,15 @@ SIGNS = {"hand": -1, "robot": 1}  # factor on tau_J and on tau_ext in each row
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Balance:
-    """One row of the balance: F_m = sign * (source - each of the torques removed).
-
-    ``inertial`` is M ddq + c of the model, or None; ``modelled_means`` is what the model removes at the times of the
-    coarse log, shape (m, j), None without one.
-    """
+    """One row of the balance: F_m = sign * (source - each of the torques removed)."""
 
     plan: Plan
     source: Float
     drive: str
     sign: int
     logged: Float | None
-    inertial: GridTorque | None
-    modelled_means: Float | None
+    inertial: GridTorque | None  # M ddq + c of the model, or None
+    modelled_means: Float | None  # what the model removes at the times of the coarse log, shape (m, j), or None
     evidence: tuple[SignEvidence, ...] = ()
 
     @property
@@ -75,10 +71,7 @@ class Balance:
         return torque
 
     def full(self, log: JointLog, columns: list[int]) -> Float:
-        """Return F_m of some joints at every sample of the log or of a part of it, shape (n, len(columns)). [N m]
-
-        It is the recorded array itself where nothing is to be done.
-        """
+        """Return F_m of some joints at every sample of the log or of a part of it, shape (n, len(columns)). [N m]"""
         source, logged = getattr(log, CHANNELS[self.plan.source]), None if self.logged is None else log.gravity
         if self.sign > 0 and logged is None and self.modelled_means is None and len(columns) == source.shape[1]:
             return cast("Float", source)

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from friction_audit.joint_log import Float
 
 Int = NDArray[np.int64]
-WORK, COMPENSATION, PRINTED, PATH, RECTIFIED, SQUARE, HALF_SQUARE = range(7)
-SUMS = 7
+# Sums of ``add_up``, with the names of ``EnergySums``.
+SUMS = ("work_j", "compensation_j", "printed_net_j", "path_rad", "rectified_path_rad", "square_speed_rad2_s")
 BLOCK = 1 << 17  # samples worked on at a time: of fewer, threads would mostly wait for the interpreter
 
 
@@ -127,14 +127,14 @@ def cut_evenly(t: Float, speed: Float, borders: Int, parts: int) -> tuple[Int, F
 
 def add_up(
     t: Float, q: Float, dq: Float, filtered: Float, torque: Float, compensation: Float | None, edges: Int
-) -> Float:
-    """Add up energies between samples by the trapezoid rule: shape (m, parts, SUMS), indexed by the constants above.
+) -> dict[str, Float]:
+    """Add up energies between samples by the trapezoid rule, shape (m, parts) each, with the names of ``EnergySums``.
 
     Work and path are summed over the increments of q: both then scale alike with any error of the clock, and the noise
     of the velocity enters neither. ``edges`` are the border samples of the parts of each cycle, shape (m, parts + 1);
     all else has shape (n,).
     """
-    sums = np.zeros((*np.subtract(edges.shape, (0, 1)), SUMS))
+    sums = {name: np.zeros(np.subtract(edges.shape, (0, 1))) for name in SUMS}
     for group in groups(np.append(edges[:, 0], edges[-1:, -1])):
         own = edges[group] - edges[group.start, 0]
         rows = slice(int(edges[group.start, 0]), int(edges[group.stop - 1, -1]) + 1)
@@ -144,11 +144,10 @@ def add_up(
         areas = _areas(*(_both_steps(one[rows]) for one in (t, q)), *signals)
         steps = ((one[rows][own] - one[rows][before]) for one in (t, q))
         at_borders = _areas(*steps, *(None if one is None else one[own] for one in signals))
-        for (place, area), (_, border) in zip(areas, at_borders, strict=True):
+        for (name, area), (_, border) in zip(areas, at_borders, strict=True):
             found = np.add.reduceat(area, starts.ravel()).reshape(starts.shape) * (np.diff(own) > 0)
-            sums[group][..., place] = 0.5 * (found + np.diff(border, axis=1))
-    sums[..., HALF_SQUARE] = 0.5 * np.diff(filtered[edges] ** 2, axis=1)
-    return sums
+            sums[name][group] = 0.5 * (found + np.diff(border, axis=1))
+    return sums | {"half_square_speed_change": 0.5 * np.diff(filtered[edges] ** 2, axis=1)}
 
 
 def _both_steps(x: Float) -> Float:
@@ -161,14 +160,14 @@ def _both_steps(x: Float) -> Float:
 
 def _areas(
     step: Float, moved: Float, dq: Float, filtered: Float, torque: Float, compensation: Float | None
-) -> Iterator[tuple[int, Float]]:
+) -> Iterator[tuple[str, Float]]:
     """Yield each sum with what it adds up, one after the other: these arrays are large."""
     moved_by_dq, driving = dq * step, torque
-    yield WORK, torque * moved
+    yield "work_j", torque * moved
     if compensation is not None:
-        yield COMPENSATION, compensation * moved
+        yield "compensation_j", compensation * moved
         driving = torque + compensation
-    yield PATH, np.sign(filtered) * moved
-    yield PRINTED, driving * moved_by_dq
-    yield RECTIFIED, np.abs(moved_by_dq)
-    yield SQUARE, dq * moved_by_dq
+    yield "path_rad", np.sign(filtered) * moved
+    yield "printed_net_j", driving * moved_by_dq
+    yield "rectified_path_rad", np.abs(moved_by_dq)
+    yield "square_speed_rad2_s", dq * moved_by_dq

@@ -34,9 +34,7 @@ class EnergySums:
     work_j: Float  # integral of F_m over the position, the net energy input [J]
     compensation_j: Float  # integral of u over the position, the energy that a logged compensator put in [J]
     printed_net_j: Float  # integral of (F_m + u) dq dt, the net energy as (2) and (10) print it [J]
-    # path, with the sign of the filtered velocity: the velocity's noise adds no path, which at rest and in slow motion
-    # it would [rad]
-    path_rad: Float
+    path_rad: Float  # path, with the sign of the filtered velocity: the noise of the velocity adds none at rest [rad]
     rectified_path_rad: Float  # integral of |dq| dt, as (14) prints it [rad]
     square_speed_rad2_s: Float  # integral of dq^2 dt [rad^2/s]
     displacement_rad: Float  # change of q: the work of one newton metre of torque offset [rad]
@@ -78,8 +76,7 @@ class EnergyCycles:
     termination: Float  # threshold used per joint, shape (j,) [speed_unit]
     fastest: Float  # largest filtered speed in the log of what the thresholds are for, shape (j,) [speed_unit]
     speed_unit: str  # ``"rad/s"``, or ``"m/s"`` where the hand defines the cycles
-    # speed of each joint itself below which its direction means nothing: its own termination threshold, also where the
-    # hand defines the cycles, shape (j,) [rad/s]
+    # speed below which a direction means nothing: the joint's own termination threshold in any case, shape (j,) [rad/s]
     standstill_rad_s: Float
     moving_s: Float  # time above the initiation threshold per joint of the Interaction, shape (j,) [s]
     peak_power_w: Float  # largest power of F_m + u in the log per joint, shape (j,) [W]

@@ -11,7 +11,7 @@ from friction_audit.joint_log import Float, JointLog, LogPart
 from friction_audit.preprocessing.balance import SIGNS, Balance
 from friction_audit.preprocessing.cautions import gravity_cautions, not_used, sign_cautions
 from friction_audit.preprocessing.interaction import Caution, Interaction, TorqueChoice
-from friction_audit.preprocessing.resampling import Grid, GridTorque, grids_of, position_on, velocity_on
+from friction_audit.preprocessing.resampling import Grid, GridTorque, grids_of, motion_on
 from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.preprocessing.sign import CoarseLog, coarse_log, prove_sign
 from friction_audit.preprocessing.torque_source import CHANNELS, Plan, arm_for_hand, make_plan
@@ -88,17 +88,8 @@ def choose_torque(
 ) -> PortTorque:
     """Choose how the torque at the friction port of a log is made, and prove its sign.
 
-    Every joint of the log takes part in the rigid-body model and in the proof of the sign, the selected ones or not.
-    Velocities that lag the positions are corrected.
-
-    Args:
-        log: The log.
-        settings: What the user says about the torque.
-        joints: Numbers (1..n) of the joints to keep, or None for all.
-        hand: True if the speed of the end effector will be wanted.
-
-    Raises:
-        UsageError: If the settings contradict the log, or a joint is not in it.
+    Every joint of the log takes part in the rigid-body model and in the proof, also those that are not kept, by their
+    numbers (1..n). Velocities that lag the positions are corrected. ``hand``: whether the speed of the hand is wanted.
     """
     columns = _columns(log, joints)
     coarse = coarse_log(log)
@@ -161,8 +152,7 @@ def _row(log: JointLog, coarse: CoarseLog, plan: Plan, drive: str, model_rate_hz
         means -= arm.gravity(coarse.q)
     if arm is not None and drive == "robot" and plan.inertia:
         grids = grids_of(log, model_rate_hz)
-        motions = zip(position_on(grids, log), velocity_on(grids, log), strict=True)
-        torques = [arm.inverse_dynamics(q, *motion) - arm.gravity(q) for q, motion in motions]
+        torques = [arm.inverse_dynamics(q, dq, ddq) - arm.gravity(q) for q, dq, ddq in motion_on(grids, log)]
         inertial = GridTorque(grids=grids, values=tuple(torques))
         inertial.subtract_from(means, coarse.t, list(range(len(log.joint_names))))
     return Balance(
@@ -181,9 +171,6 @@ def _refuse_wrong_model(log: JointLog, coarse: CoarseLog, balance: Balance, sett
 
     The criterion is a negative explained variance of the arm as a whole, moving and at rest. A payload that the model
     lacks may shift the torque by more than a short motion changes it, so the mean square must grow too.
-
-    Raises:
-        UsageError: If the model is further from the torque than none.
     """
     plan = balance.plan
     if plan.gravity != "model":
@@ -230,8 +217,7 @@ def _flipped(coarse: CoarseLog, balance: Balance) -> tuple[Caution, ...]:
 
 def _hand_speed(log: JointLog, settings: TorqueSettings, grids: tuple[Grid, ...]) -> Float:
     arm = arm_for_hand(log, settings)
-    motions = zip(position_on(grids, log), velocity_on(grids, log), strict=True)
-    speed = np.concatenate([arm.hand_speed(q, dq) for q, (dq, _) in motions])
+    speed = np.concatenate([arm.hand_speed(q, dq) for q, dq, _ in motion_on(grids, log)])
     # Straight lines, not a spline: a speed has kinks at zero, where a spline would swing below it.
     return np.asarray(np.interp(log.t, np.concatenate([grid.t for grid in grids]), speed))
 

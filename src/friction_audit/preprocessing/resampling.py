@@ -70,22 +70,17 @@ def grids_of(log: JointLog, rate_hz: float) -> tuple[Grid, ...]:
     return tuple(grids)
 
 
-def position_on(grids: Sequence[Grid], log: JointLog) -> list[Float]:
-    """Return the joints' positions on each grid, shape (k, j). [rad]"""
-    return _along(log, grids, "q", [grid.t for grid in grids])
-
-
-def velocity_on(grids: Sequence[Grid], log: JointLog) -> list[tuple[Float, Float]]:
-    """Return the joints' low-pass filtered velocity [rad/s] and acceleration [rad/s^2] on each grid, each (k, j)."""
+def motion_on(grids: Sequence[Grid], log: JointLog) -> list[tuple[Float, Float, Float]]:
+    """Return position [rad], low-pass filtered velocity [rad/s] and acceleration [rad/s^2] on each grid, (k, j)."""
     # Means over the cell of each grid time keep the integral, and are the anti-alias filter.
-    fine = [grid.rows.stop - grid.rows.start >= 2 * len(grid.t) for grid in grids]
-    edges = [np.concatenate([t[:1], (t[1:] + t[:-1]) / 2, t[-1:]]) for t in (grid.t for grid in grids)]
-    times = [edge if one else grid.t for edge, one, grid in zip(edges, fine, grids, strict=True)]
-    found = _along(log, grids, "dq", times, fine)
+    own, fine = [grid.t for grid in grids], [grid.rows.stop - grid.rows.start >= 2 * len(grid.t) for grid in grids]
+    edges = (np.concatenate([t[:1], (t[1:] + t[:-1]) / 2, t[-1:]]) for t in own)
+    times = [edge if one else t for edge, one, t in zip(edges, fine, own, strict=True)]
+    places, found = _along(log, grids, "q", own), _along(log, grids, "dq", times, fine)
     means = (
         np.diff(a, axis=0) / np.diff(t)[:, None] if one else a for a, t, one in zip(found, times, fine, strict=True)
     )
-    return [_smooth(grid, mean) for grid, mean in zip(grids, means, strict=True)]
+    return [(place, *_smooth(grid, mean)) for grid, place, mean in zip(grids, places, means, strict=True)]
 
 
 def _smooth(grid: Grid, mean: Float) -> tuple[Float, Float]:

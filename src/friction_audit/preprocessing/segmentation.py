@@ -32,14 +32,12 @@ from friction_audit.preprocessing.velocity import filter_velocity, settling_samp
 PARTS = 8
 MOST_PIECES = 64  # of a day, lists of few cycles each would take more memory than the cycles
 LONGEST_RUN = 8  # strokes tried before a start is given up
-# A longer cycle is rest, or has no end: what a torque offset adds over it is more than friction takes. A log of any
-# length is then read with memory for so much of it.
+# In a longer cycle an offset adds more than friction takes; memory for so much of a log is enough for any length.
 LONGEST_S = 300.0
 ONE_WAY_SHARE = 0.95  # of the path that is net displacement
 LONGEST_STEP = 3.5  # median steps of the clock that are a hole, however low the rate
 
-# Automatic thresholds. Brisk motion is the upper decile of the speeds above the noise; the paper's 0.2 and 0.05 rad/s
-# come out at 0.8 rad/s.
+# Brisk motion is the upper decile of the speeds above the noise: of 0.8 rad/s the paper's 0.2 and 0.05 rad/s come out.
 BRISK_QUANTILE = 0.9
 INITIATION_SHARE = 0.25
 TERMINATION_SHARE = 0.25
@@ -145,10 +143,7 @@ class CycleSearch:
             self._shorten(part)
 
     def _close_runs(self, borders: Int, place: Float, *, more: bool) -> list[int]:
-        """Join neighbouring strokes into the shortest runs that end where they began; one that never does stays alone.
-
-        Gravity at a joint depends on all joints beyond it, so all of them must return.
-        """
+        """Join strokes into the shortest runs at whose end all joints are back; one that never is stays alone."""
         kept = [0] if self._begun is None else [0, 1][: len(place)]
         while (s := kept[-1]) < len(place) - 1:
             run = slice(s + 1, s + 1 + LONGEST_RUN)
@@ -203,20 +198,9 @@ class CycleSearch:
         rows = slice(shift, shift + len(self._filtered))
         u = None if part.compensation is None else part.compensation[rows, self._column]
         q, dq, torque = (array[rows, self._column] for array in (part.q, part.dq, part.torque))
-        raw = cycle_sums.add_up(part.t[rows], q, dq, self._filtered, torque, u, edges)
-        gravity_x, gravity_y = _gravity_work(part, self._column, edges + shift)
-        return EnergySums(
-            work_j=raw[:, :, cycle_sums.WORK],
-            compensation_j=raw[:, :, cycle_sums.COMPENSATION],
-            printed_net_j=raw[:, :, cycle_sums.PRINTED],
-            path_rad=raw[:, :, cycle_sums.PATH],
-            rectified_path_rad=raw[:, :, cycle_sums.RECTIFIED],
-            square_speed_rad2_s=raw[:, :, cycle_sums.SQUARE],
-            displacement_rad=np.diff(q[edges], axis=1),
-            gravity_x_rad=gravity_x,
-            gravity_y_rad=gravity_y,
-            half_square_speed_change=raw[:, :, cycle_sums.HALF_SQUARE],
-        )
+        found = cycle_sums.add_up(part.t[rows], q, dq, self._filtered, torque, u, edges)
+        x, y = _gravity_work(part, self._column, edges + shift)
+        return EnergySums(**found, displacement_rad=np.diff(q[edges], axis=1), gravity_x_rad=x, gravity_y_rad=y)
 
     def _shorten(self, part: Interaction) -> None:
         """Add up the beginning of a cycle that lasts too long, and forget its samples."""

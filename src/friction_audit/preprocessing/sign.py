@@ -71,21 +71,14 @@ def prove_sign(log: CoarseLog, torque: Float, dead_torque: frozenset[int] = froz
 
 
 def voting(evidence: tuple[SignEvidence, ...]) -> tuple[SignEvidence, ...]:
-    """Return the joints that move on their own account: at least a tenth as far as the one that goes farthest.
-
-    The others only give way while another joint is moved, and their noise shall not outvote it. A joint whose torque
-    channel is dead has no vote.
-    """
+    """Return the joints that move on their own account: the noise of others, or of a dead torque, has no vote."""
     moved = [one for one in evidence if one.verdict not in ("still", "no_torque")]
     farthest = max((one.path_rad for one in moved), default=0.0)
     return tuple(one for one in moved if one.path_rad >= SHARE_OF_FARTHEST * farthest)
 
 
 def most(evidence: tuple[SignEvidence, ...], verdict: Verdict) -> bool:
-    """Return True if the joints that vote have this verdict, ``"rises"`` or ``"falls"``, taken together.
-
-    Their scores are combined by Stouffer's method, so that a joint counts by its significance.
-    """
+    """Return True if the joints that vote have this verdict, ``rises`` or ``falls``, together (Stouffer's method)."""
     scores = np.array([one.score for one in voting(evidence) if np.isfinite(one.score)])
     if not scores.size:
         return False

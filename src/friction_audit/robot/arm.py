@@ -29,10 +29,7 @@ Payload = tuple[float, float, float, float]  # mass [kg] and place x, y, z [m] o
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Arm:
-    """A rigid-body model; arrays have one column per joint, in the order of ``joint_names``.
-
-    Methods take joint positions q [rad], velocities dq [rad/s] and accelerations ddq [rad/s^2], shape (n, j) each.
-    """
+    """A rigid-body model; methods take q, dq, ddq in rad and s, (n, j), columns in the order of ``joint_names``."""
 
     name: str  # of the model in a result
     joint_names: tuple[str, ...]  # of the joints that count, base to tip
