@@ -19,13 +19,11 @@ SIMULATED = {one.figure: one for one in REPRODUCTIONS if one.compare is None}
 
 @cache
 def simulated(figure: str) -> Simulations:
-    """Return what a figure needs."""
     return simulate_figures([SIMULATED[figure]], 1 if figure == "12" else SEEDS)
 
 
 @cache
 def claims(figure: str) -> dict[str, Claim]:
-    """Return the claims of a figure by their sentence."""
     return {claim.claim: claim for claim in SIMULATED[figure].check(simulated(figure))}
 
 
@@ -98,7 +96,6 @@ def test_the_passivity_controller_takes_what_the_fourth_cycle_injected() -> None
 
 @pytest.fixture(scope="module")
 def short() -> Comparison:
-    """Return the paper's methods on a single joint."""
     joint = SCENES[0]
     settings = replace(joint.settings, duration_s=15.0)
     scene = replace(joint, settings=settings, tuning_seeds=0, with_others=False, margin_seeds=0)
