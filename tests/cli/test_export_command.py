@@ -18,18 +18,13 @@ JOINT = JointModel(inertia_kg_m2=0.3, terms=tuple(FittedTerm(*term) for term in 
 MODEL = ArmModel(names=("joint1", "joint2"), joints=(JOINT, None))
 
 
-@pytest.fixture
-def log(run: Run, tmp_path: Path) -> Path:
+def test_a_log_and_its_estimate_give_the_same_file(run: Run, tmp_path: Path) -> None:
     assert run("simulate", "joint", "-o", "run.parquet", "--duration", "30", "-q").code == 0
-    return tmp_path / "run.parquet"
-
-
-def test_a_log_and_its_estimate_give_the_same_file(run: Run, log: Path, tmp_path: Path) -> None:
-    document = run("export", log, "log.xml", "--json").document()
+    document = run("export", "run.parquet", "log.xml", "--json").document()
     (joint,), (gap,) = document["joints"], document["simulated"]
     assert joint["inertia_kg_m2"] == pytest.approx(0.3, rel=0.02)  # a person drives: it is that of the motor
     assert gap["with_rad"] < 0.1 * gap["without_rad"]
-    assert run("estimate", log, "-o", "results", "--figures", "velocity-torque", "-q").code == 0
+    assert run("estimate", "run.parquet", "-o", "results", "--figures", "velocity-torque", "-q").code == 0
     for source, out in (("results", "folder.xml"), ("results/estimate.json", "document.xml")):
         assert run("export", source, out).code == 0
         assert (tmp_path / out).read_bytes() == (tmp_path / "log.xml").read_bytes()

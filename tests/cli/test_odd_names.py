@@ -28,16 +28,10 @@ def call(*words: str | bytes, encoding: str = "utf-8") -> "subprocess.CompletedP
     return subprocess.run(command, env=env, capture_output=True, check=False)
 
 
-@pytest.fixture
-def odd(logs: Path, tmp_path: Path) -> bytes:
-    """Return a log whose name is not UTF-8."""
-    name = os.fsencode(tmp_path) + b"/run\xff.csv"
-    with open(name, "wb") as stream:  # noqa: PTH123 - a Path cannot hold it on every system
+def test_a_name_that_is_no_text_and_a_terminal_of_ascii(logs: Path, tmp_path: Path) -> None:
+    odd = os.fsencode(tmp_path) + b"/run\xff.csv"
+    with open(odd, "wb") as stream:  # noqa: PTH123 - a Path cannot hold it on every system
         stream.write((logs / "moved1.csv").read_bytes())
-    return name
-
-
-def test_a_name_that_is_no_text_and_a_terminal_of_ascii(odd: bytes) -> None:
     done = call("estimate", odd, "--json", "-q")
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["source"]["path"].endswith("run\udcff.csv")

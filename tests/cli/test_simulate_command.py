@@ -10,7 +10,7 @@ from typing import NoReturn
 import jsonschema
 import pytest
 
-from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, load_model, save_model, simple_model
+from friction_audit.effects.joint_model import ArmModel, FittedTerm, load_model, save_model, simple_model
 from friction_audit.io.files import sha256_of
 from friction_audit.io.readers import read_log
 from friction_audit.io.writers.tables import Writer
@@ -141,19 +141,11 @@ def test_effects_are_listed_with_their_parameters(run: Run) -> None:
         assert all(form in " ".join(lines) for form in effect.forms)
 
 
-STRIBECK = FittedTerm("stribeck", (0.15, 0.1, 2.0))
-SIMPLE = simple_model(inertia_kg_m2=0.25, coulomb_nm=0.4, viscous_nms_per_rad=0.1)
-MODEL = JointModel(inertia_kg_m2=0.25, terms=(*SIMPLE.terms, STRIBECK))
-
-
-@pytest.fixture
-def file(tmp_path: Path) -> Path:
-    save_model(ArmModel(names=("joint1",), joints=(MODEL,)), tmp_path / "model.toml")
-    return tmp_path / "model.toml"
-
-
-def test_the_joint_is_that_of_the_model_and_settings_and_effects_come_on_top(run: Run, file: Path) -> None:
-    words = ("--joint-model", file, "--duration", "2", "--json")
+def test_the_joint_is_that_of_the_model_and_settings_and_effects_come_on_top(run: Run) -> None:
+    simple = simple_model(inertia_kg_m2=0.25, coulomb_nm=0.4, viscous_nms_per_rad=0.1)
+    model = replace(simple, terms=(*simple.terms, FittedTerm("stribeck", (0.15, 0.1, 2.0))))
+    save_model(ArmModel(names=("joint1",), joints=(model,)), Path("model.toml"))
+    words = ("--joint-model", "model.toml", "--duration", "2", "--json")
     document = run("simulate", "joint", "-o", "run.parquet", *words).document()
     joint = document["settings"]["joints"][0]
     assert [joint[name] for name in ("inertia_kg_m2", "coulomb_nm", "viscous_nms_per_rad")] == [0.25, 0.4, 0.1]
