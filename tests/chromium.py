@@ -39,8 +39,6 @@ class NoChromiumError(Exception):
 
 @dataclass(frozen=True, kw_only=True)
 class Chromium:
-    """A browser."""
-
     path: Path  # the program
     env: dict[str, str] = field(default_factory=dict)  # what its environment needs besides the caller's
 

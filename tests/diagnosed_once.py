@@ -26,7 +26,6 @@ def _remembering(subjects: Any, settings: Any, _report: Any = None) -> Discrepan
 
 @contextmanager
 def diagnosed_once() -> Iterator[None]:
-    """Diagnose the same numbers with the same settings once."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(diagnose, "diagnose_subjects", _remembering)
         yield

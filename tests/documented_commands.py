@@ -143,7 +143,6 @@ def _renamed(words: list[str]) -> str:
 
 
 def blocks(text: str, language: str) -> list[str]:
-    """Return the bodies of a page's blocks in a language."""
     return [match["body"] for match in _BLOCK.finditer(text) if match["language"] == language]
 
 

@@ -11,7 +11,6 @@ from friction_audit.batch.executor import Asked, Done, LocalExecutor
 def _run(
     executor: LocalExecutor, work: Callable[[Asked], Done], tasks: Iterable[Asked]
 ) -> Generator[tuple[Asked, Done]]:
-    """Yield what came of each task."""
     assert executor.workers > 0
     for task in tasks:
         yield task, work(task)

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from friction_audit.cli.console import DAMAGED, EXCEEDED
 from friction_audit.errors import AnalysisError, InputError, UsageError
@@ -21,6 +22,8 @@ from friction_audit.joint_log import JOINT_CHANNELS
 from friction_audit.pipeline import AuditSettings, estimate_log
 from friction_audit.reporting.estimate import estimate_document
 from friction_audit.reporting.figures.registry import FIGURES
+from friction_audit.simulation import EFFECTS
+from friction_audit.simulation.effects import HiddenEffect
 from tests.diagnosed_once import diagnosed_once
 from tests.documented_commands import PAGES, ROOT, Terminal, blocks, commands, examples, same
 
@@ -38,7 +41,6 @@ IMAGINED = [pytest.param(page, marks=[pytest.mark.thorough] if page in (*LONG, *
 
 
 def cells(page: Path) -> list[list[str]]:
-    """Return the cells of every table row of a page."""
     rows = [line for line in page.read_text().splitlines() if line.startswith("| ")]
     return [[cell.strip() for cell in row.strip("|").split(" | ")] for row in rows]
 
@@ -203,3 +205,46 @@ def test_readme_tells_the_truth_of_its_log() -> None:
 def test_picture_is_small_enough() -> None:
     for image in (DOCS / "images").iterdir():
         assert image.stat().st_size <= 200_000
+
+
+# The pages of the effects: their generated parts are those of the program, and each page is whole.
+
+EFFECT_PAGES, IMAGES = DOCS / "effects", DOCS / "images" / "effects"
+COLUMN_PX, LARGEST_BYTES = 748, 60_000
+SECTIONS = ["Equation", "Parameters", "In `diagnose`"]
+EVERY_EFFECT = pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.name)
+
+
+def read(effect: type[HiddenEffect]) -> str:
+    return (EFFECT_PAGES / f"{effect.name}.md").read_text()
+
+
+def test_generated_parts_are_those_of_the_program() -> None:
+    made = runpy.run_path(str(DOCS / "make_effect_pages.py"))
+    for page in EFFECT_PAGES.glob("*.md"):
+        text, name = page.read_text(), page.stem
+        written = made["index"](text) if name == "index" else made["page_of"](text, name)
+        assert written == text, f"run python docs/make_effect_pages.py {name}"
+
+
+def test_every_page_is_that_of_an_effect() -> None:
+    assert {page.stem for page in EFFECT_PAGES.glob("*.md")} == {"index", *(effect.name for effect in EFFECTS)}
+    assert {image.stem for image in IMAGES.iterdir()} == {effect.name for effect in EFFECTS}
+
+
+@EVERY_EFFECT
+def test_a_page_has_all_sections_and_an_equation_for_every_form(effect: type[HiddenEffect]) -> None:
+    assert re.findall(r"^## (.*)$", read(effect), re.MULTILINE) == SECTIONS
+    equation = read(effect).partition("## Equation")[2].partition("## Parameters")[0]
+    assert re.findall(r"^\| `(\w+)` \| `.+` \|", equation, re.MULTILINE) == list(effect.forms)
+    assert effect.forms or blocks(equation.replace("```text", "```sh"), "sh")
+    assert re.search(r"^Not tested where .+\.$", read(effect).partition("## In `diagnose`")[2], re.MULTILINE)
+
+
+@EVERY_EFFECT
+def test_picture_is_as_wide_as_a_column_and_small(effect: type[HiddenEffect]) -> None:
+    path = IMAGES / f"{effect.name}.png"
+    assert f"(../images/effects/{effect.name}.png)" in read(effect)
+    assert path.stat().st_size <= LARGEST_BYTES
+    with Image.open(path) as image:
+        assert image.width == COLUMN_PX

@@ -17,9 +17,9 @@ from friction_audit.io.readers.reader import ReadOptions
 from friction_audit.io.writers.write_log import WRITERS
 from friction_audit.joint_log import Float, JointLog, Source
 from tests.cli.conftest import Run
+from tests.io.synthetic_recordings import motion
 
 SAMPLES = 400
-RATE_HZ = 200.0
 JOINTS = ("shoulder", "elbow")
 
 TABLES = {"csv": "log.csv", "csv-long": "log.csv", "parquet": "log.parquet", "npz": "log.npz"}
@@ -31,13 +31,10 @@ FORMS: Mapping[str, str] = {**TABLES, **BAGS}
 
 
 def swinging_log(samples: int = SAMPLES) -> JointLog:
-    """Return a log of two joints that swing."""
-    t = np.arange(max(samples, 2)) / RATE_HZ
-    rate = np.array([3.0, 4.0])
-    q, dq = 0.5 * np.sin(np.outer(t, rate)), 0.5 * rate * np.cos(np.outer(t, rate))
+    arrays = motion(max(samples, 2), len(JOINTS), rate_hz=200.0)
     source = Source(path="made", sha256="0" * 64, format="made", start_s=1.7e9)
-    log = JointLog(t=t, q=q, dq=dq, tau_J=0.3 * np.sign(dq) + 0.1 * dq, joint_names=JOINTS, source=source)
-    return with_arrays(log, **{name: array[:samples] for name, array in {"t": log.t, **log.channels()}.items()})
+    log = JointLog(**arrays, joint_names=JOINTS, source=source)
+    return with_arrays(log, **{name: array[:samples] for name, array in arrays.items()})
 
 
 def with_arrays(log: JointLog, **arrays: Float) -> JointLog:
@@ -49,7 +46,6 @@ def with_arrays(log: JointLog, **arrays: Float) -> JointLog:
 
 
 def write(folder: Path, dialect: str, log: JointLog | None = None) -> Path:
-    """Write a log in a dialect and return its path."""
     path = folder / FORMS[dialect]
     writer = next(writer for writer in WRITERS if writer.name == dialect)
     writer.write(swinging_log() if log is None else log, path)
@@ -76,7 +72,6 @@ def _not_finite(log: JointLog, value: float) -> JointLog:
 
 
 def copy_of(path: Path, folder: Path) -> Path:
-    """Copy a file or a directory, to spoil the copy."""
     target = folder / path.name
     shutil.copytree(path, target) if path.is_dir() else shutil.copy(path, target)
     return target
@@ -101,13 +96,11 @@ NOTHING = r"no text|nothing but zero bytes|0 samples|Parquet|zip archive|does no
 
 @pytest.fixture(scope="session")
 def sound(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """Return a sound log in each form, to be copied."""
     return {form: write(tmp_path_factory.mktemp("sound"), form) for form in FORMS}
 
 
 @pytest.fixture(params=FORMS)
 def log(request: pytest.FixtureRequest, sound: dict[str, Path], tmp_path: Path) -> Path:
-    """Return a log in one of the forms."""
     return copy_of(sound[request.param], tmp_path)
 
 
@@ -151,8 +144,8 @@ def test_truncated(run: Run, form: str, sound: dict[str, Path], tmp_path: Path) 
     path = copy_of(sound[form], tmp_path)
     code, message = TRUNCATED[form]
     if form in ("csv", "csv-long"):
-        text = path.read_text()
-        path.write_text(text[: text.rindex(",", 0, len(text) * 3 // 5)].rpartition(",")[0])
+        lines = path.read_text().splitlines()[:240]
+        path.write_text("\n".join(lines).rsplit(",", 2)[0])
     else:
         cut(path)
     judge(run, path, code, message)
@@ -235,9 +228,9 @@ def test_no_permission(run: Run, log: Path, monkeypatch: pytest.MonkeyPatch) -> 
     refuse(run, log, r"permission")
 
 
-@pytest.fixture
-def still_recorded(log: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Let a log grow as soon as its reader is done."""
+@pytest.mark.parametrize("whole", [True, False])
+def test_file_that_grows(run: Run, log: Path, whole: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As soon as its reader is done."""
     module = choose_reader(log).loaded
     read_whole = module.read
 
@@ -249,14 +242,9 @@ def still_recorded(log: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
                 stream.write(b"\n")
 
     monkeypatch.setattr(module, "read", read_and_grow)
-    return log
-
-
-@pytest.mark.parametrize("whole", [True, False])
-def test_file_that_grows(run: Run, still_recorded: Path, whole: bool) -> None:
     if not whole:
-        cut(still_recorded, 0.001)
-    answer = run("convert", still_recorded, still_recorded.parent / "new.parquet")
+        cut(log, 0.001)
+    answer = run("convert", log, log.parent / "new.parquet")
     assert answer.code == (DAMAGED if whole else UNREADABLE)
     assert re.search(r"changed while it was read( \(\d+ bytes before, \d+ after\)|: )", answer.err)
 

@@ -45,7 +45,6 @@ def test_completion_is_installed_for_bash_and_answers(tmp_path: Path) -> None:
 
 
 def offered(command: str, option: str, begun: str = "") -> list[str]:
-    """Return the values that are offered for an option or an argument of a command."""
     chosen = command_of(command)
     (param,) = (p for p in chosen.params if option in (*p.opts, p.name))
     return [item.value for item in param.shell_complete(typer.Context(chosen), begun)]

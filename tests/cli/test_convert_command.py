@@ -8,6 +8,7 @@ import pytest
 from friction_audit.io.readers import read_log
 from friction_audit.io.writers.write_log import WRITERS
 from tests.cli.conftest import Run
+from tests.test_whole_file import state
 
 LOG = Path(__file__).parents[2] / "sample_logs" / "formats" / "csv.csv"
 """A log with all that any dialect needs."""
@@ -37,7 +38,7 @@ def test_a_folder_is_never_lost_to_a_bag_or_a_file(run: Run, tmp_path: Path) -> 
     shutil.copy(LOG, folder / "raw.csv")
     (tmp_path / "out.csv").mkdir()
     assert run("convert", LOG, tmp_path / "bag", "--dialect", "rosbag2-mcap").code == 0
-    before = files(tmp_path)
+    before = state(tmp_path)
     for words, message in (
         ((LOG, "mydata", "--dialect", "rosbag2-sqlite3"), "only a ROS 2 bag"),
         (("mydata/raw.csv", "mydata", "--dialect", "rosbag2-mcap"), "holds the log"),
@@ -51,13 +52,9 @@ def test_a_folder_is_never_lost_to_a_bag_or_a_file(run: Run, tmp_path: Path) -> 
         answer = run("convert", *words, "--overwrite")
         assert answer.code == 2, answer
         assert message in answer.err
-    assert files(tmp_path) == before
+    assert state(tmp_path) == before
     assert run("convert", LOG, "bag", "--dialect", "rosbag2-mcap", "--overwrite").code == 0
-    assert files(tmp_path).keys() == before.keys()
-
-
-def files(folder: Path) -> dict[str, bytes | None]:
-    return {str(path): path.read_bytes() if path.is_file() else None for path in folder.rglob("*")}
+    assert state(tmp_path).keys() == before.keys()
 
 
 @pytest.fixture

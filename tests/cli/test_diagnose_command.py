@@ -81,17 +81,6 @@ DEAD: dict[str, tuple[str, Any]] = {
 }  # fmt: skip
 
 
-@pytest.fixture
-def dead(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
-    """Return a log of two joints of which the second has a dead channel."""
-    channel, value = DEAD[request.param]
-    log = build_estimate(2, count=24, rate=250.0).log
-    column = getattr(log, channel).copy()
-    column[:, 1] = np.resize(value, len(column))
-    write_log(replace(log, **{channel: column}), tmp_path / "dead.csv")
-    return tmp_path / "dead.csv"
-
-
 def fails(subject: Subject, *others: object) -> JointDiagnosis:
     """Diagnose a joint; of the first one the diagnosis ends in an error."""
     if subject.number == 1:
@@ -99,9 +88,13 @@ def fails(subject: Subject, *others: object) -> JointDiagnosis:
     return diagnose_joint(subject, *others)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("dead", DEAD, indirect=True)
-def test_a_dead_channel_is_a_fault_of_its_joint(dead: Path, run: Run) -> None:
-    answer = run("diagnose", dead, "--json", *FEW)
+@pytest.mark.parametrize(("channel", "value"), DEAD.values(), ids=DEAD)
+def test_a_dead_channel_is_a_fault_of_its_joint(channel: str, value: Any, run: Run) -> None:
+    log = build_estimate(2, count=24, rate=250.0).log
+    column = getattr(log, channel).copy()
+    column[:, 1] = np.resize(value, len(column))
+    write_log(replace(log, **{channel: column}), Path("dead.csv"))
+    answer = run("diagnose", "dead.csv", "--json", *FEW)
     assert answer.code == 0
     good, bad = answer.document()["joints"]
     assert (good["verdict"], bad["verdict"]) == ("adequate", "data_fault")

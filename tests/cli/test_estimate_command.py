@@ -8,14 +8,6 @@ from tests.cli.conftest import Run
 from tests.reporting.conftest import COULOMB
 
 
-@pytest.mark.usefixtures("sketched")
-def test_the_history_file_is_the_history_of_the_document(run: Run, logs: Path, tmp_path: Path) -> None:
-    answer = run("estimate", logs / "moved1.csv", "-o", "out/deep", "--json")
-    rows = list(csv.DictReader((tmp_path / "out" / "deep" / "history.csv").read_text().splitlines()))
-    history = answer.document()["joints"][0]["history"]
-    assert [float(row["coulomb_nm"]) for row in rows] == pytest.approx([point["coulomb_nm"] for point in history])
-
-
 def spoiled(log: Path, path: Path, names: dict[str, str], rows: int | None = None, **columns: float) -> Path:
     """Write a log with other names, fewer rows, or columns that stand still."""
     lines = list(csv.DictReader(log.read_text().splitlines()))[:rows]

@@ -1,7 +1,6 @@
 """Words -> exit code -> text, through ``main``."""
 
 import re
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -9,7 +8,7 @@ import pytest
 from friction_audit import __version__
 from friction_audit.cli import NAMES, command_of, main
 from friction_audit.cli.grouped_help import HEADINGS
-from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, save_model, simple_model
+from friction_audit.effects.joint_model import ArmModel, JointModel, save_model, simple_model
 from tests.cli.conftest import Run
 from tests.in_this_process import in_this_process
 
@@ -17,15 +16,11 @@ MOST_OPTIONS = 15
 
 ANSWERED = [
     ("--version", 0, "out", __version__),
-    ("--help", 0, "out", "estimate"),
-    ("estimate --help", 0, "out", "friction-audit estimate run.mcap"),
     ("convert --list-dialects", 0, "out", "parquet"),
     ("", 2, "both", "Usage"),
-    ("estimate {logs}/damaged.csv", 6, "out", "Coulomb"),
     ("plot {logs}/damaged.csv", 6, "out", "velocity-torque.png"),
     ("convert {logs}/damaged.csv out.parquet", 6, "out", "out.parquet"),
     ("info {logs}/damaged.csv", 6, "out", "1 joint\n"),
-    ("info {logs}/moved1.csv {logs}/empty.csv", 6, "out", "moved1.csv"),
     ("info {logs}/moved1.csv --torque tau_J", 0, "err", "warning: "),
     ("estimate {logs}/moved1.csv --payload 0.7,0,0,0", 0, "err", "--payload: not used: F_m = tau_interaction"),
     ("estimate {logs}/moved1.csv --export mcap", 2, "err", "no folder to write to; name one with --output DIR"),
@@ -38,8 +33,7 @@ REFUSED = [
     ("estimate {logs}/moved1.csv --joints 1,x", 2, "error: --joints 1,x: 'x' is no joint"),
     ("estimate {logs}/moved1.csv --joints 9", 2, "error: --joints 9"),
     ("estimate {logs}/moved1.csv --time-scale 0", 2, "--time-scale 0: expected a factor above zero"),
-    ("estimate {logs}/moved1.csv --map torqe=x --map tau_j=y", 2, "--map torqe: no such channel"),
-    ("estimate {logs}/moved1.csv --map tau_j=y", 2, "did you mean tau_J"),
+    ("estimate {logs}/moved1.csv --map tau_j=y", 2, "--map tau_j: no such channel; did you mean tau_J"),
     ("estimate {logs}/moved1.csv --min-path nan", 2, "--min-path nan: expected an angle"),
     ("estimate {logs}/moved1.csv --gravity-vector 0,0,0", 2, "use --gravity removed"),
     ("estimate {logs}/moved1.csv --torque tau_ext", 2, "has no tau_ext"),
@@ -67,7 +61,6 @@ REFUSED = [
     ("replay {logs}/moved1.csv --coefficients coulomb=0.2,viscous=-0.1", 2, "would brake the joint"),
     ("replay {logs}/moved1.csv --no-passivity --max-damping 3", 2, "only the controller damps"),
     ("replay {logs}/moved1.csv --compensator sigmoid --coefficients coulomb=1", 2, "does not use --coefficients"),
-    ("replay {logs}/moved1.csv --compensator lugre --observer-gain 5", 2, "does not use --observer-gain"),
     ("replay {logs}/moved1.csv --compensator disturbance_observer", 2, "feeds the motion back"),
     ("replay {logs}/moved1.csv --operator 0.3,9,60", 2, "ask for --assume same-operator"),
     ("replay {logs}/moved1.csv --assume same-operator --operator 0.3,9", 2, "expected 3"),
@@ -75,12 +68,8 @@ REFUSED = [
     ("replay {logs}/moved1.csv --compensator-model viscous --compensator-window 0", 2, "window 0"),
     ("replay {logs}/moved1.csv --max-torque -1", 2, "above zero"),
     ("replay {logs}/moved1.csv --cycles-from hand", 2, ""),
-    ("compare --set operator.inertia=1", 2, "operator.inertia_kg_m2"),
     ("compare --set driven=true", 2, "driven"),
-    ("estimate {logs}/absent.csv", 3, "error: "),
-    ("estimate {logs}/empty.csv", 3, "error: "),
     ("info {logs}/empty.csv", 3, "error: "),
-    ("estimate {logs}/still.csv", 4, "no joint has an estimate:\n  joint 1: "),
     ("batch-report", 2, "no logs named"),
     ("batch-report absent", 3, "absent: no such file or directory"),
     ("batch-report empty", 3, "empty: no log there or below"),
@@ -92,37 +81,26 @@ REFUSED = [
     ("batch-report bad.csv --fail-on coulomb", 2, "--fail-on coulomb"),
     ("batch-report bad.csv --workers 0", 2, "--workers"),
     ("batch-report bad.csv --workers 2 --scheduler tcp://a:1", 2, "a cluster has its own workers"),
-    ("batch-report bad.csv -o wrong.csv/deep", 2, "wrong.csv is a file"),
     ("diagnose {logs}/moved1.csv --candidates stribeck,rust", 2, "rust: expected one of stribeck, stiction"),
     ("diagnose {logs}/moved1.csv --min-effect inf", 2, "min_effect_nm: inf"),
     ("diagnose {logs}/moved1.csv --seed -1", 2, "--seed"),
-    ("diagnose {logs}/moved1.csv --joints 9", 2, "--joints 9"),
-    ("diagnose {logs}/moved1.csv --joint-model absent.toml", 2, "'absent.toml' does not exist"),
     ("diagnose {logs}/moved1.csv --joint-model wrong.toml", 3, "wrong.toml: schema is None"),
-    ("diagnose {logs}/moved1.csv --joint-model seven.toml", 2, "--joint-model seven.toml: 7 joints; "),
+    ("diagnose {logs}/moved1.csv --joint-model model.toml", 2, "--joint-model model.toml: 2 joints; "),
     ("replay {logs}/moved1.csv --compensator model", 2, "give it by --joint-model"),
     ("replay {logs}/moved1.csv --joint-model one.toml", 2, "not used with --assume same-motion"),
-    ("replay {logs}/moved1.csv --assume same-torque --joint-model two.toml", 2, "two.toml: 2 joints;"),
+    ("replay {logs}/moved1.csv --assume same-torque --joint-model model.toml", 2, "model.toml: 2 joints;"),
     ("replay {logs}/moved1.csv --joint-model one.toml --compensator model --factor 2", 2, "does not use --factor"),
     ("replay {logs}/moved1.csv --assume same-torque --joint-model none.toml", 4, "the model file has no model of it"),
-    ("replay {logs}/moved1.csv --assume same-torque --joint-model light.toml", 4, "an inertia of -0.01 kg m^2"),
-    ("replay {logs}/moved1.csv --assume same-torque --joint-model play.toml", 4, "backlash: the person is on"),
     ("simulate", 2, "error: SCENARIO: missing; expected one of"),
     ("simulate jointx -o a.csv", 2, "jointx: no such scenario; expected one of"),
     ("simulate joint", 2, "error: --output: missing"),
-    ("simulate joint -o a.xyz", 2, "ending .xyz"),
     ("simulate joint -o a.csv --dialect mcap", 2, "the dialect mcap writes .mcap"),
     ("simulate joint -o a.csv --truth a.txt", 2, "--truth a.txt: ending .txt: expected .json"),
     ("simulate joint -o a --dialect rosbag2-mcap --truth a/a.json", 2, "is the log a or lies in it"),
-    ("simulate joint -o a.csv --truth a.csv/a.json", 2, "is the log a.csv or lies in it"),
-    ("simulate joint -o a.csv --truth file/a.json", 2, "cannot be written to"),
-    ("simulate joint -o a.csv --duration 0", 2, "0 s at 1000 Hz: expected at least 2"),
-    ("simulate joint -o a.csv --duration inf", 2, "inf: expected a number"),
     ("simulate joint -o a.csv --rate=-5", 2, "rate_hz"),
     ("simulate joint -o a.csv --duration 5 --set duration_s=6", 2, "--duration 5: --set duration_s contradicts it"),
-    ("simulate joint -o a.csv --effect stribeck:excess_nm=inf", 2, "excess_nm=inf: expected a number from 0 to 10000"),
-    ("simulate joint -o a.csv --set duration=3", 2, "did you mean duration_s"),
     ("simulate joint -o a.mcap --duration 2", 2, "needs tau_J (the log has"),
+    ("simulate joint -o a.csv --joint-model model.toml", 2, "--joint-model model.toml: the model has 2 joints"),
     ("simulate --list --json", 2, "--json: the lists are for people"),
     ("export model.toml out.dat", 2, ".urdf"),
     ("export model.toml out.csv --into arm.xml", 2, "--into is for"),
@@ -136,7 +114,6 @@ REFUSED = [
     ("export ampere.csv out.csv", 2, "motor current"),
     ("export absent.toml out.csv", 3, "cannot be read"),
 ]
-SCHEMA = 'schema = "friction-audit/model/1"\n'
 FILES = {
     "file": "",
     "bad.csv": "time,q_1\n0,1\n1,2\n",
@@ -148,16 +125,12 @@ FILES = {
     "half.json": '{"schema": "friction-audit/estimate/1", "joints": []}',
     "broken.json": "{",
     "wrong.toml": "a = 1",
-    "seven.toml": SCHEMA + "".join(f'[[joint]]\nname = "joint{number}"\n' for number in range(1, 8)),
 }
 SIMPLE = simple_model(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07)
 MODELS: dict[str, tuple[JointModel | None, ...]] = {
     "model.toml": (SIMPLE, None),
     "one.toml": (SIMPLE,),
-    "two.toml": (SIMPLE, SIMPLE),
     "none.toml": (None,),
-    "light.toml": (replace(SIMPLE, inertia_kg_m2=-0.01),),
-    "play.toml": (replace(SIMPLE, terms=(FittedTerm("backlash", (1.0, 0.01, 50.0, 0.2, 1.0)),)),),
 }
 
 

@@ -9,46 +9,29 @@ import pandas as pd
 import pytest
 from mcap.reader import make_reader
 
+from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, save_model
 from friction_audit.reporting import diagnosis, estimate, replay
 from tests.cli.conftest import Run
 
-MODEL = """schema = "friction-audit/model/1"
-version = "0.1.0"
-[[joint]]
-name = "joint1"
-inertia_kg_m2 = 0.3
-[joint.terms.coulomb]
-coulomb_nm = 0.4
-[joint.terms.stribeck]
-stribeck_excess_nm = 0.2
-stribeck_speed_rad_s = 0.1
-stribeck_exponent = 1.0
-[joint.terms.torque_bias]
-torque_bias_nm = 0.1
-[[joint]]
-name = "joint2"
-"""
+TERMS = {"coulomb": (0.4,), "stribeck": (0.2, 0.1, 1.0), "torque_bias": (0.1,)}
+JOINT = JointModel(inertia_kg_m2=0.3, terms=tuple(FittedTerm(*term) for term in TERMS.items()))
+MODEL = ArmModel(names=("joint1", "joint2"), joints=(JOINT, None))
 
 
-@pytest.fixture
-def log(run: Run, tmp_path: Path) -> Path:
+def test_a_log_and_its_estimate_give_the_same_file(run: Run, tmp_path: Path) -> None:
     assert run("simulate", "joint", "-o", "run.parquet", "--duration", "30", "-q").code == 0
-    return tmp_path / "run.parquet"
-
-
-def test_a_log_and_its_estimate_give_the_same_file(run: Run, log: Path, tmp_path: Path) -> None:
-    document = run("export", log, "log.xml", "--json").document()
+    document = run("export", "run.parquet", "log.xml", "--json").document()
     (joint,), (gap,) = document["joints"], document["simulated"]
     assert joint["inertia_kg_m2"] == pytest.approx(0.3, rel=0.02)  # a person drives: it is that of the motor
     assert gap["with_rad"] < 0.1 * gap["without_rad"]
-    assert run("estimate", log, "-o", "results", "--figures", "velocity-torque", "-q").code == 0
+    assert run("estimate", "run.parquet", "-o", "results", "--figures", "velocity-torque", "-q").code == 0
     for source, out in (("results", "folder.xml"), ("results/estimate.json", "document.xml")):
         assert run("export", source, out).code == 0
         assert (tmp_path / out).read_bytes() == (tmp_path / "log.xml").read_bytes()
 
 
 def test_a_model_file_says_what_no_simulator_holds(run: Run, tmp_path: Path) -> None:
-    (tmp_path / "model.toml").write_text(MODEL)
+    save_model(MODEL, tmp_path / "model.toml")
     document = run("export", "model.toml", "out.urdf", "--speeds", "0,2", "--json").document()
     assert [joint["joint"] for joint in document["joints"]] == [1]
     codes = {warning["code"]: warning["message"] for warning in document["warnings"]}
@@ -60,7 +43,7 @@ def test_a_model_file_says_what_no_simulator_holds(run: Run, tmp_path: Path) -> 
 
 
 def test_the_user_s_file_and_older_ones_stay(run: Run, tmp_path: Path) -> None:
-    (tmp_path / "model.toml").write_text(MODEL)
+    save_model(MODEL, tmp_path / "model.toml")
     arm = '<mujoco><worldbody><body><joint name="joint1"/><geom size="1"/></body></worldbody></mujoco>'
     (tmp_path / "arm.xml").write_text(arm)
     for out in ("arm.xml", "model.toml"):
@@ -105,7 +88,7 @@ def test_of_several_arms_of_a_batch_one_is_named(run: Run) -> None:
     del document["robots"]
     Path("batch.json").write_text(json.dumps(document))
     assert "is no whole document of `batch-report`" in run("export", "batch.json", "more.csv").err
-    Path("model.toml").write_text(MODEL)
+    save_model(MODEL, Path("model.toml"))
     assert "holds one arm; leave the option out" in run("export", "model.toml", "more.csv", "--arm", "b").err
     assert not Path("more.csv").exists()
 

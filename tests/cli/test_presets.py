@@ -4,7 +4,6 @@ import runpy
 from math import inf
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from friction_audit.compensation.settings import limits_of as compensator_limits
@@ -13,6 +12,7 @@ from friction_audit.presets import BUILT_IN, PRESETS, TORQUES, candidates
 from friction_audit.robot.arm import read_urdf
 from friction_audit.robot.urdf import limits_in
 from tests.cli.conftest import Run
+from tests.io.synthetic_recordings import tidy_frame
 
 URS = ("ur3e", "ur5e", "ur10e", "ur16e", "ur20", "ur30")
 UR_NAMES = PRESETS["ur5e"].joints
@@ -77,23 +77,15 @@ def test_a_plan_without_a_log_is_for_the_arm_named(run: Run, tmp_path: Path) -> 
     assert "Universal_Robots_ROS2_Description" in (tmp_path / "plan.json").read_text()
 
 
-def table(path: Path, names: tuple[str, ...], torque: str) -> Path:
-    t = np.arange(0.0, 20.0, 0.01)
-    speed = 0.8 * np.sin(0.6 * t)
-    columns = {"time": t}
-    for name in names:
-        columns |= {
-            f"{name}.position": 0.8 / 0.6 * (1.0 - np.cos(0.6 * t)),
-            f"{name}.velocity": speed,
-            f"{name}.{torque}": 0.5 * np.tanh(speed / 0.01) + 0.1 * speed + 1e-3 * np.sin(77.0 * t),
-        }
-    body = np.column_stack(list(columns.values()))
-    np.savetxt(path, body, delimiter=",", header=",".join(columns), comments="", fmt="%.9g")
+def table(path: Path, torque: str) -> Path:
+    fields = {"q": "position", "dq": "velocity", "tau_J": torque}
+    columns = {f"{own}_{k}": f"{joint}.{fields[own]}" for own in fields for k, joint in enumerate(UR_NAMES, start=1)}
+    tidy_frame(5000, len(UR_NAMES)).rename(columns=columns).to_csv(path, index=False)
     return path
 
 
 def test_info_names_the_arms_that_share_the_names_and_doubts_the_unit(run: Run, tmp_path: Path) -> None:
-    log = table(tmp_path / "ur.csv", UR_NAMES, "effort")
+    log = table(tmp_path / "ur.csv", "effort")
     done = run("info", log)
     assert "robot unknown (joints of ur3e, ur5e, ur10e, ur16e, ur20, ur30: name it with --robot)" in done.out
     assert "motor current [A]" in done.err
@@ -109,7 +101,7 @@ def test_info_names_the_arms_that_share_the_names_and_doubts_the_unit(run: Run, 
 
 
 def test_a_model_of_a_preset_without_one_is_refused_with_what_to_do(run: Run, tmp_path: Path) -> None:
-    log = table(tmp_path / "ur.csv", UR_NAMES, "torque")
+    log = table(tmp_path / "ur.csv", "torque")
     done = run("estimate", log, "--robot", "ur5e", "--gravity", "model")
     assert done.code == 2
     assert "Universal Robots UR5e: names and limits are known, no rigid-body model" in done.err

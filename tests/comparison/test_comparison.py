@@ -28,7 +28,6 @@ CHOSEN = ("none", "disturbance_observer", "torque_regulation", "energy", "oracle
 
 
 def short_joint(duration_s: float = 15.0) -> Scene:
-    """Return the joint with few and short trials."""
     joint = SCENES[0]
     few: dict[str, Any] = {"tuning_seeds": 1, "most_values": 5, "sweeps": 1, "margin_seeds": 1, "margin_share": 0.7}
     return replace(joint, settings=replace(joint.settings, duration_s=duration_s), **few)
@@ -36,7 +35,6 @@ def short_joint(duration_s: float = 15.0) -> Scene:
 
 @cache
 def compared() -> Comparison:
-    """Return a comparison of some methods."""
     return compare(short_joint(), SEEDS, [method for method in METHODS if method.name in CHOSEN])
 
 

@@ -40,7 +40,6 @@ def estimated(log: JointLog) -> Estimate:
 
 
 def replay(log: JointLog, settings: ReplaySettings) -> Any:
-    """Return the replay of a log, which is estimated once."""
     return replay_estimate(estimated(log), settings).replay
 
 
@@ -67,7 +66,6 @@ def work_j(motion: TrueMotion) -> float:
 
 
 def runs_away(motion: TrueMotion) -> bool:
-    """Return True if the loop of a compensator diverges."""
     return not (np.abs(motion.dq).max() <= 100.0 and np.abs(motion.compensation_nm).max() <= 100.0)
 
 

@@ -76,7 +76,6 @@ def stepped(peaks: list[float], levels: list[float]) -> tuple[Float, Float]:
 
 
 def at_end_of(cycle: int, signals: Any) -> tuple[float, float]:
-    """Return the estimates made at the end of a cycle."""
     at = int(np.argmax(signals["cycle"] == cycle))
     return float(signals["estimated_coulomb_nm"][at]), float(signals["estimated_viscous_nms_per_rad"][at])
 

@@ -13,8 +13,6 @@ from tests.opened_page import Open
 
 
 class Site(NamedTuple):
-    """The built site."""
-
     folder: Path
     code: int  # what the build ended with
     said: str  # what it said
@@ -35,5 +33,4 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Site:
 
 @pytest.fixture
 def visit(open_address: Open, site: Site) -> Open:
-    """Return what opens a page of the site from its file, like ``open_address``."""
     return lambda name, **look: open_address(site.page(name).as_uri(), **look)

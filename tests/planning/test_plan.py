@@ -53,7 +53,6 @@ def limits(**changes: float) -> Limits:
 
 
 def moved(plan: JointPlan, rate_hz: float) -> list[Float]:
-    """Time, position, velocity and acceleration of the one joint."""
     _, t, *columns = trajectory_of([plan], Arm(("joint1",), (0.0,), "", known_start=True), rate_hz)
     return [t, *(column[:, 0] for column in columns)]
 

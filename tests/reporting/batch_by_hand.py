@@ -157,6 +157,5 @@ def hostile() -> BatchSummary:
 
 
 def empty() -> BatchSummary:
-    """Return a batch in which no file could be read."""
     failed = (FailedLog(path="a.csv", message="a.csv: no column for dq"),)
     return BatchSummary(report=DriftReport(arms=()), failed=failed, settings=SETTINGS)

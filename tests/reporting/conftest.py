@@ -64,7 +64,6 @@ def seven() -> Estimate:
 
 @pytest.fixture(scope="session")
 def single() -> Estimate:
-    """Return a result of one joint."""
     return build_estimate(1)
 
 

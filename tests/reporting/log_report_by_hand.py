@@ -43,7 +43,6 @@ def many(joints: int) -> LogReport:
 
 
 def called(name: str) -> LogReport:
-    """Return a report of one joint of this name."""
     return of_log(replace(build_estimate(1, rate=100.0).log, joint_names=(name,)))
 
 
@@ -60,8 +59,6 @@ def still() -> LogReport:
 
 
 def cut(report: LogReport, *numbers: int) -> LogReport:
-    """Return a report of some of its joints."""
-
     def own(result: Any) -> Any:
         return replace(result, joints=tuple(one for one in result.joints if one.joint in numbers))
 

@@ -11,8 +11,6 @@ import pytest
 
 from friction_audit import __version__
 from friction_audit.diagnosis.result import VERDICTS
-from friction_audit.diagnosis.settings import DiagnosisSettings
-from friction_audit.effects.joint_model import ArmModel, simple_model
 from friction_audit.io.readers.reader import Topic
 from friction_audit.pipeline import Estimate
 from friction_audit.reporting.diagnosis import diagnose_document
@@ -115,14 +113,6 @@ def test_a_joint_with_an_effect() -> None:
     assert [profile["curve"] is None for profile in found["profiles"]] == [False, True]
     assert {"code": "standstill", "joint": 1, "message": NAMED.findings[1].message} in document["warnings"]
     assert found["detection_limit_nm"] is None
-
-
-def test_settings_repeat_what_was_asked_the_nominal_model_too() -> None:
-    model = ArmModel(names=("a",), joints=(simple_model(inertia_kg_m2=1, coulomb_nm=2, viscous_nms_per_rad=3),))
-    asked = DiagnosisSettings(candidates=("stribeck",), min_effect_nm=0.01, seed=4, model=model)
-    settings = checked(diagnose_document(diagnosis(NAMED, settings=asked), {"topic": None}))["settings"]["diagnosis"]
-    assert (settings["candidates"], settings["min_effect_nm"], settings["seed"]) == (["stribeck"], 0.01, 4)
-    assert settings["model"]["joints"][0]["terms"][0] == {"name": "coulomb", "values": [2]}
 
 
 @pytest.mark.parametrize("summary", BATCHES, ids=("plain", "two sessions", "hostile", "empty"))

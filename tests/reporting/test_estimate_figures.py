@@ -21,7 +21,6 @@ KINDS = pytest.mark.parametrize("kind", figures_of("estimate"), ids=lambda kind:
 
 
 def with_friction(estimate: Estimate, **changes: Any) -> Estimate:
-    """Return an estimate whose friction is changed on every joint."""
     joints = tuple(replace(joint, **changes) for joint in estimate.friction.joints)
     return replace(estimate, friction=replace(estimate.friction, joints=joints))
 

@@ -63,7 +63,6 @@ def legend_of(figure: Figure) -> list[str]:
 
 
 def line(axes: Axes, label: str) -> tuple[Float, Float]:
-    """Return the curve of this label."""
     (found,) = (one for one in axes.lines if one.get_label() == label)
     return np.asarray(found.get_xdata(), float), np.asarray(found.get_ydata(), float)
 

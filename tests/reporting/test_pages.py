@@ -17,13 +17,11 @@ from friction_audit.reporting.html import page as html_page
 from friction_audit.reporting.html.batch_page import write_page
 from friction_audit.reporting.html.log_page import LOG_FIGURES, log_page
 from friction_audit.reporting.html.page import Page, render_page, write_markdown, write_pdf
-from friction_audit.reporting.report import Unanswered, lead_sentence, verdict_word
+from friction_audit.reporting.report import lead_sentence
 from friction_audit.reporting.table import Column, Table
 from tests.reporting import batch_by_hand, diagnosis_by_hand, log_report_by_hand
 from tests.reporting.log_report_by_hand import report
 from tests.reporting.pages import MOST_BYTES, SMALL, blank_figures, of_batch, of_log, outline, page
-
-WHY = "omnibus test: response or base holds values that are not finite"
 
 
 @pytest.mark.parametrize(("case", "figures"), [("plain", len(LOG_FIGURES)), ("batch", len(figures_of("drift")))])
@@ -122,16 +120,6 @@ def test_the_lead_of_a_batch_claims_no_more_than_was_tested() -> None:
     assert "short: 3 comparable sessions, at least 4 are needed" in write_page(batch_by_hand.batch(bare), {})
     page = write_page(batch_by_hand.batch(steady, bare), {})
     assert "No drift of the friction was found on 1 arm; no answer on 1 arm." in page
-
-
-def test_parts_without_an_answer_leave_the_others() -> None:
-    missing = (Unanswered(part="diagnose", message=WHY), Unanswered(part="replay", message="no joint"))
-    alone = replace(report(), diagnosis=None, replay=None, unanswered=missing)
-    assert {verdict_word(one) for one in alone.joints} == {"estimated", "no estimate"}
-    html = of_log(log_report_by_hand.cut(alone, 1))
-    assert WHY in html
-    assert "Velocity-torque curves." in html
-    assert "Residual after each effect" not in html
 
 
 def test_figures_that_find_no_room_are_named(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -25,7 +25,6 @@ WIDE = """[...document.querySelectorAll('table, svg, pre')].filter((one) => one.
 
 
 def overflow(opened: Opened) -> int:
-    """Return by how many pixels the page is wider than its window."""
     wider: int = opened.evaluate("document.documentElement.scrollWidth - window.innerWidth")
     return wider
 

@@ -43,12 +43,6 @@ def in_ampere(found: Estimate) -> Estimate:
     return replace(found, log=replace(found.log, source=replace(found.log.source, torque_unit="A")))
 
 
-def _replay() -> list[str]:
-    found = log_report_by_hand.report().replay
-    assert found is not None
-    return replay_lines(found)
-
-
 @pytest.mark.parametrize(("lines", "rows", "sentences"), [
     (
         lambda: estimate_lines(build_estimate(7)),
@@ -56,7 +50,8 @@ def _replay() -> list[str]:
         ["not determined: joint 3: did not move"],
     ),
     (lambda: estimate_lines(in_ampere(build_estimate(1))), ["joint [A] [A] [A s/rad] [A s/rad]"], []),
-    (_replay, ["3 - - -"], ["not replayed: joint 3: "]),
+    (lambda: replay_lines(log_report_by_hand.report().replay),  # type: ignore[arg-type]
+     ["3 - - -"], ["not replayed: joint 3: "]),
     (
         lambda: diagnose_lines(diagnosis()),
         ["1 named 0.061 0.021 0.02 97.6 0.052 0.013", "2 ambiguous 0.12 0.03 0.03 100 - -",

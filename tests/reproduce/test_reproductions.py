@@ -7,7 +7,7 @@ from math import inf
 import numpy as np
 import pytest
 
-from friction_audit.compensation.comparison import METHODS, SCENES, Comparison, compare
+from friction_audit.compensation.comparison import METHODS, SCENES, compare
 from friction_audit.reproduce import REPRODUCTIONS, Claim, Reproduction, Simulations, simulate_figures
 from friction_audit.reproduce.arm import KEPT, ORDER, SLOPE_BOUND
 from friction_audit.reproduce.one_joint import tolerance_j
@@ -19,13 +19,11 @@ SIMULATED = {one.figure: one for one in REPRODUCTIONS if one.compare is None}
 
 @cache
 def simulated(figure: str) -> Simulations:
-    """Return what a figure needs."""
     return simulate_figures([SIMULATED[figure]], 1 if figure == "12" else SEEDS)
 
 
 @cache
 def claims(figure: str) -> dict[str, Claim]:
-    """Return the claims of a figure by their sentence."""
     return {claim.claim: claim for claim in SIMULATED[figure].check(simulated(figure))}
 
 
@@ -96,16 +94,11 @@ def test_the_passivity_controller_takes_what_the_fourth_cycle_injected() -> None
     assert traces["viscous_nms_per_rad"][-1, 0] == pytest.approx(0.2, rel=1e-2)
 
 
-@pytest.fixture(scope="module")
-def short() -> Comparison:
-    """Return the paper's methods on a single joint."""
+def test_the_proposed_method_keeps_the_energy_of_a_joint_and_own_experiments_are_apart() -> None:
     joint = SCENES[0]
     settings = replace(joint.settings, duration_s=15.0)
     scene = replace(joint, settings=settings, tuning_seeds=0, with_others=False, margin_seeds=0)
-    return compare(scene, 2, [replace(method, sweeps=()) for method in METHODS if method.name in ORDER])
-
-
-def test_the_proposed_method_keeps_the_energy_of_a_joint_and_own_experiments_are_apart(short: Comparison) -> None:
+    short = compare(scene, 2, [replace(method, sweeps=()) for method in METHODS if method.name in ORDER])
     found = {claim.claim: claim for one in COMPARED for claim in one.check({"fig13": short})}
     assert [claim.own for claim in found.values()] == [sentence.startswith("own experiment") for sentence in found]
     assert (len(found), sum(claim.own for claim in found.values())) == (6, 2)

@@ -21,7 +21,6 @@ class Pull(NamedTuple):
 
 
 def intended(settings: ArmSettings, seed: int, ticks: int) -> HandMotion:
-    """Return the path that the hand means to take."""
     return plan_hand(settings.hand.path, ticks, 1e-3, make_streams(seed, 7).person)
 
 
@@ -39,7 +38,6 @@ def flange_poses(arm: Arm, q: Float) -> tuple[Float, Float, Float]:
 
 
 def pull(settings: ArmSettings, seed: int, motion: TrueMotion) -> Pull:
-    """Return what the hand does along a motion."""
     arm, hand = load_arm(), settings.hand
     path = intended(settings, seed, len(motion.t) - 1)
     n = len(motion.q)

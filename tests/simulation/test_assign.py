@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from friction_audit.compensation.compensators import Coefficients, EnergyCompensator
 from friction_audit.errors import UsageError
+from friction_audit.joint_numbers import parse_joint_numbers, write_joint_numbers
 from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.assign import Kind, PerJoint, as_nested, assign_text, assign_texts, paths, write_value
 from friction_audit.simulation.bench import BenchSettings
@@ -37,7 +38,6 @@ def test_settings_are_listed_with_their_values_and_kinds() -> None:
 @pytest.mark.parametrize(
     ("entry", "path", "value"),
     [
-        ("hand.stiffness_n_per_m=80", "hand.stiffness_n_per_m", 80.0),
         ("stiffness_n_per_m = 8e1", "hand.stiffness_n_per_m", 80.0),
         ("path.pause_s=0.1, 0.4", "hand.path.pause_s", (0.1, 0.4)),
         ("braked=1,3", "braked", (1, 3)),
@@ -45,7 +45,6 @@ def test_settings_are_listed_with_their_values_and_kinds() -> None:
         ("sines=7", "servo.motion.sines", 7),
         ("hand_cycles=false", "hand_cycles", False),
         ("model=viscous", "compensator.model", "viscous"),
-        ("max_torque_nm=3", "compensator.max_torque_nm", 3.0),
         ("max_torque_nm=inf", "compensator.max_torque_nm", inf),
         ("joints.coulomb_nm=0.4", "joints.coulomb_nm", PerJoint((0.4,) * 7)),
         ("joints.coulomb_nm=0.4@1,3-7", "joints.coulomb_nm", PerJoint((0.4, COULOMB[1], *(0.4,) * 5))),
@@ -63,22 +62,18 @@ def test_one_value_changes_and_no_other(entry: str, path: str, value: object) ->
         ("motion.ease_s=1@2", "is not set joint by joint; leave out @2"),
         ("hand.stifness_n_per_m=1", r"no such setting; did you mean hand\.stiffness_n_per_m"),
         ("hand.mas=1", r"did you mean hand\.mass_kg\?$"),
-        ("colour=1", "no such setting; --list"),
-        ("hidden.torque_nm=1", "no such setting"),
+        ("hidden.torque_nm=1", "no such setting; --list"),
         ("duration_s", "expected NAME=VALUE"),
-        ("=3", "expected NAME=VALUE"),
         ("duration_s=", "--set duration_s=: expected a number"),
-        ("duration_s=nan", "expected a number"),
         ("duration_s=inf", "expected a number"),
         ("sines=1.5", "--set servo.motion.sines=1.5: expected a whole number"),
         ("driven=yes", "expected true or false"),
         ("model=jump", "expected one of"),
         ("path.pause_s=1", "expected 2 values separated by commas, found 1"),
         ("path.pause_s=none", "expected 2 values separated by commas, found 1"),
-        ("path.pause_s=1,x", "expected a number"),
         ("mass_kg=-1", "--set hand.mass_kg=-1: hand: mass_kg -1: expected zero or more"),
-        ("joints.coulomb_nm=1@8", "no joint 8; expected joints from 1 to 7"),
-        ("joints.coulomb_nm=1@x", "'x' is no joint"),
+        ("joints.coulomb_nm=1@8-9", "no joint 8-9; expected joints from 1 to 7"),
+        ("joints.coulomb_nm=1@", "'' is no joint"),
         ("compensator=walk", "--set compensator=walk: expected one of"),
         ("coulomb_nm=1", r"stands for 2 settings; expected one of joints\.coulomb_nm, compensator\.forced\.coulomb_nm"),
         ("compensator=joint_by_joint", "joint_by_joint has no usual values; a scenario must have it"),
@@ -114,9 +109,11 @@ def test_another_kind_has_settings_of_its_own() -> None:
     assert nested["joints"][0]["coulomb_nm"] == 0.3
 
 
-@given(st.floats(1.0, 7000.0))
-def test_what_is_written_reads_back(value: float) -> None:
+@given(value=st.floats(1.0, 7000.0), joints=st.sets(st.integers(1, 40), min_size=1))
+def test_what_is_written_reads_back(value: float, joints: set[int]) -> None:
     assert assign_text(BENCH, f"duration_s={write_value(value)}").duration_s == value
+    assert parse_joint_numbers(write_joint_numbers(sorted(joints)), "here") == tuple(sorted(joints))
+    assert write_joint_numbers((1, 3, 4, 5, 7)) == "1,3-5,7"
 
 
 @pytest.mark.parametrize("scenario", SCENARIOS, ids=lambda scenario: scenario.name)
@@ -164,7 +161,6 @@ def test_parameters_form_and_joints() -> None:
         (SEVEN, ["stribek"], "--effect stribek: no effect stribek; did you mean stribeck"),
         (SEVEN, ["wobble"], "no effect wobble; --list-effects"),
         (SEVEN, [""], "no effect without a name"),
-        (SEVEN, ["stribeck:"], "expected NAME:PARAMETER=VALUE"),
         (SEVEN, ["stribeck:0.2"], "'0.2': expected NAME:PARAMETER=VALUE"),
         (SEVEN, ["stribeck:excess_nm=0.2,"], "expected NAME:PARAMETER=VALUE"),
         (SEVEN, ["stribeck:excess_nm=1,excess_nm=2"], "excess_nm is given twice"),

@@ -7,30 +7,22 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from friction_audit.compensation.compensators import Compensator, EnergyCompensator, FixedCompensation
-from friction_audit.compensation.controller import run
+from friction_audit.compensation.compensators import EnergyCompensator
 from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.joint_log import Float
-from friction_audit.simulation import (
-    IDEAL_SENSORS,
-    BenchSettings,
-    JointParameters,
-    Operator,
-    Sensors,
-    Simulation,
-    simulate,
-)
+from friction_audit.simulation import IDEAL_SENSORS, BenchSettings, JointParameters, Operator, Sensors, simulate
 from friction_audit.simulation.arm import ArmSettings, Servo
+from friction_audit.simulation.bench import HandGuidedPanda
 from friction_audit.simulation.effects import EFFECTS, Hidden, HiddenEffect
 from friction_audit.simulation.effects.load_and_place import JointLimitStop
 from friction_audit.simulation.effects.sensors import TORQUE_LATE, VELOCITY_LATE, TimeDelay, delayed
-from friction_audit.simulation.effects.structure import InertiaError
+from friction_audit.simulation.effects.structure import InertiaError, JointElasticity
 from friction_audit.simulation.sensors import draw_noise, quantise
-from friction_audit.simulation.settings import PANDA_SENSORS, require_sane
+from friction_audit.simulation.settings import require_sane
 
 SHORT = BenchSettings(duration_s=20.0)
 IDEAL = replace(SHORT, sensors=(IDEAL_SENSORS,))
-HELPED = replace(IDEAL, compensator=FixedCompensation(coulomb_nm=0.2, viscous_nms_per_rad=0.05))
+DRIVEN = replace(SHORT, driven=True, logs_sensor=True)
 
 
 def hidden(*names: str) -> Hidden:
@@ -39,20 +31,6 @@ def hidden(*names: str) -> Hidden:
 
 def only(column: Float) -> Float:
     return column[:, 0]
-
-
-# The drive's torque is linear from tick to tick. Its kinks are smaller than what noise hides, but the trapezoidal rule
-# at the ticks sees them: some parts in a million of the work.
-@pytest.mark.parametrize("settings", [IDEAL, HELPED], ids=["free", "compensated"])
-def test_work_of_the_ideal_log_is_what_friction_took(settings: BenchSettings) -> None:
-    simulation = simulate(settings, 1)
-    dq, friction = only(simulation.log.dq), settings.joints[0]
-    expected = np.trapezoid(friction.coulomb_nm * np.abs(dq) + friction.viscous_nms_per_rad * dq**2, simulation.log.t)
-    taken = simulation.truth.motion.dissipated_j[-1, 0]
-    assert_allclose(taken, expected, rtol=2e-6)
-    channels = simulation.log.channels()
-    torque = channels["tau_interaction"] + channels.get("tau_compensation", 0.0)
-    assert_allclose(np.trapezoid(only(torque) * dq, simulation.log.t), taken, rtol=1e-6)
 
 
 def test_sensors_do_not_change_the_motion() -> None:
@@ -96,17 +74,17 @@ def test_sensor_reads_gravity_and_the_load_does_not_change_a_rigid_joint(driven:
     [
         (lambda: JointParameters(inertia_kg_m2=0.0), "inertia_kg_m2 0: expected a number above zero"),
         (lambda: JointParameters(coulomb_nm=-0.1), "coulomb_nm -0.1: expected zero or more"),
+        (lambda: JointElasticity(compliance_rad_per_nm=1e-9), "1e-09: expected 0, a rigid joint, or at least 1e-05"),
+        (lambda: HandGuidedPanda(joint=8), "expected a joint from 1 to 7 and 7 of each"),
+        (lambda: HandGuidedPanda(sensors=(Sensors(),)), "expected a joint from 1 to 7 and 7 of each"),
         (lambda: Sensors(lost=0.9), "lost 0.9: expected a number from 0 to 0.5"),
         (lambda: Sensors(torque_step_nm=1e-12), "torque_step_nm 1e-12: expected 0, for none, or at least 1e-09"),
         (lambda: BenchSettings(duration_s=1e6), "duration_s 1e\\+06: expected a number from 0 to 7200"),
         (lambda: BenchSettings(duration_s=1e-4), "expected at least 2 sampling intervals"),
         (lambda: BenchSettings(gravity_nm=1.0), "cannot log the interaction torque; expected logs_sensor=true"),
         (lambda: BenchSettings(driven=True), "cannot log the interaction torque; expected logs_sensor=true"),
-        (lambda: replace(HELPED, driven=True, logs_sensor=True), "compensator takes a hand that moves the joint"),
-        (
-            lambda: replace(SHORT, logs_sensor=True, driven=True, hidden=(hidden("unlogged_compensation"),)),
-            "unlogged_compensation takes a hand",
-        ),
+        (lambda: replace(DRIVEN, compensator=EnergyCompensator()), "compensator takes a hand that moves the joint"),
+        (lambda: replace(DRIVEN, hidden=(hidden("unlogged_compensation"),)), "unlogged_compensation takes a hand"),
         (lambda: hidden("presliding", "stiction"), "bristles have a break-away of their own"),
         (
             lambda: simulate(replace(SHORT, hidden=(Hidden(inertia_error=InertiaError(extra_kg_m2=-0.4)),)), 1),
@@ -117,28 +95,6 @@ def test_sensor_reads_gravity_and_the_load_does_not_change_a_rigid_joint(driven:
 def test_settings_out_of_range_are_refused(make: Callable[[], object], words: str) -> None:
     with pytest.raises(UsageError, match=words):
         make()
-
-
-# A compensator in the loop: what it leaves, what it learns, what it saw.
-
-TRUE = FixedCompensation(coulomb_nm=0.30, viscous_nms_per_rad=0.07)
-NOISY = replace(PANDA_SENSORS[0], clock_jitter_s=0.0, stale=0.0, lost=0.0)
-
-
-def compensated(settings: BenchSettings, compensator: Compensator, seed: int = 1) -> Simulation:
-    return simulate(replace(settings, compensator=compensator), seed)
-
-
-@pytest.mark.parametrize("compensator", [TRUE, EnergyCompensator(window=4)], ids=["fixed", "energy"])
-def test_the_log_is_what_the_compensator_saw(compensator: Compensator) -> None:
-    """A replay over the log finds every torque and everything it knew, to rounding."""
-    settings = BenchSettings(duration_s=20.0, sensors=(NOISY,))
-    simulation = compensated(settings, compensator)
-    log = simulation.log
-    again = run(compensator, log.t, log.dq[:, 0], log.channels()["tau_interaction"][:, 0])
-    assert_allclose(log.channels()["tau_compensation"][1:, 0], again["compensation_nm"][:-1], atol=1e-9)
-    for name, trace in simulation.truth.compensators.items():
-        assert_allclose(trace[:, 0], again[name], rtol=1e-6, atol=1e-9, err_msg=name)
 
 
 # At the ends of their ranges effects are still physics; beyond them they are refused.

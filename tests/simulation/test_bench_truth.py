@@ -9,7 +9,6 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.integrate import cumulative_trapezoid
 
-from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.simulation import bench
 from friction_audit.simulation.bench import BenchSettings, HandGuidedPanda, Operator
@@ -107,10 +106,9 @@ PORT_IDEAL = BenchSettings(duration_s=12.0, sensors=(IDEAL_SENSORS,))
 GRAVITY_NM, PHASE_RAD = 8.0, 0.4
 LOADED = replace(PORT_IDEAL, logs_sensor=True, gravity_nm=GRAVITY_NM, gravity_phase_rad=PHASE_RAD)
 
-ELASTIC = Hidden(joint_elasticity=JointElasticity(compliance_rad_per_nm=1e-3))
 HIDDEN = {
     "rigid": Hidden(),
-    "elastic": ELASTIC,
+    "elastic": Hidden(joint_elasticity=JointElasticity(compliance_rad_per_nm=1e-3)),
     "backlash": Hidden(backlash=Backlash(gap_rad=5e-3)),
     "presliding": Hidden(presliding=velocity.Presliding(displacement_rad=0.005)),
     "stiction": Hidden(stiction=velocity.Stiction(excess_nm=0.2)),
@@ -243,25 +241,11 @@ def test_faults_of_the_sensors_are_those_of_every_joint() -> None:
 
 
 def test_places_inside_the_joint_are_counted_from_its_zero_and_stops_from_the_start() -> None:
-    motion = simulate(replace(IDEAL_PANDA, hidden=hide(4, ROUGH)), 9).truth.motion
+    rough = Hidden(position_dependent_friction=load_and_place.PositionDependentFriction(share=0.5))
+    motion = simulate(replace(IDEAL_PANDA, hidden=hide(4, rough)), 9).truth.motion
     dq, moving = motion.dq[:, 3], motion.dq[:, 3] != 0
     level = (motion.friction_nm[:, 3] - JOINT.viscous_nms_per_rad * dq)[moving] * np.sign(dq[moving])
     assert_allclose(level, 0.3 * (1 + 0.5 * np.sin(3 * motion.q[moving, 3] + 0.5)), atol=1e-9)
     walled = Hidden(joint_limit_stop=load_and_place.JointLimitStop(stiffness_nm_per_rad=500.0, at_rad=0.1))
     stopped = simulate(replace(IDEAL_PANDA, hidden=hide(4, walled)), 9).truth.motion
     assert np.abs(stopped.q[:, 3] - IDEAL_PANDA.pose_rad[3]).max() < 0.3
-
-
-ROUGH = Hidden(position_dependent_friction=load_and_place.PositionDependentFriction(share=0.5))
-
-
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        ({"joint": 8}, "expected a joint from 1 to 7 and 7 of each"),
-        ({"sensors": (Sensors(),)}, "expected a joint from 1 to 7 and 7 of each"),
-    ],
-)
-def test_what_a_panda_does_not_have_or_cannot_show_is_refused(change: dict[str, Any], words: str) -> None:
-    with pytest.raises(UsageError, match=words):
-        replace(PANDA, **change)

@@ -95,7 +95,6 @@ def test_a_term_without_an_equal_is_refused_by_name(name: str, values: dict[str,
 @pytest.mark.parametrize(
     ("joints", "message"),
     [
-        ((None, None), "the model has 2 joints, the scenario 1; expected as many"),
         ((JointModel(inertia_kg_m2=-0.1),), r"joint 1: inertia_kg_m2 = -0.1: expected more than zero"),
         ((model_of({"time_delay": {"delay_s": 0.5}}),), r"joint 1: time_delay: delay_s=0\.5: expected a number"),
         ((model_of({"offset": {}, "torque_bias": {}}),), "torque_bias: another term is a torque_bias already"),

@@ -11,12 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
-from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.simulation.effects import EFFECTS, HiddenEffect
 from friction_audit.simulation.effects.sensors import TorqueDrift, delayed, torque_drift_nm
 from friction_audit.simulation.effects.slow_and_events import WarmUp, temperature_c
-from friction_audit.simulation.effects.structure import JointElasticity, coupled_mass
+from friction_audit.simulation.effects.structure import coupled_mass
 from friction_audit.simulation.mechanics.records import pack
 
 CLASSES = {effect.name: effect for effect in EFFECTS}
@@ -118,11 +117,6 @@ def test_friction_grows_or_falls_and_never_drives(
     low, high = (value(name, function, form, numbers, at) for at in sorted((one, other)))
     assert way * (high - low) >= 0.0
     assert min(low, high) >= 0.0
-
-
-def test_a_gear_too_stiff_to_be_simulated_is_refused() -> None:
-    with pytest.raises(UsageError, match="compliance_rad_per_nm 1e-09: expected 0, a rigid joint, or at least 1e-05"):
-        JointElasticity(compliance_rad_per_nm=1e-9)
 
 
 @given(warmth=st.floats(0.0, 10.0), power=st.floats(0.0, 2.0), h=st.floats(0.0, 100.0))

@@ -95,7 +95,6 @@ STEPS = (1e-3, 5e-4, 2.5e-4, STEP_S)
 
 
 def orders(errors: list[float]) -> Float:
-    """Return the orders of convergence between the successive steps."""
     return np.asarray(np.diff(np.log(errors)) / np.diff(np.log(STEPS)))
 
 
@@ -136,15 +135,6 @@ BRISTLE_SPRING, DAMPER, CREEP = 10.0, 0.05, 0.05
 SOFT = velocity.Presliding(displacement_rad=0.002, damping_s=0.02)
 
 
-def creep_bristle(step_s: float) -> TrueMotion:
-    """Pull the joint by a soft spring, slowly: it sticks and slips."""
-    hidden = Hidden(presliding=SOFT, stribeck=velocity.Stribeck(excess_nm=0.3, speed_rad_s=0.1))
-    t = np.arange(6001, dtype=np.float64) * TICK_S
-    push = BRISTLE_SPRING * CREEP * t + DAMPER * CREEP
-    settings = bench(JOINT, hidden, stiffness_nm_per_rad=BRISTLE_SPRING, damping_nms_per_rad=DAMPER)
-    return release(settings, 6.0, step_s=step_s, tick_s=TICK_S, push=push)
-
-
 def published(t: Float) -> Float:
     """Return position and velocity after Canudas de Wit et al. (1995), shape (2, n), with sigma1 |v| below 4 g."""
     sigma0 = 0.3 / SOFT.displacement_rad
@@ -163,7 +153,11 @@ def published(t: Float) -> Float:
 
 
 def test_stick_slip_of_lugre_follows_the_published_equations() -> None:
-    motion = creep_bristle(STEP_S)
+    """A soft spring pulls the joint slowly: it sticks and slips."""
+    hidden = Hidden(presliding=SOFT, stribeck=velocity.Stribeck(excess_nm=0.3, speed_rad_s=0.1))
+    push = BRISTLE_SPRING * CREEP * TICK_S * np.arange(6001, dtype=np.float64) + DAMPER * CREEP
+    settings = bench(JOINT, hidden, stiffness_nm_per_rad=BRISTLE_SPRING, damping_nms_per_rad=DAMPER)
+    motion = release(settings, 6.0, tick_s=TICK_S, push=push)
     q, v = published(motion.t)
     assert v.max() > 2.5 * CREEP
     assert np.sort(v)[len(v) // 4] < 0.2 * CREEP
@@ -172,7 +166,6 @@ def test_stick_slip_of_lugre_follows_the_published_equations() -> None:
 
 
 def guided(form: int, course: Float, speed: Float) -> TrueMotion:
-    """Guide the joint by a stiff hand."""
     stiff = {"stiffness_nm_per_rad": 600.0, "damping_nms_per_rad": 60.0}
     hidden = Hidden(presliding=velocity.Presliding(displacement_rad=0.005, form=form))
     push = 600.0 * course + 60.0 * speed
