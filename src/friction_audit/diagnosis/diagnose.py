@@ -192,10 +192,7 @@ def _lacking(state: State, checks: Sequence[ResidualCheck]) -> str:
 def _effects(
     state: State, estimates: Estimates, least_nm: float, traces: Traces
 ) -> tuple[tuple[NamedEffect, ...], tuple[NamedEffect, ...]]:
-    """Effects that count, and those that stand and are too small to count, the largest first.
-
-    Each with what is left on held-out cycles before and after it is added to those before it.
-    """
+    """Effects that count, and those too small to, the largest first, each with what held-out cycles leave with it."""
     gram, problem, active = state.gram, state.problem, state.active
     data, baseline = problem.data, nominal(state.search.training, active)
     friction = np.abs(baseline.coulomb_nm * data.way + baseline.viscous_nms_per_rad * data.dq)[data.used]
