@@ -31,8 +31,9 @@ HELD = replace(STATED, held=("coulomb",))
 def diagnosed(
     data: JointData, candidates: Sequence[Effect] | None = None, *, asked: Any = None, **known: Any
 ) -> JointDiagnosis:
-    subject = Subject(**{"data": data, "number": 3, "name": "elbow", "findings": (), "from_energy": {}} | known)
-    return diagnose_joint(subject, effects() if candidates is None else candidates, DiagnosisSettings(**asked or {}))
+    subject: Any = {"data": data, "number": 3, "name": "elbow", "findings": (), "from_energy": {}} | known
+    candidates = effects() if candidates is None else candidates
+    return diagnose_joint(Subject(**subject), candidates, DiagnosisSettings(**asked or {}))
 
 
 def names(found: JointDiagnosis) -> list[str]:
