@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from friction_audit.diagnosis.augmented_model import augment_models, gap_in_motion, simulate_cycles
+from friction_audit.diagnosis.prepare import Subject
 from friction_audit.diagnosis.result import Discrepancy, JointDiagnosis
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, Provenance, simple_model
@@ -23,9 +24,9 @@ STRIBECK_TERM = FittedTerm("stribeck", (0.2, 0.05, 1.0))
 
 
 def augmented(*joints: JointDiagnosis, nominal: ArmModel | None = None) -> Any:
-    result = augment_models(Discrepancy(joints=joints), LOG, nominal)
-    assert result.lacking == ()
-    return result.model
+    model, lacking = augment_models(Discrepancy(joints=joints), LOG, nominal)
+    assert lacking == []
+    return model
 
 
 def nominal_arm(*terms: FittedTerm) -> ArmModel:
@@ -70,9 +71,9 @@ def test_what_is_held_stays_as_it_was_and_held() -> None:
 
 def test_friction_below_zero_is_no_model_and_said_unless_it_may_be_zero() -> None:
     wrong = replace(NAMED, augmented=NAMED.augmented | {"viscous_nms_per_rad": coefficient(-0.01, 0.005)})
-    result = augment_models(Discrepancy(joints=(wrong,)), LOG, None)
-    assert result.model.joints == (None, None, None)
-    ((joint, lack),) = result.lacking
+    model, lacking = augment_models(Discrepancy(joints=(wrong,)), LOG, None)
+    assert model.joints == (None, None, None)
+    ((joint, lack),) = lacking
     assert joint == 1
     assert "viscous_nms_per_rad = -0.01; expected a number from 0" in lack
     maybe = {**NAMED.augmented, "viscous_nms_per_rad": coefficient(-0.01, 0.02)}
@@ -82,17 +83,17 @@ def test_friction_below_zero_is_no_model_and_said_unless_it_may_be_zero() -> Non
 def test_a_term_of_the_nominal_model_that_is_found_again_is_no_model() -> None:
     fitted = NAMED.augmented | {"stribeck_excess_nm": coefficient(0.25, 0.1)}
     arm = nominal_arm(STRIBECK_TERM)
-    result = augment_models(Discrepancy(joints=(replace(NAMED, augmented=fitted),)), LOG, arm)
-    assert result.model.joints == arm.joints
-    assert "stribeck stands twice" in result.lacking[0][1]
+    model, lacking = augment_models(Discrepancy(joints=(replace(NAMED, augmented=fitted),)), LOG, arm)
+    assert model.joints == arm.joints
+    assert "stribeck stands twice" in lacking[0][1]
 
 
 def test_an_effect_that_is_no_term_is_left_out_and_said() -> None:
     strange = replace(BIAS, name="poltergeist")
-    result = augment_models(Discrepancy(joints=(replace(NAMED, effects=(STRIBECK, strange)),)), LOG, None)
-    joint: Any = result.model.joints[0]
+    model, lacking = augment_models(Discrepancy(joints=(replace(NAMED, effects=(STRIBECK, strange)),)), LOG, None)
+    joint: Any = model.joints[0]
     assert joint.values("stribeck")
-    assert result.lacking == ((1, "poltergeist is no term of a model, so the augmented one lacks it"),)
+    assert lacking == [(1, "poltergeist is no term of a model, so the augmented one lacks it")]
 
 
 def test_numbers_that_a_nominal_term_lacks_are_lacking_in_the_augmented_one() -> None:
@@ -108,8 +109,7 @@ def test_numbers_that_a_nominal_term_lacks_are_lacking_in_the_augmented_one() ->
 def test_a_number_of_an_effect_that_may_be_its_lower_bound_is_put_there(half: float, excess: float | None) -> None:
     (effect,) = NAMED.effects
     below = replace(effect, parameters={**effect.parameters, "stribeck_excess_nm": coefficient(-0.01, half)})
-    result = augment_models(Discrepancy(joints=(replace(NAMED, effects=(below,)),)), LOG, None)
-    joint = result.model.joints[0]
+    joint = augment_models(Discrepancy(joints=(replace(NAMED, effects=(below,)),)), LOG, None)[0].joints[0]
     values = None if joint is None else joint.values("stribeck")
     assert (values and values[0]) == excess
 
@@ -136,6 +136,10 @@ def data_of(t: Float, torque: Float, q: Float, dq: Float, ddq: Float) -> JointDa
     return joint_of(t, q, dq, ddq, torque, cycle=np.floor(t).astype(np.int64), dead_speed_rad_s=1e-3)
 
 
+def subject_of(data: JointData) -> Subject:
+    return Subject(data=data, number=1, name="joint1", findings=(), from_energy={})
+
+
 def diagnosed(viscous_nms_per_rad: float = 0.07) -> JointDiagnosis:
     numbers = {"inertia_kg_m2": 0.3, "coulomb_nm": 0.3, "viscous_nms_per_rad": 0.07}
     simple = {name: Coefficient(value=one, low=one, high=one) for name, one in numbers.items()}
@@ -156,7 +160,7 @@ def test_the_model_that_made_the_motion_leaves_nothing_from_the_measured_start_o
     for signal in (gap.nominal, gap.augmented, gap.measured):
         assert signal[[0, 401]] == pytest.approx(data.dq[[1600, 3600]])
         assert np.array_equal(np.isnan(signal), np.isnan(gap.t))
-    same: Any = gap_in_motion(diagnosed(), None, data, CYCLES)
+    same: Any = gap_in_motion(diagnosed(), subject_of(data), CYCLES)
     assert (same.before, same.after) == (gap.before, gap.after)
 
 
@@ -191,4 +195,4 @@ def test_a_joint_whose_inertia_was_taken_out_needs_it_back() -> None:
 def test_a_model_that_cannot_be_simulated_has_no_gap_in_motion() -> None:
     runaway = replace(NOMINAL, terms=(*NOMINAL.terms, FittedTerm("nonlinear_viscous", (-40.0, 1.0, 0.1, 0.0))))
     assert simulate_cycles(NOMINAL, runaway, moved(), CYCLES) is None
-    assert gap_in_motion(diagnosed(-0.01), None, moved(), CYCLES) is None
+    assert gap_in_motion(diagnosed(-0.01), subject_of(moved()), CYCLES) is None

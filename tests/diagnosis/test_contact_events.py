@@ -135,40 +135,25 @@ EVENTS = draw_events(TOUCHED.hidden[0].contact_event, BENCH.duration_s, make_str
 """All of them stand out by 30 and more standard deviations; half turn the joint, stop it or set it in motion."""
 
 
-@pytest.fixture(scope="module")
-def touched_joint() -> Any:
-    return diagnosed(TOUCHED)
-
-
 def diagnosed(settings: BenchSettings) -> Any:
     asked = DiagnosisSettings(candidates=("contact_event", "stribeck"))
     (joint,) = diagnose_log(simulate(settings, SEED).log, AuditSettings(), asked).discrepancy.joints
     return joint
 
 
-def test_what_is_left_is_what_a_joint_leaves_that_nobody_touches(touched_joint: Any) -> None:
-    clean = diagnosed(BENCH)
-    assert touched_joint.verdict == "named"
-    assert clean.verdict == "adequate"
-    assert touched_joint.gap.after < 1.2 * clean.gap.after
-
-
-def test_every_event_is_left_out_and_little_else(touched_joint: Any) -> None:
-    for start, length, _ in EVENTS:
-        assert not np.any((touched_joint.traces.t > start) & (touched_joint.traces.t < start + length))
-    (effect,) = touched_joint.effects
+def test_every_event_is_left_out_and_what_is_left_is_that_of_a_joint_that_nobody_touches() -> None:
+    joint, clean = diagnosed(TOUCHED), diagnosed(BENCH)
+    assert (joint.verdict, clean.verdict) == ("named", "adequate")
+    assert joint.gap.after < 1.2 * clean.gap.after
+    (effect,), trace, t = joint.effects, joint.contacts, joint.traces.t
     assert effect.parameters["contacts"].value <= len(EVENTS)
     assert effect.parameters["longest_contact_s"].value < 1.2
     # The sensor reads what holds against the push.
     largest = max((size for *_, size in EVENTS), key=abs)
     assert effect.parameters["largest_contact_nm"].value == pytest.approx(-largest, rel=0.3)
-
-
-def test_the_trace_shows_each_event_at_its_place_and_only_noise_elsewhere(touched_joint: Any) -> None:
-    trace = touched_joint.contacts
+    assert all(any(low < start + 0.5 * length < high for start, length, _ in EVENTS) for low, high in trace.spans_s)
     away = np.ones(len(trace.t), bool)
-    for low, high in trace.spans_s:
-        assert any(low < start + 0.5 * length < high for start, length, _ in EVENTS)
     for start, length, _ in EVENTS:
+        assert not np.any((t > start) & (t < start + length))
         away &= (trace.t < start - 0.5) | (trace.t > start + length + 0.5)
-    assert float(np.nanstd(trace.residual_nm[away])) < 1.5 * touched_joint.gap.floor
+    assert float(np.nanstd(trace.residual_nm[away])) < 1.5 * joint.gap.floor

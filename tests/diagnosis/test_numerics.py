@@ -143,7 +143,7 @@ def test_variable_projection_ends_where_nonlinear_least_squares_does() -> None:
 def test_intervals_are_leaving_out_one_cycle_at_a_time() -> None:
     gram, dictionary = prepared(SQUARE, duration_s=30.0)
     active = (gram.blocks[0],)
-    found = intervals(gram, dictionary, active, nominal(gram.problem, Training(gram), active))
+    found = intervals(gram, dictionary, active, nominal(Training(gram), active))
     columns = np.vstack([gram.base, gram.of(active[0])]).T
     cycle = gram.problem.samples.cycle[gram.order]
     cycles = np.unique(cycle)

@@ -1,6 +1,7 @@
 """Quantities that a residual is held against, curves over them, and where it lies: a sentence, a share, errors."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -10,9 +11,8 @@ from hypothesis import strategies as st
 from statsmodels.api import OLS
 
 from friction_audit.diagnosis.problem import AXES, Curve, curve, knots_of
-from friction_audit.diagnosis.profiles import own_axis, profile_all, shows_along
+from friction_audit.diagnosis.profiles import own_axis, profiles_of, shows_along
 from friction_audit.diagnosis.result import NamedEffect, Profile
-from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 from friction_audit.reporting.diagnosis_words import UNITS, where_words
 from tests.effects.joint_data_by_hand import moved_joint
@@ -34,8 +34,13 @@ def over(name: str, values: Float) -> Curve:
     return Curve(axis=axis, columns=np.ascontiguousarray(columns.T), values=values)
 
 
-def profile(residual: Float) -> Profile:
-    (found,) = profile_all(residual, [over("speed", VALUES)], DQ, CYCLE, {})
+def profiles(residual: Float, *curves: Curve, dq: Float = DQ, **p_values: float) -> tuple[Profile, ...]:
+    problem: Any = SimpleNamespace(curves=curves, kinematics=(None, dq), samples=SimpleNamespace(cycle=CYCLE))
+    return profiles_of(problem, residual, p_values)
+
+
+def profile(residual: Float, dq: Float = DQ) -> Profile:
+    (found,) = profiles(residual, over("speed", VALUES), dq=dq)
     return found
 
 
@@ -73,7 +78,7 @@ def test_means_and_errors_are_those_of_cluster_robust_least_squares() -> None:
 
 
 def test_an_empty_side_has_no_mean() -> None:
-    forwards = profile_all(NOISE, [over("speed", VALUES)], np.ones(N), CYCLE, {})[0]
+    forwards = profile(NOISE, np.ones(N))
     assert np.isnan(forwards.backwards).all()
     assert np.isfinite(forwards.forwards).all()
 
@@ -88,8 +93,7 @@ def test_share_is_that_of_cycles_not_seen_and_never_below_zero() -> None:
 
 def test_what_takes_most_comes_first_with_its_p_value() -> None:
     time = np.linspace(0.0, 60.0, N)
-    p_values = {"speed": 0.7, "time": 0.01}
-    found = profile_all(0.1 * time / 60.0 + NOISE, [over("speed", VALUES), over("time", time)], DQ, CYCLE, p_values)
+    found = profiles(0.1 * time / 60.0 + NOISE, over("speed", VALUES), over("time", time), speed=0.7, time=0.01)
     assert [(one.axis, one.p_value) for one in found] == [("time", 0.01), ("speed", 0.7)]
     assert np.isnan(profile(NOISE).p_value)
 
@@ -97,26 +101,22 @@ def test_what_takes_most_comes_first_with_its_p_value() -> None:
 DATA = moved_joint(duration_s=10.0)
 
 
-def value(name: str, data: JointData) -> Float | None:
-    return next(axis for axis in AXES if axis.name == name).value(data)
+AXIS = {axis.name: axis.value for axis in AXES}
 
 
-def test_every_axis_has_a_unit_for_its_sentence() -> None:
-    assert set(UNITS) == {axis.name for axis in AXES}
-
-
-def test_what_the_log_does_not_hold_is_no_axis() -> None:
-    there = {axis.name for axis in AXES if axis.value(DATA) is not None}
+def test_what_the_log_does_not_hold_is_no_axis_and_each_has_a_unit() -> None:
+    there = {name for name, value in AXIS.items() if value(DATA) is not None}
     assert there == {"speed", "position", "displacement", "acceleration", "time"}
     warm = replace(DATA, temperature=DATA.t, load=np.cos(DATA.q))
-    assert value("temperature", warm) is warm.temperature
-    assert value("load", warm) is warm.load
+    assert AXIS["temperature"](warm) is warm.temperature
+    assert AXIS["load"](warm) is warm.load
+    assert set(UNITS) == set(AXIS)
 
 
 def test_the_neighbour_is_the_one_that_moves_most_and_never_the_joint_itself() -> None:
     others = np.column_stack([0.1 * DATA.dq, 9.0 * DATA.ddq, 2.0 * DATA.dq])
     among = replace(DATA, others_ddq=others, others_joint=1)
-    assert value("neighbour", among) == pytest.approx(2.0 * DATA.dq)
+    assert AXIS["neighbour"](among) == pytest.approx(2.0 * DATA.dq)
 
 
 @given(st.lists(st.floats(-10, 10), min_size=1, max_size=50), st.integers(2, 8))

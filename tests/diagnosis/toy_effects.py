@@ -7,26 +7,14 @@ from typing import Any
 import numpy as np
 
 from friction_audit.effects.effect import Effect, Nonlinear
-from friction_audit.effects.joint_data import JointData, Nominal
+from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
-
-
-class Bump(Effect):
-    def admissible(self, coefficients: Float, at: Nonlinear) -> bool:  # noqa: ARG002
-        return bool(coefficients[0] > 0)
-
-
-class Impossible(Effect):
-    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:  # noqa: ARG002
-        return "move the moon"
-
 
 COLUMNS: dict[str, Callable[[JointData, Nonlinear], Float]] = {
     "bump": lambda data, at: np.exp(-(((data.q - at["place_rad"]) / at["width_rad"]) ** 2))[:, None],
     "wave": lambda data, at: np.column_stack([np.sin(at["rate"] * data.t), np.cos(at["rate"] * data.t)]),
     "square": lambda data, _: (data.dq * np.abs(data.dq))[:, None],
-    "locked_out": lambda data, _: (data.dq * np.abs(data.dq))[:, None],
 }
 
 
@@ -50,18 +38,16 @@ def altered(effect: Effect, *, units: Sequence[str] = (), **changes: object) -> 
     return other
 
 
-def toy(kind: type[Effect], name: str, label: str, axis: str, units: Sequence[str], *grid: Nonlinear) -> Effect:
-    effect = kind(name=name, label=label, axis=axis, coefficients=_coefficients(units))
+def toy(name: str, label: str, axis: str, units: Sequence[str], *grid: Nonlinear) -> Effect:
+    effect = Effect(name=name, label=label, axis=axis, coefficients=_coefficients(units))
     return altered(effect, grid=grid or ({},), regressor=lambda data, _nominal, at: COLUMNS[name](data, at))
 
 
-BUMP = toy(
-    Bump, "bump", "a bump", "position", ["nm"],
-    *({"place_rad": place, "width_rad": 0.2} for place in (-0.6, -0.3, 0.0, 0.3, 0.6)),
-)  # fmt: skip
-WAVE = toy(Effect, "wave", "a wave", "time", ["nm", "nm"], {"rate": 0.1}, {"rate": 0.5})
-SQUARE = toy(Effect, "square", "friction that grows with the square of the speed", "speed", ["nms2_per_rad2"])
-LOCKED_OUT = toy(Impossible, "locked_out", "what no log shows", "speed", ["nm"])
+PLACES = ({"place_rad": place, "width_rad": 0.2} for place in (-0.6, -0.3, 0.0, 0.3, 0.6))
+BUMP = altered(toy("bump", "a bump", "position", ["nm"], *PLACES), possible=lambda factors, _at: factors[0] > 0)
+WAVE = toy("wave", "a wave", "time", ["nm", "nm"], {"rate": 0.1}, {"rate": 0.5})
+SQUARE = toy("square", "friction that grows with the square of the speed", "speed", ["nms2_per_rad2"])
+LOCKED_OUT = altered(SQUARE, name="locked_out", not_identifiable=lambda _data, _nominal: "move the moon")
 TOYS = (BUMP, WAVE, SQUARE, LOCKED_OUT)
 
 

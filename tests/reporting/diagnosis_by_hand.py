@@ -86,10 +86,7 @@ STRIBECK = r.NamedEffect(
         "stribeck_exponent": Coefficient(value=2.0, low=NAN, high=NAN),
     },
     gap_before_nm=0.061, gap_after_nm=0.021, torque=MISSING_NM * np.sign(TRACES.dq), curve=profile("speed", 0.7),
-    evidence=(
-        r.Evidence(name="stribeck", two_ln_bayes_factor=0.0, correlation=1.0),
-        r.Evidence(name="warm_up", two_ln_bayes_factor=41.3, correlation=0.31),
-    ),
+    evidence=(r.Evidence(name="warm_up", two_ln_bayes_factor=41.3, correlation=0.31),),
     size_nm=0.031, friction_share=0.09, residual_share=0.9, grade="minor", folds=5, chosen_in=5,
 )  # fmt: skip
 BIAS = replace(

@@ -144,6 +144,6 @@ def _write_model(found: "Diagnosis", out: ResultFolder, voice: Voice) -> None:
     from friction_audit.effects.joint_model import save_model
 
     path = out.folder / MODEL
-    augmented = augment_models(found.discrepancy, found.estimate.log, found.settings.model)
-    voice.warn(f"{path}: joint {joint}: {lack}" for joint, lack in augmented.lacking)
-    save_model(augmented.model, path, overwrite=out.overwrite)
+    augmented, lacking = augment_models(found.discrepancy, found.estimate.log, found.settings.model)
+    voice.warn(f"{path}: joint {joint}: {lack}" for joint, lack in lacking)
+    save_model(augmented, path, overwrite=out.overwrite)

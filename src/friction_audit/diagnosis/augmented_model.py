@@ -7,11 +7,11 @@ the noise of the torque, the floor that no model goes below.
 """
 
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.diagnosis.prepare import Subject
 from friction_audit.diagnosis.result import Discrepancy, JointDiagnosis, SimulationGap
 from friction_audit.dynamics.forward import simulate_along
 from friction_audit.effects.joint_data import JointData
@@ -30,17 +30,13 @@ SHORTEST = 3  # fewest samples of a cycle that is simulated
 LEAST_S = 0.05
 
 
-class AugmentedModels(NamedTuple):
-    """Models of the joints of a log, and effects that they lack: number of the joint and a sentence."""
-
-    model: ArmModel
-    lacking: tuple[tuple[int, str], ...]
-
-
-def augment_models(found: Discrepancy, log: JointLog, nominal: ArmModel | None) -> AugmentedModels:
+def augment_models(
+    found: Discrepancy, log: JointLog, nominal: ArmModel | None
+) -> tuple[ArmModel, list[tuple[int, str]]]:
     """Add the effects that were found to the nominal model of each joint of the log that was diagnosed.
 
-    A joint that was not fitted, or whose numbers no model allows, keeps its nominal one.
+    A joint that was not fitted, or whose numbers no model allows, keeps its nominal one. With the models come the
+    effects that they lack: number of the joint and a sentence.
     """
     joints: list[JointModel | None] = [None] * len(log.joint_names) if nominal is None else [*nominal.joints]
     lacking, known = [], {term.name for term in terms()}
@@ -56,7 +52,7 @@ def augment_models(found: Discrepancy, log: JointLog, nominal: ArmModel | None) 
             for effect in (*joint.effects, *joint.negligible)
             if effect.name not in known
         ]
-    return AugmentedModels(model=ArmModel(names=log.joint_names, joints=tuple(joints)), lacking=tuple(lacking))
+    return ArmModel(names=log.joint_names, joints=tuple(joints)), lacking
 
 
 def augment_model(joint: JointDiagnosis, nominal: JointModel | None, origin: Provenance) -> JointModel:
@@ -102,7 +98,10 @@ def simulate_cycles(
     all the same. None where no cycle is without a gap, where a model cannot be simulated, or where the joint has no
     inertia that a motion could be simulated with: then only the gap in torque is known.
     """
-    pieces, models = _whole(data, cycles), [_heavier(model, known_inertia_kg_m2) for model in (nominal, augmented)]
+    every = (np.flatnonzero(data.cycle == number) for number in cycles)
+    whole = [(own[0], own[-1]) for own in every if len(own) >= SHORTEST and data.valid[own].all()]
+    pieces = np.asarray(whole, np.int64).reshape(-1, 2)
+    models = [_heavier(model, known_inertia_kg_m2) for model in (nominal, augmented)]
     drive = data.torque + known_inertia_kg_m2 * data.ddq
     lightest = LEAST_S * _rms(drive) / max(_rms(data.dq), 1e-300)
     if not len(pieces) or any(model.inertia_kg_m2 < lightest for model in models):
@@ -124,20 +123,14 @@ def simulate_cycles(
     )
 
 
-def gap_in_motion(
-    joint: JointDiagnosis,
-    nominal: JointModel | None,
-    data: JointData,
-    cycles: NDArray[np.int64],
-    known_inertia_kg_m2: float = 0.0,
-) -> SimulationGap | None:
+def gap_in_motion(joint: JointDiagnosis, subject: Subject, cycles: NDArray[np.int64]) -> SimulationGap | None:
     """Do the same for a diagnosis; None also where a fitted number is none that a model allows, as friction below 0."""
     bare = replace(joint, effects=(), augmented=joint.nominal)
     try:
-        models = [augment_model(one, nominal, Provenance()) for one in (bare, joint)]
+        models = [augment_model(one, subject.model, Provenance()) for one in (bare, joint)]
     except AnalysisError:
         return None
-    return simulate_cycles(models[0], models[1], data, cycles, known_inertia_kg_m2)
+    return simulate_cycles(models[0], models[1], subject.data, cycles, subject.known_inertia_kg_m2)
 
 
 def _heavier(model: JointModel, inertia_kg_m2: float) -> JointModel:
@@ -152,13 +145,6 @@ def _heavier(model: JointModel, inertia_kg_m2: float) -> JointModel:
             values[at] = float(np.clip(1.0 - (1.0 - values[at]) * model.inertia_kg_m2 / whole, 0.0, 1.0))
         heavier.append(replace(term, values=tuple(values)))
     return replace(model, inertia_kg_m2=whole, terms=tuple(heavier))
-
-
-def _whole(data: JointData, cycles: NDArray[np.int64]) -> NDArray[np.int64]:
-    """First and last sample of the cycles without a gap, shape (p, 2)."""
-    every = (np.flatnonzero(data.cycle == number) for number in cycles)
-    pieces = [(own[0], own[-1]) for own in every if len(own) >= SHORTEST and data.valid[own].all()]
-    return np.asarray(pieces, np.int64).reshape(-1, 2)
 
 
 def _traced(signal: Float, pieces: NDArray[np.int64]) -> Float:

@@ -41,7 +41,6 @@ class MatchedFilters:
     """Filters for pushes that begin at each of s evenly spaced slots, f of them, on m samples."""
 
     def __init__(self, problem: RegressionProblem, residual: Float, noise: NoiseModel, errors: Sequence[Float]) -> None:
-        """Build the filters for what a model leaves of all samples, and errors, shape (m,) each. [N m]"""
         samples, step_s, row = problem.samples, problem.data.step_s, problem.samples.place
         every = int(np.min(np.diff(row)[problem.age[1:] > 0], initial=int(row[-1]) + 1))
         self.slot, self.slot_s = (row - row[0]) // every, step_s * samples.every * every  # of samples; from one to next
@@ -84,7 +83,6 @@ class Reference:
     """Where else in a log of m samples the joint moves as at one moment."""
 
     def __init__(self, problem: RegressionProblem, slot: Index) -> None:
-        """Take the motion of a joint, and the slot of each sample, shape (m,)."""
         q, dq, ddq = (one / max(float(np.std(one)), 1e-12) for one in problem.kinematics)
         self.states = np.column_stack([q, dq]), np.column_stack([dq, ddq])
         self.way, self.cycle, self.slot = np.sign(dq), problem.samples.cycle, slot
@@ -129,10 +127,7 @@ def robust_scale(outputs: Float) -> float:
 def detect(
     problem: RegressionProblem, residual: Float, noise: NoiseModel, errors: Sequence[Float] = ()
 ) -> tuple[Contact, ...]:
-    """Find the contacts of a joint in the order of time; none where they are no rare events.
-
-    Given are what a model leaves of all samples, and what the formulas of named effects may get wrong, (m,) each. [N m]
-    """
+    """Contacts in what a model leaves, where the formulas of effects may err, (m,) each; none if they are not rare."""
     filters = MatchedFilters(problem, residual, noise, errors)
     reach, start = _reach(problem), float(problem.samples.t[0])
     spans = [

@@ -36,46 +36,33 @@ RULES = {
     "holes": _Rule(0.1, "limit", "gaps take {value:.0%} of the time"),
     "stale": _Rule(0.3, "fault", "{value:.0%} of the samples are duplicates"),
     "torque_constant": _Rule(
-        0.0, "fault", f"the torque reads {{reads}} N m in all samples: the torque {DEAD} {{channel}}=..."
-    ),
+        0.0, "fault", f"the torque reads {{reads}} N m in all samples: the torque {DEAD} {{channel}}=..."),
     "dq_constant": _Rule(
-        0.0,
-        "fault",
-        "the velocity reads {reads:.4g} rad/s in all samples while q moves by {moved:.3g} rad: "
-        f"the velocity {DEAD} dq=...",
-    ),
+        0.0, "fault",
+        f"the velocity reads {{reads:.4g}} rad/s in all samples while q moves by {{moved:.3g}} rad: "
+        f"the velocity {DEAD} dq=..."),
     "dq_against_q": _Rule(0.9, "fault", "only {value:.0%} of dq is the derivative of q{why}", at_most=False),
     "dq_scale": _Rule(0.05, "fault", "{how}"),
     "dq_delay": _Rule(MOST_DELAY_S, "fault", "dq and the derivative of q are {value:.3f} s apart", "s"),
     # The sum of torque times velocity in standard errors, as in the check of the sign: friction only takes energy.
     "power": _Rule(
-        -SIGNIFICANT,
-        "fault",
-        "the motion gains energy ({value:.1f} standard errors): torque or velocity has the wrong sign",
-        at_most=False,
-    ),
+        -SIGNIFICANT, "fault", "the motion gains energy ({value:.1f} standard errors): torque or velocity has the "
+        "wrong sign", at_most=False),
     "part": _Rule(
-        0.0,
-        "limit",
-        "only {bound:.0f} s of {value:.0f} s are diagnosed, in parts from {start:.0f} to {stop:.0f} s; times "
-        "count from {start:.0f} s; for the whole log: --at-most {minutes:.0f}",
-        "s",
-    ),
+        0.0, "limit", "only {bound:.0f} s of {value:.0f} s are diagnosed, in parts from {start:.0f} to {stop:.0f} s; "
+        "times count from {start:.0f} s; for the whole log: --at-most {minutes:.0f}", "s"),
     "standstill": _Rule(
-        2.0,
-        "limit",
-        "{value:.1f} s of standstill: an offset of the sensor cannot be separated from uneven friction",
-        "s",
-        at_most=False,
-    ),
+        2.0, "limit", "{value:.1f} s of standstill: an offset of the sensor cannot be separated from uneven friction",
+        "s", at_most=False),
     "cycles": _Rule(10, "limit", "{value:.0f} cycles; {bound:.0f} are needed", at_most=False),
     "speed_spread": _Rule(
-        0.2, "limit", "speeds spread by {value:.0%}: Coulomb and viscous friction cannot be separated", at_most=False
-    ),
+        0.2, "limit", "speeds spread by {value:.0%}: Coulomb and viscous friction cannot be separated", at_most=False),
     "reversals": _Rule(
-        10, "limit", "{value:.0f} reversals: effects that follow a reversal cannot be seen", at_most=False
-    ),
-}
+        10, "limit", "{value:.0f} reversals: effects that follow a reversal cannot be seen", at_most=False),
+}  # fmt: skip
+
+
+STATED = {"dq_noise": "rad/s", "standstill_noise": "N m", "torque_step": "N m"}  # units of numbers without a bound
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -100,7 +87,7 @@ def audit_data(
         *clock,
         *constant,
         *(() if faults(constant[1:]) else _velocity(interaction, data)),
-        _judged("power", scores[0]) if scores and not np.isnan(scores[0]) else _stated("power", NAN, ""),
+        _judged("power", scores[0]) if scores and not np.isnan(scores[0]) else _judged("power", NAN, NAN),
         *_sensors_and_motion(interaction, data),
     )
 
@@ -116,16 +103,12 @@ def audit_part(part_s: tuple[float, float], whole_s: float, most_s: float) -> Da
 
 
 def _judged(code: str, value: float, bound: float | None = None, **words: object) -> DataFinding:
-    rule = RULES[code]
+    rule = RULES.get(code) or _Rule(NAN, "", "", STATED[code])
     bound = rule.bound if bound is None else bound
     broken = value > bound if rule.at_most else value < bound
     message = rule.message.format(value=value, bound=bound, **words) if broken else ""
     verdict = rule.broken if broken else "fine"
     return DataFinding(code=code, value=value, unit=rule.unit, bound=bound, verdict=verdict, message=message)
-
-
-def _stated(code: str, value: float, unit: str) -> DataFinding:
-    return DataFinding(code=code, value=value, unit=unit, bound=NAN, verdict="fine", message="")
 
 
 def audit_clock(log: JointLog) -> tuple[DataFinding, ...]:
@@ -158,7 +141,7 @@ def _velocity(interaction: Interaction, data: JointData) -> tuple[DataFinding, .
     """Compare the logged dq with the change of q: dq(t) = scale * (dq/dt of q)(t - delay)."""
     good = data.valid
     dq = data.dq if data.logged_dq is None else data.logged_dq
-    noise = _stated("dq_noise", data.dead_speed_rad_s, "rad/s")
+    noise = _judged("dq_noise", data.dead_speed_rad_s)
     if good.any() and not data.used.any() and np.ptp(data.q[good]) < RESTING_RAD:
         return (noise,)
     slope = np.gradient(data.q, data.step_s)
@@ -202,8 +185,8 @@ def _sensors_and_motion(interaction: Interaction, data: JointData) -> tuple[Data
     direction = np.sign(data.dq[data.moving & data.valid])
     steps, speed = np.diff(data.torque)[still[1:] & still[:-1]], np.abs(data.dq[data.used])
     return (
-        _stated("standstill_noise", float(np.std(steps) / np.sqrt(2)) if len(steps) else NAN, "N m"),
-        _stated("torque_step", resolution(interaction.torque[:, data.joint]), "N m"),
+        _judged("standstill_noise", float(np.std(steps) / np.sqrt(2)) if len(steps) else NAN),
+        _judged("torque_step", resolution(interaction.torque[:, data.joint])),
         _judged("standstill", float(still.sum()) * data.step_s),
         _judged("cycles", float(len(np.unique(data.cycle[data.used])))),
         _judged("speed_spread", float(speed.std() / speed.mean()) if len(speed) else 0.0),

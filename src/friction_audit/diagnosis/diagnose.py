@@ -14,15 +14,7 @@ from friction_audit.diagnosis.nonlinear import Estimates, intervals
 from friction_audit.diagnosis.prepare import Subject
 from friction_audit.diagnosis.procedure import State, accepted, fitted, nominal, select, sizes
 from friction_audit.diagnosis.residual_checks import residual_of
-from friction_audit.diagnosis.result import (
-    Discrepancy,
-    Evidence,
-    JointDiagnosis,
-    NamedEffect,
-    ResidualCheck,
-    Traces,
-    Verdict,
-)
+from friction_audit.diagnosis.result import Discrepancy, JointDiagnosis, NamedEffect, ResidualCheck, Traces, Verdict
 from friction_audit.diagnosis.samples import make_samples
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.diagnosis.validation import gains, gap, held_out, wild_cluster_bootstrap
@@ -59,11 +51,11 @@ def diagnose_subjects(
             with nullcontext() if last else one_joint_at_a_time():
                 return diagnose_joint(subject, candidates, settings)
         except AnalysisError as error:
-            return _unanswered(subject, "not_testable", str(error))
+            return _answer(subject, "not_testable", str(error))
         except (FrictionAuditError, MemoryError, Warning):  # warnings are errors where the tests run
             raise
         except Exception as error:  # noqa: BLE001 - reported as a bug: verdict, traceback and exit code 1
-            failed = _unanswered(subject, "failed", bug_sentence("the diagnosis", error))
+            failed = _answer(subject, "failed", bug_sentence("the diagnosis", error))
             return replace(failed, findings=(), traceback=traced(error))
 
     joints = len(subjects)
@@ -85,28 +77,27 @@ def diagnose_joint(subject: Subject, effects: Sequence[Effect], settings: Diagno
     subject = replace(subject, data=replace(subject.data, rigid=None if rigid is None else replace(rigid)))
     wrong = faults(subject.findings)
     if wrong:
-        return _unanswered(subject, "data_fault", "; ".join(one.message for one in wrong))
+        return _answer(subject, "data_fault", "; ".join(one.message for one in wrong))
     cycles = len(np.unique(make_samples(subject.data).cycle))
     if cycles < FEWEST_CYCLES:
         lacking = subject.lacking or "move the joint back and forth, or count slower cycles with --thresholds auto"
         counted = f"{cycles} energy {'cycle' if cycles == 1 else 'cycles'} with motion"
         why = f"{counted}; at least {FEWEST_CYCLES} are needed: {lacking}"
-        return _unanswered(subject, "not_testable", why)
+        return _answer(subject, "not_testable", why)
     try:
         state = select(subject.data, subject.model, effects)
         if not state.gram.blocks:
             why = "; ".join(dict.fromkeys(state.dictionary.not_testable.values()))
-            return _unanswered(subject, "not_testable", why)
+            return _answer(subject, "not_testable", why)
         keep_stable(state)
         found = _result(subject, state, settings)
     except (AnalysisError, np.linalg.LinAlgError) as error:
-        return _unanswered(subject, "not_testable", str(error))
+        return _answer(subject, "not_testable", str(error))
     test = np.unique(state.problem.samples.cycle[SIMULATED * state.problem.fold < state.problem.folds])
-    simulation = gap_in_motion(found, subject.model, subject.data, test, subject.known_inertia_kg_m2)
-    return replace(profiles.with_own_axes(found), simulation=simulation, contacts=profiles.contact_trace(state))
+    return replace(found, simulation=gap_in_motion(found, subject, test))
 
 
-def _unanswered(subject: Subject, verdict: Verdict, reason: str) -> JointDiagnosis:
+def _answer(subject: Subject, verdict: Verdict, reason: str = "") -> JointDiagnosis:
     return JointDiagnosis(
         joint=subject.number,
         name=subject.name,
@@ -135,29 +126,26 @@ def keep_stable(state: State) -> None:
 def _result(subject: Subject, state: State, settings: DiagnosisSettings) -> JointDiagnosis:
     gram, problem, active = state.gram, state.problem, state.active
     closed, before, after = gap(gram, active)
-    baseline = nominal(problem, state.search.training, active)
+    baseline = nominal(state.search.training, active)
     estimates = intervals(gram, state.dictionary, active, baseline)
     tests = wild_cluster_bootstrap(gram, (), settings.seed)
     first = profiles.profiles_of(problem, before.residual, tests.curves)
     plain, last, remaining = estimates, tests, first
     if active:
-        plain = intervals(gram, state.dictionary, (), nominal(problem, state.search.training, ()))
+        plain = intervals(gram, state.dictionary, (), nominal(state.search.training, ()))
         last = wild_cluster_bootstrap(gram, active, settings.seed)
         remaining = profiles.profiles_of(problem, after.residual, last.curves)
-    named, negligible = _effects(state, estimates, settings.min_effect_nm)
+    traces = _traces(state, before.residual, after.residual)
+    named, negligible = _effects(state, estimates, settings.min_effect_nm, traces)
     checks = residual_checks.run(gram, active)
     bare = held_out(gram, [b for b in active if b.name == "gravity_error"], replaced=active).rms
     verdict, lacking = verdict_of(state, named, checks), _lacking(state, checks)
     slow = f"the residual follows the time, and this log cannot test slow effects: {lacking}"
-    return JointDiagnosis(
-        joint=subject.number,
-        name=subject.name,
-        verdict=verdict,
-        reason=slow if verdict == "not_testable" else "",
+    return replace(
+        _answer(subject, verdict, slow if verdict == "not_testable" else ""),
         effects=(*profiles.contact_effects(state, first), *named),
         nominal=plain.nominal,
         augmented=estimates.nominal,
-        from_energy=subject.from_energy,
         gap=closed,
         ladder=(
             ("nominal model", closed.before),
@@ -170,8 +158,8 @@ def _result(subject: Subject, state: State, settings: DiagnosisSettings) -> Join
         profiles=first,
         remaining=remaining,
         untestable={k: v for k, v in state.dictionary.not_testable.items() if k not in {b.name for b in active}},
-        findings=subject.findings,
-        traces=_traces(state, before.residual, after.residual),
+        traces=traces,
+        contacts=profiles.contact_trace(state),
         negligible=negligible,
         checks=checks,
         remainder_share=max((check.share for check in checks), default=0.0),
@@ -202,14 +190,11 @@ def _lacking(state: State, checks: Sequence[ResidualCheck]) -> str:
 
 
 def _effects(
-    state: State, estimates: Estimates, least_nm: float
+    state: State, estimates: Estimates, least_nm: float, traces: Traces
 ) -> tuple[tuple[NamedEffect, ...], tuple[NamedEffect, ...]]:
-    """Effects that count, and those that stand and are too small to count, the largest first.
-
-    Each with what is left on held-out cycles before and after it is added to those before it.
-    """
+    """Effects that count, and those too small to, the largest first, each with what held-out cycles leave with it."""
     gram, problem, active = state.gram, state.problem, state.active
-    data, baseline = problem.data, nominal(problem, state.search.training, active)
+    data, baseline = problem.data, nominal(state.search.training, active)
     friction = np.abs(baseline.coulomb_nm * data.way + baseline.viscous_nms_per_rad * data.dq)[data.used]
     friction_nm = max(float(np.sqrt(np.mean(friction**2))), 1e-12)
     left, power = residual_of(gram, active), float(np.sum(residual_of(gram, ()) ** 2))
@@ -229,10 +214,7 @@ def _effects(
                 alternatives=selection.indistinguishable(gram, competing, block, active),
                 parameters=parameters,
                 p_value=gain.p_value,
-                evidence=(
-                    Evidence(name=block.name, two_ln_bayes_factor=0.0, correlation=1.0),
-                    *competing[:COMPETING_SHOWN],
-                ),
+                evidence=competing[:COMPETING_SHOWN],
                 axis=effect.axis,
                 gap_before_nm=before,
                 gap_after_nm=held_out(gram, added[small], replaced=active).rms,
@@ -247,7 +229,7 @@ def _effects(
                 not_identifiable=unknown,
             )
         )
-    return tuple(found[False]), tuple(found[True])
+    return tuple(replace(one, own=profiles.own_axis(one, traces)) for one in found[False]), tuple(found[True])
 
 
 def _detection_limit(state: State, left_nm: float) -> float:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from friction_audit.diagnosis.problem import RegressionProblem
 from friction_audit.diagnosis.samples import Index
 from friction_audit.effects.effect import Effect, Nonlinear
-from friction_audit.effects.joint_data import JointData, Nominal, speeds
+from friction_audit.effects.joint_data import Nominal, speeds
 from friction_audit.effects.position import order_range
 from friction_audit.joint_log import Float
 from friction_audit.parallel import per_joint as side_by_side
@@ -97,9 +97,14 @@ class Dictionary:
         made = cls(problem, tuple(e for e in effects if e.name != EVENT), baseline)
 
         def of(k: int) -> tuple[str | None, list[Block]]:
-            effect = made.effects[k]
-            why = effect.not_identifiable(problem.data, baseline)
-            return why, made.build_blocks(effect, grid_of(effect, problem.data, why is None))
+            effect, data = made.effects[k], problem.data
+            why = effect.not_identifiable(data, baseline)
+            shapes: Sequence[Nonlinear] = effect.grid(data) if why is None else effect.identifiable_part(data)
+            shapes = shapes[:: EVERY.get(effect.name, 1)]
+            if effect.name == "nonlinear_viscous":
+                speed, exponent, least = "curved_viscous_speed_rad_s", "curved_viscous_exponent", speeds(data, 95.0)[0]
+                shapes = [s for s in shapes if s[exponent] > 0.0 or s[speed] >= LEAST_BEND * float(least)]
+            return why, made.build_blocks(effect, shapes)
 
         for effect, (why, blocks) in zip(made.effects, side_by_side(of, len(made.effects)), strict=True):
             if why is not None:
@@ -237,12 +242,3 @@ class Dictionary:
 
     def _grid(self, effect: Effect) -> Sequence[Nonlinear]:
         return effect.grid(self.problem.data) or effect.identifiable_part(self.problem.data)
-
-
-def grid_of(effect: Effect, data: JointData, testable: bool) -> Sequence[Nonlinear]:
-    """Points of the grid of an effect on a joint."""
-    shapes = list(effect.grid(data) if testable else effect.identifiable_part(data))[:: EVERY.get(effect.name, 1)]
-    if effect.name == "nonlinear_viscous":
-        least = LEAST_BEND * float(speeds(data, 95.0)[0])
-        shapes = [s for s in shapes if s["curved_viscous_exponent"] > 0.0 or s["curved_viscous_speed_rad_s"] >= least]
-    return shapes

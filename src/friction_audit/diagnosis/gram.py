@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,7 +29,6 @@ class Gram:
     def __init__(
         self, problem: RegressionProblem, noise: NoiseModel, nuisances: Sequence[Nuisance], blocks: Sequence[Block]
     ) -> None:
-        """Whiten the nominal model; samples are put in the order of their folds."""
         self.problem, self.noise, self.nuisances = problem, noise, tuple(nuisances)
         self.order = problem.order
         self.ends = np.searchsorted(problem.fold[self.order], np.arange(problem.folds + 1))
@@ -43,24 +43,11 @@ class Gram:
         self.blocks: list[Block] = []
         self.used = 0
         self.own: dict[int, Float] = {}
-        # By block; of None: the response, then the base.
+        # By block; of None: the response, then the base. Products within each fold, shape (folds, k, columns).
         self._left: dict[int | None, Float] = {None: self.transposed(white)}
         self.cross: dict[int | None, Float] = {None: np.empty((problem.folds, len(white), 0))}
         self.version = 0
         self.add(blocks)
-
-    @property
-    def zy(self) -> Float:
-        """Products of all blocks with the response within each fold, shape (folds, columns)."""
-        return self.cross[None][:, 0]
-
-    @property
-    def squares(self) -> Float:
-        """Products of all columns of blocks with themselves, shape (columns,)."""
-        out = np.empty(self.used)
-        for p, own in self.own.items():
-            out[self.starts[self.widths == p][:, None] + np.arange(p)] = np.einsum("fupp->up", own)
-        return out
 
     def whiten(self, columns: Float) -> Float:
         """Innovations in the order of the folds, shape (k, m)."""
@@ -131,15 +118,13 @@ class Gram:
     def _own(self, blocks: Sequence[Block], white: Float) -> list[Float]:
         """Products of each block with itself within each fold, shape (folds, p, p) each."""
         squares = np.stack([np.einsum("km,km->k", white[:, f], white[:, f]) for f in self.slices])
-        found = []
-        for block in blocks:
-            at = block.start - blocks[0].start
-            own = white[at : at + block.p]
-            several = block.p > 1
-            found.append(
-                np.stack([own[:, f] @ own[:, f].T for f in self.slices]) if several else squares[:, at, None, None]
-            )
-        return found
+        places = [(block.start - blocks[0].start, block.p) for block in blocks]
+        return [
+            np.stack([white[at : at + p, f] @ white[at : at + p, f].T for f in self.slices])
+            if p > 1
+            else squares[:, at, None, None]
+            for at, p in places
+        ]
 
 
 @compiled("f8[:, ::1](f8[:, ::1], f8[:, ::1], f8[::1], i8[::1])")
@@ -155,8 +140,7 @@ def _transposed(rows: Float, predictors: Float, scales: Float, age: Index) -> Fl
     return out
 
 
-@dataclass(eq=False)
-class Fit:
+class Fit(NamedTuple):
     """The model with some blocks, fitted on some folds."""
 
     kept: Index  # rows of the base that take part: nuisances that a block replaces do not
@@ -173,9 +157,10 @@ class Training:
 
     gram: Gram
     folds: tuple[int, ...] = ()
-    _sums: dict[int | None, tuple[int, Float]] = field(default_factory=dict)
+    _version: int = -1  # of the Gram matrix, to which the next ones belong
+    _sums: dict[int | None, Float] = field(default_factory=dict)
     _fits: dict[tuple[object, ...], Fit] = field(default_factory=dict)
-    _own: dict[tuple[str, int], tuple[int, ByWidth]] = field(default_factory=dict)
+    _own: dict[tuple[str, int], ByWidth] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Take all folds if none are given."""
@@ -188,17 +173,14 @@ class Training:
         share = sum(gram.ends[k + 1] - gram.ends[k] for k in self.folds) / max(len(gram.y), 1)
         return float(gram.noise.effective_samples * share) - len(gram.problem.X)
 
-    def _sum(self, key: int | None, by_fold: Float) -> Float:
-        version, total = self._sums.get(key, (-1, np.zeros(0)))
-        if version != self.gram.version:
-            total = by_fold[list(self.folds)].sum(axis=0)
-            self._sums[key] = self.gram.version, total
-        return total
-
     def _cross(self, block: Block | None) -> Float:
-        if block is None:
-            return self._sum(None, self.gram.cross[None][:, 1:])
-        return self._sum(id(block), self.gram.products(block))
+        if self._version != self.gram.version:
+            self._version, self._sums, self._own = self.gram.version, {}, {}
+        key = None if block is None else id(block)
+        if key not in self._sums:
+            by_fold = self.gram.cross[None][:, 1:] if block is None else self.gram.products(block)
+            self._sums[key] = by_fold[list(self.folds)].sum(axis=0)
+        return self._sums[key]
 
     def cross(self, active: Sequence[Block], fit: Fit) -> Float:
         """Products of the model with all columns of the blocks, scaled as its factor is, shape (b, columns)."""
@@ -220,22 +202,16 @@ class Training:
         whole[:n, n:], whole[n:, :n] = cross, cross.T
         for block, rows in zip(active, np.split(whole[n:, n:], np.cumsum([b.p for b in active])), strict=False):
             rows[:] = self._cross(block)[:, at]
-        right = np.append(gram.by[folds].sum(axis=0)[kept], gram.zy[folds].sum(axis=0)[at])
+        right = np.append(gram.by[folds].sum(axis=0)[kept], gram.cross[None][folds, 0].sum(axis=0)[at])
         scale = np.sqrt(np.diag(whole))
         scale[scale == 0] = 1.0
         factor = np.linalg.cholesky(whole / scale[:, None] / scale + RIDGE * np.eye(len(whole)))
         projected = np.linalg.solve(factor, right / scale)
         total = float(gram.yy[folds].sum())
-        fit = Fit(
-            kept=kept,
-            coefficients=np.linalg.solve(factor.T, projected) / scale,
-            rss=max(total - float(projected @ projected), 1e-12 * total),
-            factor=np.asarray(factor, np.float64),
-            scale=scale,
-            projected=projected,
-        )
-        self._fits[key] = fit
-        return fit
+        rss = max(total - float(projected @ projected), 1e-12 * total)
+        coefficients = np.linalg.solve(factor.T, projected) / scale
+        self._fits[key] = Fit(kept, coefficients, rss, np.asarray(factor, np.float64), scale, projected)
+        return self._fits[key]
 
     def gain(self, active: Sequence[Block]) -> tuple[Float, list[Float]]:
         """L = n ln(RSS / RSS with the block) of every block given an active set, and its coefficients."""
@@ -259,7 +235,7 @@ class Training:
 
         fit = self.fit(active, (unpinned,) if unpinned else ())
         cross = self.cross(active, fit)
-        zy_all = self.gram.zy[list(self.folds)].sum(axis=0)
+        zy_all = self.gram.cross[None][list(self.folds), 0].sum(axis=0)
         for members, cols, own in self._by_width(unpinned, which):
             t = solve_triangular(fit.factor, cross[:, cols.ravel()], lower=True, check_finite=False)
             t = np.asarray(t).reshape(-1, *cols.shape)
@@ -281,14 +257,13 @@ class Training:
             for k, one in zip(members, found, strict=True):
                 coefficients[k] = one
 
-    def _by_width(self, key: str, which: Index) -> ByWidth:
-        version, found = self._own.get((key, len(which)), (-1, []))
-        if version != (gram := self.gram).version:
-            found, widths = [], gram.widths[which]
-            for p in np.unique(widths).tolist():
-                members = which[widths == p]
+    def _by_width(self, unpinned: str, which: Index) -> ByWidth:
+        gram, key = self.gram, (unpinned, len(which))
+        if key not in self._own:
+            self._own[key] = found = []
+            for p in np.unique(gram.widths[which]).tolist():
+                members = which[gram.widths[which] == p]
                 place = np.searchsorted(np.flatnonzero(gram.widths == p), members)
                 own = np.sum([gram.own[p][fold][place] for fold in self.folds], axis=0)
                 found.append((members, gram.starts[members][:, None] + np.arange(p), own))
-            self._own[key, len(which)] = gram.version, found
-        return found
+        return self._own[key]

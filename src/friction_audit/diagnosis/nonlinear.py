@@ -39,11 +39,10 @@ REACHES = (4 * DIFFERENCE, 1.0)  # in steps of the grid; moments within a rest, 
 
 
 class Scale:
-    """A nonlinear parameter as its logarithm where it is above zero, in units of the grid's spacing."""
+    """The free parameters of a block, each as its logarithm where it is above zero, in units of the grid's spacing."""
 
     def __init__(self, dictionary: Dictionary, block: Block) -> None:
-        """Take the free parameters of a block."""
-        self.bounds, self.shape = dictionary.bounds(block), block.shape
+        self.dictionary, self.block, self.bounds = dictionary, block, dictionary.bounds(block)
         self.names = list(self.bounds)
         self.start = np.array([block.shape[name] for name in self.names])
         gap = np.array([dictionary.spacing(block, name) for name in self.names])
@@ -55,7 +54,7 @@ class Scale:
         """Parameters at a point, within their bounds."""
         moved = np.where(self.log, self.start * np.exp(np.clip(x * self.unit, -4, 4)), self.start + x * self.unit)
         free = {n: float(np.clip(v, *self.bounds[n])) for n, v in zip(self.names, moved, strict=True)}
-        return {**self.shape, **free}
+        return {**self.block.shape, **free}
 
 
 class Point(NamedTuple):
@@ -72,17 +71,16 @@ class Point(NamedTuple):
 class Projection:
     """What an effect leaves, as a function of its nonlinear parameters; everything else is partialled out."""
 
-    def __init__(
-        self, dictionary: Dictionary, training: Training, block: Block, others: Sequence[Block], baseline: Nominal
-    ) -> None:
-        """Partial out the nominal model, the nuisances and other effects."""
-        self.given = Projected(training, others)
-        self.dictionary, self.gram, self.block, self.baseline = dictionary, training.gram, block, baseline
-        self.samples = training.samples
+    differences: tuple[float, ...] = (DIFFERENCE,)
 
-    def at(self, scale: Scale, x: Float, near: Point | None = None) -> Point:  # noqa: ARG002
+    def __init__(self, scale: Scale, training: Training, others: Sequence[Block], baseline: Nominal) -> None:
+        self.given = Projected(training, others)
+        self.scale, self.dictionary, self.block = scale, scale.dictionary, scale.block
+        self.gram, self.baseline, self.samples = training.gram, baseline, training.samples
+
+    def at(self, x: Float, near: Point | None = None) -> Point:  # noqa: ARG002
         """Fit at a point; the cost is infinite where signs are impossible."""
-        shape = scale.at(x)
+        shape = self.scale.at(x)
         columns = self.dictionary.columns_at(self.block, shape, self.baseline)
         free = self.given.free(self.gram.whiten(columns))
         coefficients = np.linalg.lstsq(free @ free.T, free @ self.given.left, rcond=1e-10)[0]
@@ -101,19 +99,41 @@ class Projection:
         columns = (self.dictionary.columns_at(self.block, shape, self.baseline) for shape in shapes)
         return np.stack([point.coefficients @ one for one in columns])
 
-    def gauss_newton(self, scale: Scale, point: Point, difference: float) -> Point:
+    def gauss_newton(self, point: Point, difference: float) -> Point:
         """The first better point along a step with Kaufman's Jacobian, damped a little; the same without one."""
-        here, ahead = scale.at(point.x), difference * np.eye(len(point.x))
-        ahead[[scale.at(point.x + one) == here for one in ahead]] *= -1.0
-        torques = self.gram.whiten(self.torques(point, [here, *(scale.at(point.x + one) for one in ahead)]))
+        here, ahead = self.scale.at(point.x), difference * np.eye(len(point.x))
+        ahead[[self.scale.at(point.x + one) == here for one in ahead]] *= -1.0
+        torques = self.gram.whiten(self.torques(point, [here, *(self.scale.at(point.x + one) for one in ahead)]))
         slopes = (torques[1:] - torques[0]) / ahead.sum(axis=1)[:, None]
         slopes -= (slopes @ point.inside.T) @ point.inside
         normal = slopes @ slopes.T
         damping = 1e-3 * np.diag(np.maximum(np.diag(normal), 1e-12))
         step = np.linalg.lstsq(normal + damping, slopes @ point.left, rcond=1e-12)[0]
         step = np.clip(step, -LONGEST_STEP, LONGEST_STEP)
-        trials = (self.at(scale, point.x + part * step, point) for part in SHORTER)
+        trials = (self.at(point.x + part * step, point) for part in SHORTER)
         return next((trial for trial in trials if trial.cost < point.cost), point)
+
+    def minimum(self) -> tuple[float, Block] | None:
+        """Cost, with the penalty of Schwarz, and block at the minimum next to the start."""
+        names = self.scale.names
+        point = first = self.at(np.zeros(len(names)))
+        if not np.isfinite(point.cost):
+            return None
+        # Where the torque jumps the cost has no slope: Brent's line search first (effects_unlogged_compensation_70003).
+        for unit in np.eye(len(names))[[name in self.block.effect.jumps for name in names]]:
+            from scipy.optimize import minimize_scalar  # most diagnoses need none of it
+
+            best = minimize_scalar(lambda x, unit=unit: self.at(x * unit).cost, bounds=(-1, 1), method="bounded")
+            point = min(point, self.at(float(best.x) * unit), key=lambda one: one.cost)
+        for difference in self.differences:
+            for _ in range(STEPS):
+                before, point = point, self.gauss_newton(point, difference)
+                if before.cost - point.cost < DONE:
+                    break
+        if first.cost - point.cost < DONE and not self.block.effect.follows:
+            return None
+        penalty = len(names) * float(np.log(self.samples))
+        return point.cost + penalty, self.block.moved(self.scale.at(point.x), point.columns)
 
 
 class JointProjection(Projection):
@@ -123,20 +143,19 @@ class JointProjection(Projection):
     from the nominal coefficients of every point.
     """
 
-    def __init__(
-        self, dictionary: Dictionary, training: Training, block: Block, others: Sequence[Block], baseline: Nominal
-    ) -> None:
-        """Take the nominal model, the nuisances and other effects."""
-        super().__init__(dictionary, training, block, others, baseline)
-        fit, gram = training.fit([*others, block]), training.gram
+    differences = COARSE_TO_FINE
+
+    def __init__(self, scale: Scale, training: Training, others: Sequence[Block], baseline: Nominal) -> None:
+        super().__init__(scale, training, others, baseline)
+        fit, gram = training.fit([*others, scale.block]), training.gram
         self.rows = np.vstack([gram.base[fit.kept], *(gram.of(other) for other in others)])
         self.precision = np.append(gram.precision[fit.kept], np.zeros(len(self.rows) - len(fit.kept)))
         self.inside = np.linalg.qr(self.rows.T)[0].T
         self.start = fit.coefficients[: len(self.rows)]
 
-    def at(self, scale: Scale, x: Float, near: Point | None = None) -> Point:
+    def at(self, x: Float, near: Point | None = None) -> Point:
         """Fit at a point, from the nominal coefficients of another."""
-        shape, rows = scale.at(x), self.rows
+        shape, rows = self.scale.at(x), self.rows
         coefficients = self.start if near is None else near.coefficients
         size = np.sqrt(np.maximum(np.sum(rows**2, axis=1), 1e-300))
         whole = (rows @ rows.T + np.diag(self.precision)) / size[:, None] / size
@@ -159,12 +178,10 @@ class JointProjection(Projection):
 def refine(
     dictionary: Dictionary, training: Training, block: Block, others: Sequence[Block], baseline: Nominal
 ) -> Block | None:
-    """The block at the nonlinear parameters that fit best given others; None where they are those it has.
-
-    Its columns follow from a nominal model, unless that is fitted with it.
-    """
-    starts = (block, *_starts(training, block, others))
-    found = [_minimum(dictionary, training, one, others, baseline) for one in starts]
+    """The block at the nonlinear parameters that fit best given others; None where they are those it has."""
+    kind = JointProjection if block.effect.follows else Projection
+    scales = [Scale(dictionary, one) for one in (block, *_starts(training, block, others))]
+    found = [kind(scale, training, others, baseline).minimum() for scale in scales if scale.names]
     return min((one for one in found if one is not None), key=lambda one: one[0], default=(0.0, None))[1]
 
 
@@ -178,10 +195,9 @@ def _starts(training: Training, block: Block, others: Sequence[Block]) -> list[B
     for one, gain, coefficients in zip(training.gram.blocks, *training.gain(others), strict=True):
         if one.shape and one.effect is block.effect and not one.refined and one.possible(coefficients):
             kinds.setdefault(frozenset(one.shape), []).append((float(gain), one))
-    found = [start for kind in kinds.values() for start in _local_maxima(kind, block)]
     least = LEAST_GAIN * max((gain for kind in kinds.values() for gain, _ in kind), default=0.0)
-    found.sort(key=lambda start: -start[0])
-    return [one for gain, one in found if gain > least][:MOST_STARTS]
+    found = [start for kind in kinds.values() for start in _local_maxima(kind, block) if start[0] > least]
+    return [one for _, one in sorted(found, key=lambda start: -start[0])[:MOST_STARTS]]
 
 
 def _local_maxima(points: Sequence[tuple[float, Block]], block: Block) -> list[tuple[float, Block]]:
@@ -200,35 +216,6 @@ def _local_maxima(points: Sequence[tuple[float, Block]], block: Block) -> list[t
     return [point for point, largest in zip(points, best.tolist(), strict=True) if largest]
 
 
-def _minimum(
-    dictionary: Dictionary, training: Training, block: Block, others: Sequence[Block], baseline: Nominal
-) -> tuple[float, Block] | None:
-    """Cost, with the penalty of Schwarz, and block at the minimum next to a start."""
-    scale = Scale(dictionary, block)
-    if not scale.names:
-        return None
-    kind = Projection if not block.effect.follows else JointProjection
-    problem = kind(dictionary, training, block, others, baseline)
-    point = first = problem.at(scale, np.zeros(len(scale.names)))
-    if not np.isfinite(point.cost):
-        return None
-    # Where the torque jumps the cost has no slope: Brent's line search first (effects_unlogged_compensation_70003).
-    for unit in np.eye(len(scale.names))[[name in block.effect.jumps for name in scale.names]]:
-        from scipy.optimize import minimize_scalar  # most diagnoses need none of it
-
-        best = minimize_scalar(lambda x, unit=unit: problem.at(scale, x * unit).cost, bounds=(-1, 1), method="bounded")
-        point = min(point, problem.at(scale, float(best.x) * unit), key=lambda one: one.cost)
-    for difference in (DIFFERENCE,) if kind is Projection else COARSE_TO_FINE:
-        for _ in range(STEPS):
-            before, point = point, problem.gauss_newton(scale, point, difference)
-            if before.cost - point.cost < DONE:
-                break
-    if kind is Projection and first.cost - point.cost < DONE:
-        return None
-    penalty = len(scale.names) * float(np.log(training.samples))
-    return point.cost + penalty, block.moved(scale.at(point.x), point.columns)
-
-
 class Estimates(NamedTuple):
     """Numbers with intervals."""
 
@@ -240,39 +227,33 @@ class Estimates(NamedTuple):
 def intervals(gram: Gram, dictionary: Dictionary, active: Sequence[Block], baseline: Nominal) -> Estimates:
     """Intervals of the nominal model and of all effects."""
     fit = Training(gram).fit(active)
-    scales = [Scale(dictionary, block) for block in active]
-    base, free, slopes = gram.base[fit.kept], [], []
-    for block, scale, c in zip(active, scales, split(fit, active), strict=True):
-        slopes.append(_slopes(gram, dictionary, block, scale, c, baseline))
-        free += [] if block.effect.follows else [gram.of(block)]
+    each = [(Scale(dictionary, block), c) for block, c in zip(active, split(fit, active), strict=True)]
+    base, free = gram.base[fit.kept], [gram.of(block) for block in active if not block.effect.follows]
+    slopes = [_slopes(gram, scale, c, baseline) for scale, c in each]
     rows = np.vstack([base, *free, *slopes])
-    steps = sum(len(one) for one in slopes)
     prior = np.zeros(len(rows))
-    prior[: len(base)], prior[len(rows) - steps :] = gram.precision[fit.kept], PRIOR_STEPS**-2.0
+    prior[: len(base)], prior[len(base) + sum(map(len, free)) :] = gram.precision[fit.kept], PRIOR_STEPS**-2.0
     half = _jackknife(gram, rows, prior)
     nominal = {name: _around(fit.coefficients[k], half[k]) for k, name in enumerate(gram.problem.nominal.names)}
-    at, step_at = len(base), len(rows) - steps
-    effects, missing = [], []
-    for block, scale, c in zip(active, scales, split(fit, active), strict=True):
-        fixed = {n: Coefficient(value=v, low=v, high=v) for n, v in block.shape.items() if n not in scale.names}
-        nonlinear, unknown = _free(block, scale, half[step_at : step_at + len(scale.names)])
-        step_at += len(scale.names)
+    _, *widths = np.split(half, np.cumsum([len(base), *map(len, (*free, *slopes))])[:-1])
+    linear, effects, missing = iter(widths), [], []
+    for (scale, c), width in zip(each, widths[len(free) :], strict=True):
+        block, (nonlinear, unknown) = scale.block, _free(scale, width)
         named = zip(block.effect.coefficients, block.there, strict=False)
         labels = [parameter.name for parameter, there in named if there]
         if block.effect.follows:
             numbers = {labels[0]: _following(block, nonlinear)}
             unknown = (*unknown, *(name for name, one in numbers.items() if not np.isfinite(one.high)))
         else:
-            numbers = {name: _around(c[k], half[at + k]) for k, name in enumerate(labels)}
-            at += block.p
-        effects.append(numbers | {n: (nonlinear | fixed)[n] for n in block.shape})
+            numbers = {name: _around(*one) for name, *one in zip(labels, c, next(linear), strict=False)}
+        effects.append(numbers | nonlinear)
         missing.append(unknown)
     return Estimates(nominal=nominal, effects=tuple(effects), not_identifiable=tuple(missing))
 
 
 def _following(block: Block, nonlinear: dict[str, Coefficient]) -> Coefficient:
     """A coefficient that follows from the nonlinear parameters, from one end of their intervals to the other."""
-    ends = [block.shape | {name: getattr(c, end) for name, c in nonlinear.items()} for end in ("low", "high")]
+    ends = [{name: getattr(c, end) for name, c in nonlinear.items()} for end in ("low", "high")]
     value, *limits = (block.effect.coefficient_of(at) for at in (block.shape, *ends))
     known = min(limits) <= value <= max(limits)  # one over an infinite stiffness is not between them
     return Coefficient(value=value, low=min(limits) if known else -np.inf, high=max(limits) if known else np.inf)
@@ -282,27 +263,25 @@ def _around(value: float, half: float) -> Coefficient:
     return Coefficient(value=float(value), low=float(value - half), high=float(value + half))
 
 
-def _free(block: Block, scale: Scale, half: Float) -> tuple[dict[str, Coefficient], tuple[str, ...]]:
+def _free(scale: Scale, half: Float) -> tuple[dict[str, Coefficient], tuple[str, ...]]:
     """Nonlinear parameters with their intervals, and the names of those that are not identifiable."""
-    free, unknown = {}, []
+    found, unknown = {n: Coefficient(value=v, low=v, high=v) for n, v in scale.block.shape.items()}, []
     for k, name in enumerate(scale.names):
-        value, reach = block.shape[name], float(half[k] * scale.unit[k])
+        value, reach = scale.block.shape[name], float(half[k] * scale.unit[k])
         wide = reach > WIDEST if scale.log[k] else half[k] > WIDEST_STEPS
         if wide or not np.isfinite(reach):
             unknown.append(name)
-            free[name] = Coefficient(value=value, low=-np.inf, high=np.inf)
+            found[name] = Coefficient(value=value, low=-np.inf, high=np.inf)
         elif scale.log[k]:
-            free[name] = Coefficient(value=value, low=float(value * np.exp(-reach)), high=float(value * np.exp(reach)))
+            found[name] = Coefficient(value=value, low=float(value * np.exp(-reach)), high=float(value * np.exp(reach)))
         else:
-            free[name] = _around(value, reach)
-    return free, tuple(unknown)
+            found[name] = _around(value, reach)
+    return found, tuple(unknown)
 
 
-def _slopes(
-    gram: Gram, dictionary: Dictionary, block: Block, scale: Scale, coefficients: Float, baseline: Nominal
-) -> Float:
+def _slopes(gram: Gram, scale: Scale, coefficients: Float, baseline: Nominal) -> Float:
     """Whitened derivatives of an effect's torque with respect to its nonlinear parameters, shape (k, m)."""
-    out = np.empty((len(scale.names), len(gram.y)))
+    out, dictionary, block = np.empty((len(scale.names), len(gram.y))), scale.dictionary, scale.block
     for k, unit in enumerate(np.eye(len(scale.names))):
         for reach in REACHES[-1:] if block.effect.transmits else REACHES:
             ends = [scale.at(x * unit) for x in (reach, -reach)]

@@ -73,9 +73,7 @@ def prepare(
     t = moments_of_samples(log.t[fresh], log.q[fresh], log.dq[fresh])
     low_pass = LowPass.for_stamps(t)
     valid, slope_gain = low_pass.away_from_gaps(t), _slope_gain(low_pass, t)
-    (all_q, all_dq, all_ddq, logged_dq), derived_from, crossovers_hz, rounding = _filtered_motion(
-        log, low_pass, t, fresh, valid
-    )
+    (all_q, all_dq, all_ddq, logged_dq), sources = _filtered_motion(log, low_pass, t, fresh, valid)
     read: Float = getattr(log, CHANNELS[choice.source])
     sensed = choice.sign * low_pass.all_of(t, read, fresh)
     logged = None if log.gravity is None else low_pass.all_of(t, log.gravity, fresh)
@@ -83,6 +81,7 @@ def prepare(
 
     def one(joint: int) -> JointData:
         column = interaction.joint_numbers[joint] - 1
+        derived_from, crossover_hz, rounding = sources[column]
         if removed is None:
             torque = low_pass.of(t, interaction.torque[fresh, joint])
         else:
@@ -94,7 +93,7 @@ def prepare(
         # Copies: columns of a matrix of all joints are read at an eighth of the speed.
         q, own_dq = (np.ascontiguousarray(every[:, column]) for every in (all_q, all_dq))
         usual = float(np.quantile(np.abs(own_dq[valid]), 0.95)) if valid.any() else 0.0
-        noise = max(grid_noise(own_dq[valid]), rounding[column] * (slope_gain if derived_from[column] == "q" else 1.0))
+        noise = max(grid_noise(own_dq[valid]), rounding * (slope_gain if derived_from == "q" else 1.0))
         dead = max(DEAD_SIGMAS * noise, DEAD_SHARE * usual, TINY_SPEED)
         breakaways = find_breakaways(q, own_dq, dead, low_pass.step_s)
         dq, ddq = signed_rest(own_dq, all_ddq[:, column], breakaways, dead)
@@ -113,14 +112,14 @@ def prepare(
             moving=certain_direction(own_dq, dead, low_pass.step_s),
             valid=valid,
             dead_speed_rad_s=dead,
-            derived_from=derived_from[column],
+            derived_from=derived_from,
             logged_dq=logged_dq[:, column],
             load=None if load is None else np.ascontiguousarray(load[:, column]),
             rigid=None if rigid is None else rigid[column],
             others_joint=column,
             sample_s=median_step(log.t),
-            rounding=rounding[column],
-            crossover_hz=crossovers_hz[column],
+            rounding=rounding,
+            crossover_hz=crossover_hz,
         )
 
     return tuple(per_joint(one, len(interaction.joint_numbers)))
@@ -192,11 +191,11 @@ def _cubics(data: JointData, end: Index, begin: Index, samples: int) -> tuple[Fl
 
 def _filtered_motion(
     log: JointLog, low_pass: LowPass, t: Float, fresh: NDArray[np.bool_] | slice, valid: NDArray[np.bool_]
-) -> tuple[list[Float], list[str], list[float], list[float]]:
-    """Position, velocity, acceleration and logged velocity, (n, j) each; what they are derived from, and crossovers.
+) -> tuple[list[Float], list[tuple[str, float, float]]]:
+    """Position, velocity, acceleration and logged velocity, (n, j) each; per joint their source, crossover, rounding.
 
-    Last, the noise of its rounding: step / sqrt(12), and white (W. R. Bennett, Bell Syst. Tech. J. 27 (1948) 446). Most
-    samples of a slow joint read the same, and a median shows none of it.
+    The noise of rounding is step / sqrt(12), and white (W. R. Bennett, Bell Syst. Tech. J. 27 (1948) 446). Most samples
+    of a slow joint read the same, and a median shows none of it.
     """
     coarse = coarse_log(log)
     lag = find_lag(coarse, median_step(log.t))
@@ -205,32 +204,29 @@ def _filtered_motion(
     # One array each, not a list of columns that is stacked: half of the memory.
     many = log.q.shape[1]
     moved = [np.empty((len(low_pass.t), many)) for _ in range(4)]
-    derived_from, crossovers_hz, rounding = ["dq"] * many, [0.0] * many, [0.0] * many
     slope_gain = _slope_gain(low_pass, t)
 
-    def one(column: int) -> None:
+    def one(column: int) -> tuple[str, float, float]:
         q, slope = low_pass.with_slope(t, log.q[fresh, column])
         logged = low_pass.of(t, log.dq[fresh, column])
         derived = log.source.channels.get("dq") == DERIVATIVE
         of_q, of_dq = (resolution(read[:, column]) / 12.0**0.5 for read in (log.q, log.dq))
         late = lag[column] * acceleration[column]
         noises = max(grid_noise(slope), slope_gain * of_q), np.hypot(max(grid_noise(logged), of_dq), late)
-        rounding[column] = of_dq
-        if derived or noises[0] < noises[1]:
-            derived_from[column], dq, ddq = "q", slope, np.gradient(slope, low_pass.t)
-            rounding[column] = of_q
+        source, crossover_hz = "q" if derived or noises[0] < noises[1] else "dq", 0.0
+        if source == "q":
+            dq, ddq = slope, np.gradient(slope, low_pass.t)
         else:
             dq, ddq = low_pass.with_slope(t - lag[column], log.dq[fresh, column])
             # With the logged velocity alone the inertial_coupling of a real Panda's joints 5 and 6 is ambiguous.
             if crossover_hz := crossover_of(slope, dq, low_pass.step_s):
-                crossovers_hz[column] = crossover_hz
                 dq = complementary_mean(slope, dq, valid, low_pass.step_s, crossover_hz)
                 ddq = np.gradient(dq, low_pass.t)
         for every, own in zip(moved, (q, dq, ddq, logged), strict=True):
             every[:, column] = own
+        return source, crossover_hz, of_q if source == "q" else of_dq
 
-    per_joint(one, many)
-    return moved, derived_from, crossovers_hz, rounding
+    return moved, per_joint(one, many)
 
 
 def _slope_gain(low_pass: LowPass, t: Float) -> float:
@@ -242,11 +238,8 @@ def _slope_gain(low_pass: LowPass, t: Float) -> float:
 def _cycle_of(t: Float, cycles: EnergyCycles, joint: int) -> Index:
     """Number of the joint's cycle, half-open in time, -1 outside of any."""
     own = cycles.joint == joint
-    start, stop = cycles.start_s[own], cycles.stop_s[own]
-    if not len(start):
-        return np.full(len(t), -1, np.int64)
-    number = np.searchsorted(start, t, side="right") - 1
-    return np.where((number >= 0) & (t < stop[number]), number, -1).astype(np.int64)
+    number = np.searchsorted(cycles.start_s[own], t, side="right") - 1
+    return np.where(t < np.append(cycles.stop_s[own], -np.inf)[number], number, -1)
 
 
 def certain_direction(dq: Float, dead_speed: float, step_s: float) -> NDArray[np.bool_]:

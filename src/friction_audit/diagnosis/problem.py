@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
 from math import exp, sqrt
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,6 @@ from friction_audit.diagnosis.samples import (
     Index,
     NominalModel,
     Samples,
-    coarseness,
     corner_for,
     least_squares,
     make_samples,
@@ -41,8 +41,7 @@ RINGING_HZ, DAMPING_RATIOS = np.geomspace(1.0, 12.0, 8), (0.05, 0.2)  # of what 
 MODEL_ERROR = {"reversal": 0.04, "inertia": 0.01}  # of Coulomb friction, of the inertial torque
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Axis:
+class Axis(NamedTuple):
     """A quantity of every sample."""
 
     name: str  # one word
@@ -58,19 +57,18 @@ def _neighbour(data: JointData) -> Float | None:
 
 # In the order in which equal ones are reported.
 AXES: tuple[Axis, ...] = (
-    Axis(name="speed", label="speed [rad/s]", value=lambda data: np.abs(data.dq)),
-    Axis(name="position", label="position [rad]", value=lambda data: data.q),
-    Axis(name="displacement", label="displacement since reversal [rad]", value=lambda data: np.abs(displacement(data))),
-    Axis(name="acceleration", label="acceleration [rad/s²]", value=lambda data: data.ddq),
-    Axis(name="time", label="time [s]", value=lambda data: data.t),
-    Axis(name="load", label="predicted load [N m]", value=lambda data: data.load),
-    Axis(name="temperature", label="temperature [°C]", value=lambda data: data.temperature),
-    Axis(name="neighbour", label="acceleration of a neighbour [rad/s²]", value=_neighbour),
+    Axis("speed", "speed [rad/s]", lambda data: np.abs(data.dq)),
+    Axis("position", "position [rad]", lambda data: data.q),
+    Axis("displacement", "displacement since reversal [rad]", lambda data: np.abs(displacement(data))),
+    Axis("acceleration", "acceleration [rad/s²]", lambda data: data.ddq),
+    Axis("time", "time [s]", lambda data: data.t),
+    Axis("load", "predicted load [N m]", lambda data: data.load),
+    Axis("temperature", "temperature [°C]", lambda data: data.temperature),
+    Axis("neighbour", "acceleration of a neighbour [rad/s²]", _neighbour),
 )
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Nuisance:
+class Nuisance(NamedTuple):
     """A column that is no physics of the joint, with a normal prior about zero."""
 
     column: Float  # on the samples, shape (m,)
@@ -78,8 +76,7 @@ class Nuisance:
     replaced_by: tuple[str, ...] = ()  # effects that stand for the same thing and take its place
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Curve:
+class Curve(NamedTuple):
     """A piecewise linear curve over one quantity for each direction of motion, on the samples."""
 
     axis: Axis  # the quantity
@@ -108,14 +105,15 @@ class RegressionProblem:
         samples = make_samples(data)
         nominal = nominal_model(data, samples, model)
         inertia = abs(nominal.baseline(least_squares(nominal.columns, nominal.y)).inertia_kg_m2)
-        if (coarse := coarseness(data, inertia)) > 1.0:
+        corner, coarse = corner_for(data, inertia)
+        if coarse > 1.0:
             step = 12.0**0.5 * data.rounding
             unit, other = ("rad", ", or the velocity itself") if data.derived_from == "q" else ("rad/s", "")
             raise AnalysisError(
                 f"{data.derived_from} is read in steps of {step:.2g} {unit}, too coarse for an acceleration: record "
                 f"steps of at most {step / coarse:.1g} {unit}{other}"
             )
-        if (corner := corner_for(data, inertia)) < CORNER_HZ:
+        if corner < CORNER_HZ:
             samples = make_samples(data, corner)
             nominal = nominal_model(data, samples, model)
         # A signal without content above the corner needs two samples per period of the corner.
@@ -183,7 +181,7 @@ class RegressionProblem:
             nominal=replace(self.nominal, columns=self.nominal.columns[kept], y=self.y[kept]),
             age=_age(follows),
             fold=self.fold[kept],
-            curves=tuple(replace(c, columns=c.columns[:, kept], values=c.values[kept]) for c in self.curves),
+            curves=tuple(Curve(c.axis, c.columns[:, kept], c.values[kept]) for c in self.curves),
         )
 
     def nuisances(self, baseline: Nominal) -> tuple[Nuisance, ...]:
@@ -196,11 +194,8 @@ class RegressionProblem:
             priors.append((SAMPLE_SD * data.sample_s, ("time_delay",)))
         fine.append(np.ones(len(data.t)))
         priors.append((OFFSET_SHARE * coulomb, ("torque_bias", "asymmetric_coulomb")))
-        columns = self.columns(np.column_stack(fine))
-        return tuple(
-            Nuisance(column=column, sd=max(sd, 1e-12), replaced_by=names)
-            for column, (sd, names) in zip(columns, priors, strict=True)
-        )
+        columns = zip(self.columns(np.column_stack(fine)), priors, strict=True)
+        return tuple(Nuisance(column, max(sd, 1e-12), names) for column, (sd, names) in columns)
 
     def _smoothed_sign(self) -> list[Float]:
         """What a smoothed sign differs from the sign by, at the width that fits best, and its change with the width."""
@@ -225,13 +220,9 @@ class RegressionProblem:
 
 
 def folds_of(cycle: Index) -> Index:
-    """Fold of each sample, shape (m,): of every ten cycles that follow each other one in each fold, in mixed order.
-
-    The order is the same for every run: the answer depends on no draw.
-    """
+    """Fold of each sample, shape (m,): of every ten cycles that follow each other one in each fold, in mixed order."""
     numbers, place = np.unique(cycle, return_inverse=True)
-    rng = np.random.default_rng(0)
-    folds = min(FOLDS, len(numbers))
+    rng, folds = np.random.default_rng(0), min(FOLDS, len(numbers))  # the answer depends on no draw
     blocks = [rng.permutation(folds) for _ in range(0, len(numbers), folds)]
     return np.concatenate(blocks)[place].astype(np.int64)
 
@@ -246,11 +237,9 @@ def _curves(data: JointData, samples: Samples) -> tuple[Curve, ...]:
     found = []
     for axis in AXES:
         values = axis.value(data)
-        knots = np.zeros(0) if values is None else knots_of(values, data.used, most)
-        if values is None or len(knots) < 2:  # noqa: PLR2004 - a constant
-            continue
-        columns = np.ascontiguousarray(samples.of(curve(values, knots, data.dq)).T)
-        found.append(Curve(axis=axis, columns=columns, values=values[samples.fine]))
+        if values is not None and len(knots := knots_of(values, data.used, most)) > 1:  # no constant
+            columns = np.ascontiguousarray(samples.of(curve(values, knots, data.dq)).T)
+            found.append(Curve(axis, columns, values[samples.fine]))
     return tuple(found)
 
 

@@ -37,7 +37,6 @@ class State:
         noise: NoiseModel,
         numbers: int,
     ) -> None:
-        """Whiten all columns; nothing is chosen yet."""
         self.problem, self.dictionary = problem, dictionary
         self.gram = Gram(problem, noise, nuisances, dictionary.blocks)
         self.active: list[Block] = []
@@ -48,7 +47,7 @@ class State:
 
         def moved(block: Block, others: Sequence[Block]) -> Block | None:
             together = [*others, block] if block.effect.needs_nominal else others
-            return refine(dictionary, training, block, others, nominal(problem, training, together))
+            return refine(dictionary, training, block, others, nominal(training, together))
 
         self.search = selection.Search(training, moved, numbers)
 
@@ -128,7 +127,7 @@ def _change_point(state: State) -> list[Block]:
 def _refitted(state: State) -> State:
     """Noise from what the augmented model leaves; columns that need the nominal model from its better fit."""
     problem = state.problem
-    baseline = nominal(problem, state.search.training, state.active)
+    baseline = nominal(state.search.training, state.active)
     rows = np.vstack([state.gram.base_raw, *(b.columns for b in state.active)])
     left = problem.y - _ols(rows, problem.y) @ rows
     errors = np.linalg.norm([problem.model_error(baseline), *_formula_errors(state)], axis=0)
@@ -216,14 +215,15 @@ def sizes(gram: Gram, active: Sequence[Block]) -> Float:
     return np.array([float(np.sqrt(np.mean((torque - _ols(X, torque) @ X) ** 2))) for torque in torques])
 
 
-def nominal(problem: RegressionProblem, training: Training, active: Sequence[Block]) -> Nominal:
+def nominal(training: Training, active: Sequence[Block]) -> Nominal:
     """The nominal model as fitted together with some effects."""
+    problem = training.gram.problem
     return problem.nominal.baseline(training.fit(active).coefficients[: len(problem.X)])
 
 
 def fine_residual(state: State) -> Float:
     """What the augmented model leaves on the fine grid, shape (n,). [N m]"""
-    baseline = nominal(state.problem, state.search.training, state.active)
+    baseline = nominal(state.search.training, state.active)
     torques = [
         state.dictionary.fine_at(block, block.shape, baseline) @ c for block, c in fitted(state.gram, state.active)
     ]

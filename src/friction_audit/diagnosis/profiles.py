@@ -1,23 +1,14 @@
 """A residual along a quantity: its mean in bins with standard errors, and the quantity that shows an effect."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.diagnosis.contact_events import touched
-from friction_audit.diagnosis.problem import Curve, RegressionProblem
+from friction_audit.diagnosis.problem import RegressionProblem
 from friction_audit.diagnosis.procedure import State, fine_residual
-from friction_audit.diagnosis.result import (
-    ContactTrace,
-    Evidence,
-    JointDiagnosis,
-    NamedEffect,
-    OwnAxis,
-    Profile,
-    Traces,
-)
+from friction_audit.diagnosis.result import ContactTrace, NamedEffect, OwnAxis, Profile, Traces
 from friction_audit.effects.slow import CONTACT_EVENT as CONTACT
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
@@ -34,22 +25,18 @@ OF_SEVERAL_JOINTS = ("inertial_coupling", "torque_crosstalk")
 COPY = 1e-12  # eigenvalue, over the largest one, of the cross products of what is a copy
 
 
-def profile_all(
-    residual: Float, curves: Sequence[Curve], dq: Float, cycle: NDArray[np.int64], p_values: Mapping[str, float]
+def profiles_of(
+    problem: RegressionProblem, residual: Float, p_values: Mapping[str, float], axis: str = ""
 ) -> tuple[Profile, ...]:
-    """What a model leaves along the axis of each curve, what takes most of it first; p-values by name of the axis."""
-    found = []
-    for curve in curves:
-        values, edges = curve.values, np.unique(np.quantile(curve.values, np.linspace(0.0, 1.0, BINS + 1)))
-        bins = _bins(values, edges)
-        centre = [values[bins == k].mean() if (bins == k).any() else np.nan for k in range(len(edges) - 1)]
+    """What a model leaves along each axis, or one of that name, what takes most first; p-values by name of the axis."""
+    found, dq, cycle = [], problem.kinematics[1], problem.samples.cycle
+    for curve in [one for one in problem.curves if one.axis.name == axis] or problem.curves:
+        edges = np.unique(np.quantile(curve.values, np.linspace(0.0, 1.0, BINS + 1)))
         found.append(
             Profile(
                 axis=curve.axis.name,
                 label=curve.axis.label,
-                edges=edges,
-                centre=np.array(centre),
-                **_binned(residual, values, edges, dq > 0, cycle),
+                **_binned(residual, curve.values, edges, dq > 0, cycle),
                 share=_share(residual, curve.columns.T, cycle),
                 p_value=p_values.get(curve.axis.name, float("nan")),
             )
@@ -57,29 +44,19 @@ def profile_all(
     return tuple(sorted(found, key=lambda profile: -profile.share))
 
 
-def profiles_of(
-    problem: RegressionProblem, residual: Float, p_values: Mapping[str, float], axis: str = ""
-) -> tuple[Profile, ...]:
-    """The same for a joint, along one axis alone if there is one of that name."""
-    own = [one for one in problem.curves if one.axis.name == axis] or problem.curves
-    return profile_all(residual, own, problem.kinematics[1], problem.samples.cycle, p_values)
-
-
-def _bins(values: Float, edges: Float) -> NDArray[np.int64]:
-    return np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(edges) - 2)
-
-
 def _binned(
     residual: Float, values: Float, edges: Float, up: NDArray[np.bool_], cycle: NDArray[np.int64]
 ) -> dict[str, Float]:
-    """Means and standard errors of both directions, by the names that a profile has for them."""
-    bins, found = _bins(values, edges), {}
+    """Bins with means and standard errors of both directions, by the names that a profile has for them."""
+    bins = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(edges) - 2)
+    centre = [values[bins == k].mean() if (bins == k).any() else np.nan for k in range(len(edges) - 1)]
+    found = {"edges": edges, "centre": np.array(centre)}
     for name, which in (("forwards", up), ("backwards", ~up)):
-        found[name], found[f"{name}_se"] = bin_means(residual, bins, cycle, which, len(edges) - 1)
+        found[name], found[f"{name}_se"] = _bin_means(residual, bins, cycle, which, len(edges) - 1)
     return found
 
 
-def bin_means(
+def _bin_means(
     residual: Float, bins: NDArray[np.int64], cycle: NDArray[np.int64], which: NDArray[np.bool_], count: int
 ) -> tuple[Float, Float]:
     """Mean of each bin and its standard error, the means of the cycles taken as independent, shape (count,) each.
@@ -129,13 +106,6 @@ def shows_along(torque: Float, along: Float, dq: Float) -> bool:
     return off_curve <= MOST_HIDDEN * float(torque @ torque)
 
 
-def with_own_axes(joint: JointDiagnosis) -> JointDiagnosis:
-    """Return the joint, its effects with the axis of their own where no axis of the motion shows them."""
-    assert joint.traces is not None
-    found = {effect.name: own_axis(effect, joint.traces) for effect in joint.added}
-    return replace(joint, effects=tuple(replace(effect, own=found.get(effect.name)) for effect in joint.effects))
-
-
 def own_axis(effect: NamedEffect, traces: Traces) -> OwnAxis | None:
     """Return what an effect is drawn along; None where the axis of its curve shows it.
 
@@ -158,9 +128,7 @@ def own_axis(effect: NamedEffect, traces: Traces) -> OwnAxis | None:
         Profile(
             axis=label,
             label=label,
-            edges=edges,
-            centre=0.5 * (edges[:-1] + edges[1:]),
-            **_binned(torque, values, edges, traces.dq > 0, traces.cycle),
+            **_binned(torque, values, edges, traces.dq > 0, traces.cycle) | {"centre": 0.5 * (edges[:-1] + edges[1:])},
             share=float("nan"),
             p_value=float("nan"),
         )
@@ -186,21 +154,15 @@ def contact_effects(state: State, profiles: tuple[Profile, ...]) -> tuple[NamedE
         NamedEffect(
             name=CONTACT.name,
             label=CONTACT.label,
-            alternatives=(),
             parameters={k: Coefficient(value=v, low=float("nan"), high=float("nan")) for k, v in numbers.items()},
-            p_value=float("nan"),
             axis=CONTACT.axis,
             gap_before_nm=before,
             gap_after_nm=after,
             torque=np.zeros(len(problem.y)),
             curve=next((one for one in profiles if one.axis == CONTACT.axis), profiles[0]),
-            evidence=(Evidence(name=CONTACT.name, two_ln_bayes_factor=0.0, correlation=1.0),),
             size_nm=size,
-            friction_share=float("nan"),
             residual_share=(size / before) ** 2 if before > 0 else 0.0,
             grade="major",
-            folds=0,
-            chosen_in=0,
         ),
     )
 

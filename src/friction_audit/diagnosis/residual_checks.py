@@ -32,7 +32,7 @@ SCATTER_S, PAIRS_S, BLOCK_S = 0.3, 0.9, 1.2  # memory of friction within a strok
 def run(gram: Gram, active: Sequence[Block]) -> tuple[ResidualCheck, ...]:
     """All checks that found more than the threshold, the largest share first."""
     least = SHARE if active else SHARE_OF_NONE
-    checks = (_curves, _response, _lines, _scatter, _changes)
+    checks = (_curves, _lines, _scatter, _changes)
     found = [one for check in checks for one in check(gram, active)]
     return tuple(sorted((c for c in found if c.share > least), key=lambda c: -c.share))
 
@@ -45,22 +45,17 @@ def residual_of(gram: Gram, active: Sequence[Block]) -> Float:
 
 
 def _curves(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
-    """Curves that are significant in the whitened residual and predict folds they were not fitted on."""
-    given, rms = Projected(Training(gram), active), held_out(gram, active).rms
+    """Curves, and a response to past motion, that are significant in the whitened residual, on folds not fitted on."""
+    given, rms, responses = Projected(Training(gram), active), held_out(gram, active).rms, gram.problem.responses
+    found = [("curve", c.axis.name, c.columns) for c in gram.problem.curves]
+    found = [one for one in found if given.evidence(gram.whiten(one[2])) > PRIOR]
+    evidence, best = _integrated(given, [gram.whiten(one) for one in responses])
+    if evidence > PRIOR:
+        found.append(("response", "past motion", responses[best]))
     return [
-        ResidualCheck(code="curve", along=c.axis.name, share=1.0 - (held_out(gram, active, c.columns).rms / rms) ** 2)
-        for c in gram.problem.curves
-        if given.evidence(gram.whiten(c.columns)) > PRIOR
+        ResidualCheck(code=code, along=along, share=1.0 - (held_out(gram, active, columns).rms / rms) ** 2)
+        for code, along, columns in found
     ]
-
-
-def _response(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
-    columns = gram.problem.responses
-    evidence, best = _integrated(Projected(Training(gram), active), [gram.whiten(one) for one in columns])
-    if evidence <= PRIOR:
-        return []
-    share = 1.0 - (held_out(gram, active, columns[best]).rms / held_out(gram, active).rms) ** 2
-    return [ResidualCheck(code="response", along="past motion", share=share)]
 
 
 def _integrated(given: Projected, white: Sequence[Float]) -> tuple[float, int]:

@@ -60,7 +60,7 @@ class ResidualCheck:
 class Evidence:
     """How well another candidate does in the place of a named effect."""
 
-    name: str  # name of the candidate; the effect itself stands first
+    name: str  # name of the candidate
     # 2 ln of the Bayes factor of the effect over this one; from 6 on strong evidence (R. E. Kass, A. E. Raftery, J. Am.
     # Stat. Assoc. 90 (1995) 773).
     two_ln_bayes_factor: float
@@ -84,21 +84,21 @@ class NamedEffect:
 
     name: str  # from the vocabulary
     label: str  # a few words for people
-    alternatives: tuple[str, ...]  # names that this log cannot separate from it
+    alternatives: tuple[str, ...] = ()  # names that this log cannot separate from it
     parameters: dict[str, Coefficient]  # with 95 % intervals, by name with its unit
-    p_value: float  # family-wise p-value of its improvement on held-out cycles
+    p_value: float = float("nan")  # family-wise p-value of its improvement on held-out cycles
     axis: str  # the quantity on which it shows itself
     gap_before_nm: float  # residual on held-out cycles without it, all stronger effects added [N m]
     gap_after_nm: float  # the same with it [N m]
     torque: Float  # its torque at the samples, shape (m,) [N m]
     curve: Profile  # what the augmented model leaves plus this torque, along the axis: the effect as the log shows it
-    evidence: tuple[Evidence, ...]  # the candidates in its place, the best first
+    evidence: tuple[Evidence, ...] = ()  # other candidates in its place, the best first
     size_nm: float  # rms of its torque free of the nominal model [N m]
-    friction_share: float  # of the rms of the joint's friction torque
+    friction_share: float = float("nan")  # of the rms of the joint's friction torque
     residual_share: float  # of the residual's power, with the nominal model alone, that it takes
     grade: str  # ``major``, ``minor`` or ``negligible``
-    folds: int  # selections, each without one fold of the cycles
-    chosen_in: int  # those that chose it, or what is the same thing there
+    folds: int = 0  # selections, each without one fold of the cycles
+    chosen_in: int = 0  # those that chose it, or what is the same thing there
     not_identifiable: tuple[str, ...] = ()  # names of its parameters that this log does not hold
     own: OwnAxis | None = None  # the axis that it is drawn along; None where ``axis`` shows it
 
@@ -185,11 +185,6 @@ class JointDiagnosis:
     def added(self) -> tuple[NamedEffect, ...]:
         """The effects of the augmented model: contact events are in no model, their samples are left out."""
         return tuple(effect for effect in self.effects if effect.name != CONTACT_EVENT)
-
-    @property
-    def has_gravity_error(self) -> bool:
-        """True if the augmented model corrects gravity."""
-        return any(effect.name == "gravity_error" for effect in self.added)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

@@ -124,48 +124,32 @@ def make_samples(data: JointData, corner_hz: float = CORNER_HZ) -> Samples:
     return replace(samples, y=samples.of(data.torque))
 
 
-def corner_for(data: JointData, inertia_kg_m2: float) -> float:
-    """Frequency above which the noise of inertia times acceleration is more than half of that of the torque. [Hz]
+def corner_for(data: JointData, inertia_kg_m2: float) -> tuple[float, float]:
+    """Corner [Hz], and how many times too large the steps are in which the position, or the velocity, is read.
 
-    White noise of the position grows with the square of the frequency in its second derivative, that of the velocity
-    with the frequency, that of the mean of both as given below. Links' inertia that was removed left the noise of all
-    joints' accelerations in the torque.
+    Above the corner the noise of inertia times acceleration is more than half of that of the torque. White noise of the
+    position grows with the square of the frequency in its second derivative, that of the velocity with the frequency,
+    that of the mean of both as given below. Links' inertia that was removed left the noise of all joints' accelerations
+    in the torque. Steps that are too large make it more than half at every corner, which all that follows the
+    acceleration explains (W. A. Fuller, Measurement Error Models, 1987): coarse_118003 is unexplained.
     """
     # With 25 Hz everywhere, none_none_16001 is named time_delay, and effects_backlash_16001 presliding as well.
-    order, quiet = _order_of(data), QUIET_SHARE * _torque_noise(data)
-    own = inertia_kg_m2 * max(noise_density(data.ddq, data.step_s, order), _rounding_noise(data))
-    inertial = float(np.hypot(own, 0.0 if data.load is None else noise_density(data.load, data.step_s, order)))
-    crossing = (quiet / inertial) ** (1.0 / order) if inertial > 0 else CORNER_HZ
+    order, step_s = 2 if data.derived_from == "q" else 1, data.step_s
+    noise = noise_density(data.torque if data.load is None else data.torque + data.load, step_s, 0)
+    # As if rounding, white in the log's samples, were all noise of the acceleration.
+    median = data.rounding / SIGMA_PER_MEDIAN * float(np.sqrt(data.sample_s / (np.pi * step_s)))
+    rounding = OBSERVED * (2.0 * np.pi) ** order * median
+    own = inertia_kg_m2 * max(noise_density(data.ddq, step_s, order), rounding)
+    inertial = float(np.hypot(own, 0.0 if data.load is None else noise_density(data.load, step_s, order)))
+    crossing = (QUIET_SHARE * noise / inertial) ** (1.0 / order) if inertial > 0 else CORNER_HZ
     # f^2 / sqrt(f^2 + crossover^2) in the place of f, solved for f
     crossing = np.sqrt((crossing**2 + np.hypot(crossing**2, 2.0 * crossing * data.crossover_hz)) / 2.0)
-    return float(np.clip(crossing, LOWEST_CORNER_HZ, CORNER_HZ))
-
-
-def coarseness(data: JointData, inertia_kg_m2: float) -> float:
-    """How many times too large the steps are in which the position, or the velocity, is read.
-
-    Above 1 they give inertia times acceleration more than half of the torque's noise at every corner, which all that
-    follows the acceleration explains (W. A. Fuller, Measurement Error Models, 1987): coarse_118003 is unexplained.
-    """
     # A torque without noise is as quiet as this share of it, white below the lowest corner.
-    band = 2.0 * np.pi * LOWEST_CORNER_HZ * data.step_s
+    band = 2.0 * np.pi * LOWEST_CORNER_HZ * step_s
     least = SMALL * float(np.std(data.torque)) / SIGMA_PER_MEDIAN / float(np.sqrt(band))
-    quiet = max(QUIET_SHARE * max(_torque_noise(data), least), np.finfo(float).tiny)
-    return inertia_kg_m2 * _rounding_noise(data) * LOWEST_CORNER_HZ ** _order_of(data) / quiet
-
-
-def _order_of(data: JointData) -> int:
-    return 2 if data.derived_from == "q" else 1
-
-
-def _torque_noise(data: JointData) -> float:
-    return noise_density(data.torque if data.load is None else data.torque + data.load, data.step_s, 0)
-
-
-def _rounding_noise(data: JointData) -> float:
-    """What :func:`noise_density` is for the acceleration where rounding, white in the log's samples, is all noise."""
-    median = data.rounding / SIGMA_PER_MEDIAN * float(np.sqrt(data.sample_s / (np.pi * data.step_s)))
-    return OBSERVED * (2.0 * np.pi) ** _order_of(data) * median
+    quiet = max(QUIET_SHARE * max(noise, least), np.finfo(float).tiny)
+    coarse = inertia_kg_m2 * rounding * LOWEST_CORNER_HZ**order / quiet
+    return float(np.clip(crossing, LOWEST_CORNER_HZ, CORNER_HZ)), coarse
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass, field
 from itertools import combinations, pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -33,8 +34,7 @@ TOLERANCE = 1e-6
 Refine = Callable[[Block, Sequence[Block]], Block | None]
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Score:
+class Score(NamedTuple):
     """An effect given an active set."""
 
     evidence: float  # 2 ln of its Bayes factor, nonlinear parameters integrated
@@ -51,7 +51,6 @@ class Projected:
     """The whitened response, with the nominal model, the nuisances and some effects partialled out."""
 
     def __init__(self, training: Training, active: Sequence[Block]) -> None:
-        """Partial them out."""
         gram, fit = training.gram, training.fit(active)
         rows = np.vstack([gram.base[fit.kept], *(gram.of(b) for b in active)])
         self.basis = np.linalg.solve(fit.factor, rows / fit.scale[:, None])
@@ -152,10 +151,11 @@ class Search:
 
     def allowed(self, active: Sequence[Block]) -> bool:
         """Whether the cycles can carry the numbers of these effects, and all signs are possible."""
-        if not self.carried(active):
-            return False
+        return self.carried(active) and not self._impossible(active)
+
+    def _impossible(self, active: Sequence[Block]) -> list[Block]:
         fit = self.training.fit(active)
-        return all(b.possible(c) for b, c in zip(active, split(fit, active), strict=True))
+        return [b for b, c in zip(active, split(fit, active), strict=True) if not b.possible(c)]
 
     def best(self, active: Sequence[Block]) -> list[Score]:
         """Effects given an active set, the best first, the best of them refined."""
@@ -209,9 +209,8 @@ class Search:
             if self.objective(rest) > self.objective(active):
                 active = rest
         while active and not self.allowed(active):
-            fit = self.training.fit(active)
-            wrong = [b for b, c in zip(active, split(fit, active), strict=True) if not b.possible(c)]
-            worst = max(wrong or active, key=lambda b: self.objective([x for x in active if x is not b]))
+            wrong = self._impossible(active) or active
+            worst = max(wrong, key=lambda b: self.objective([x for x in active if x is not b]))
             active = [b for b in active if b is not worst]
         return active
 

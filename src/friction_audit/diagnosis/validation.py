@@ -6,7 +6,7 @@ over all columns controls the family-wise error (J. P. Romano, M. Wolf, Economet
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,8 +22,7 @@ ROUNDING = 1e-12  # of a root mean square that was added up in another order
 RIDGE = 1e-3  # for curves over quantities that may be copies of each other
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class HeldOut:
+class HeldOut(NamedTuple):
     """What is left of each sample, predicted by the folds that it is not in."""
 
     residual: Float  # in the order of time, shape (m,) [N m]
@@ -78,8 +77,7 @@ class _Model:
         return residual, innovation
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Gain:
+class Gain(NamedTuple):
     """What an effect gains on cycles that its coefficients were not fitted on."""
 
     z: float  # slope of what is left without the effect on what it predicts, in cluster-robust standard errors
@@ -129,20 +127,24 @@ def gap(gram: Gram, active: Sequence[Block]) -> tuple[Gap, HeldOut, HeldOut]:
 
 
 def measure_gap(before: Float, after: Float, floor: float, cycle: Index) -> Gap:
-    """Compare residuals of both models on held-out cycles, shape (n,), each sample counting once."""
-    _, number = np.unique(cycle, return_inverse=True)
+    """Compare residuals of both models on held-out cycles, shape (n,), each sample counting once.
+
+    The standard error is by leaving out one cycle at a time (jackknife over cycles); NaN for a single cycle.
+    """
+    number = np.unique(cycle, return_inverse=True)[1]
     samples = np.bincount(number).astype(float)
-    sums = np.stack([np.bincount(number, weights=r**2) for r in (before, after)]).astype(float)
-    total = sums.sum(axis=1)
-    rms_before, rms_after = np.sqrt(total / samples.sum())
+    sums = np.stack([np.bincount(number, weights=r**2) for r in (before, after)])
+    total, m = sums.sum(axis=1), len(samples)
+    whole = np.sqrt(total / samples.sum())
+    rest = np.sqrt((total[:, None] - sums) / np.maximum(samples.sum() - samples, 1.0))
     return Gap(
-        before=float(rms_before),
-        after=float(rms_after),
+        before=float(whole[0]),
+        after=float(whole[1]),
         floor=floor,
-        shrink=float(_shrink(rms_before, rms_after, floor)),
-        shrink_se=_jackknife_se(sums, samples, floor),
-        over_floor=float(rms_after / floor) if floor > 0 else float("inf"),
-        cycles=len(samples),
+        shrink=float(_shrink(whole[0], whole[1], floor)),
+        shrink_se=float(np.sqrt((m - 1) * np.var(_shrink(rest[0], rest[1], floor)))) if m > 1 else float("nan"),
+        over_floor=float(whole[1] / floor) if floor > 0 else float("inf"),
+        cycles=m,
     )
 
 
@@ -153,18 +155,7 @@ def _shrink(before: Float, after: Float, floor: float) -> Float:
     return np.where(wide, (before - after) / np.where(wide, open_gap, 1.0), np.nan)
 
 
-def _jackknife_se(sums: Float, samples: Float, floor: float) -> float:
-    """Standard error by leaving out one cycle at a time; NaN for a single cycle (jackknife over cycles)."""
-    m = len(samples)
-    if m == 1:
-        return float("nan")
-    before, after = np.sqrt((sums.sum(axis=1)[:, None] - sums) / (samples.sum() - samples))
-    without = _shrink(before, after, floor)
-    return float(np.sqrt((m - 1) / m * np.sum((without - without.mean()) ** 2)))
-
-
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Screening:
+class Screening(NamedTuple):
     """Outcome of the test."""
 
     p_value: float  # that nothing is missing
@@ -183,7 +174,10 @@ def wild_cluster_bootstrap(gram: Gram, active: Sequence[Block], seed: int) -> Sc
     fit, back = training.fit(active), gram.transposed(left)[0]
     of_blocks = [np.add.reduceat(rows * back, starts, axis=1) for _, rows in gram.chunks(gram.blocks)]
     along = np.linalg.solve(fit.factor, training.cross(active, fit))
-    free = (1.0 - COPY) * gram.squares > np.sum(along**2, axis=0)
+    squares = np.empty(gram.used)
+    for p, products in gram.own.items():
+        squares[gram.starts[gram.widths == p][:, None] + np.arange(p)] = np.einsum("fupp->up", products)
+    free = (1.0 - COPY) * squares > np.sum(along**2, axis=0)
     names, parts = [], [(np.vstack(of_blocks) - along.T @ own)[free]]
     for curve in gram.problem.curves:
         white = gram.whiten(curve.columns)

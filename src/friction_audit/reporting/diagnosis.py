@@ -154,7 +154,7 @@ def _competing(joint: JointDiagnosis) -> Iterator[str]:
     for effect in joint.effects:
         if effect.alternatives:
             yield f"to decide on {effect.name}: {words.decide_words(effect)}"
-        for one in (one for one in effect.evidence if one.name != effect.name):
+        for one in effect.evidence:
             scores = f"2 ln BF {one.two_ln_bayes_factor:+.0f}, correlation {one.correlation:.2f}"
             yield f"{one.name} in place of {effect.name}: {scores}"
     if joint.effects and not math.isnan(joint.detection_limit_nm):

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
-from friction_audit.diagnosis.result import VERDICTS, JointDiagnosis, NamedEffect
+from friction_audit.diagnosis.result import VERDICTS, Evidence, JointDiagnosis, NamedEffect
 from friction_audit.friction.history import Coefficient
 from friction_audit.reporting import diagnosis_words as words
 from friction_audit.reporting.table import ALL, INTERVAL, JOINT, NAME, PEOPLE, Column, Get, Record, Tone, joint_column
@@ -120,7 +120,11 @@ EFFECT = Record(
     ),
     Column("numbers", str, get=lambda row: words.effect_numbers(row.effect), title="parameters", words=True, on="p"),
     Column("axis", str, "the quantity on which it shows", "effect.axis", on="j"),
-    Column("evidence", [EVIDENCE], "the effect and others in its place", "effect.evidence", on="j"),
+    Column(
+        "evidence", [EVIDENCE], "the effect and others in its place",
+        lambda row: (Evidence(name=row.effect.name, two_ln_bayes_factor=0.0, correlation=1.0), *row.effect.evidence),
+        on="j",
+    ),
     Column("curve", CURVE, "mean of what it explains over `axis`", "effect.curve", on="j"),
     name="effects",
     summary="an effect that the model of a joint misses, the largest first",
@@ -201,7 +205,8 @@ def _augmented(path: str) -> Callable[[JointDiagnosis], float | None]:
 
 
 def _without_gravity(joint: JointDiagnosis) -> float | None:
-    return joint.share_explained if joint.has_gravity_error and len(joint.added) > 1 else None
+    names = [one.name for one in joint.added]
+    return joint.share_explained if "gravity_error" in names and len(names) > 1 else None
 
 
 def _people(title: str, short: str, unit: str, get: Get, form: Any = ".3g", file: str = "shown") -> Column:  # noqa: ANN401

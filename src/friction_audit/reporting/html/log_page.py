@@ -149,7 +149,7 @@ def _effects(report: made.LogReport, one: made.JointReport) -> Iterator[html.Par
     if one.discrepancy is None:
         return
     rows, joint, unit = tables.effect_rows([one.discrepancy]), f"joint {one.joint}", report.unit
-    competing = [(row, other) for row in rows for other in row.effect.evidence if other.name != row.effect.name]
+    competing = [(row, other) for row in rows for other in row.effect.evidence]
     untestable = tables.untestable_rows(one.discrepancy)
     strong = "from 6 on the evidence against them is strong"
     if rows:
