@@ -1,3 +1,4 @@
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -130,3 +131,13 @@ def test_the_intervals_hold_the_truth_about_as_often_as_they_say(logs: int) -> N
             held.append(value.low <= truth <= value.high)
     # Of 120, 95 % are 114 with a standard deviation of 2.4: five of these are left to chance; of 24, two or three.
     assert sum(held) >= 0.85 * len(held)
+
+
+@pytest.mark.parametrize(("delay_s", "found"), [(0.0, []), (0.02, ["late"]), (-0.02, ["early"])])
+def test_a_torque_that_is_not_simultaneous_with_the_motion_is_noticed(delay_s: float, found: list[str]) -> None:
+    """A delay of 20 ms adds 0.02 s * B * (2 pi f)^2 to the viscous coefficient."""
+    log = simulate(BenchSettings(duration_s=40.0, rate_hz=500.0), 3).log
+    assert log.tau_interaction is not None
+    log = replace(log, tau_interaction=np.roll(log.tau_interaction, round(500 * delay_s), axis=0))
+    warnings = estimate_log(log, AuditSettings()).friction.warnings
+    assert [one.numbers["late"] for one in warnings if one.code == "torque_delayed"] == found

@@ -207,6 +207,17 @@ def test_samples_of_a_batch_are_put_a_period_apart(size: int) -> None:
     assert "dropped_samples" not in codes(log)
 
 
+def test_stamps_of_a_coarse_clock_are_spread_and_copies_of_rows_are_not() -> None:
+    """A clock of 100 Hz on a log of 1 kHz: no row is lost; rows that were written ten times are."""
+    rec = recording(6000)
+    coarse = np.round(rec.t - 0.0045, 2)
+    log = vetted(replace(recording(6000), t=coarse))
+    assert finding(log, "batched_stamps").amount == 600
+    np.testing.assert_allclose(log.t, rec.t - rec.t[0], atol=1e-9)
+    copies = {name: array[np.arange(6000) // 10 * 10] for name, array in rec.channels.items()}
+    assert finding(vetted(replace(rec, t=coarse, channels=copies)), "duplicate_stamps").amount == 5400
+
+
 def test_batches_of_a_long_log_are_seen_in_any_phase() -> None:
     """More samples than the rate is taken from; the first pair is half a pair."""
     rec = recording(140_001, joints=1)

@@ -108,6 +108,18 @@ def test_a_list_in_a_cell_is_refused_with_the_way_out(tmp_path: Path, text: str)
         read_text(tmp_path, pd.DataFrame({"time": arrays["t"], **lists}))
 
 
+@pytest.mark.parametrize(
+    ("units", "time", "angle"),
+    [("s,rad,rad/s,Nm", 1.0, 1.0), ("[s],[rad],[rad/s],", 1.0, 1.0), ("ms,deg,deg/s,Nm", 1e3, 180.0 / np.pi)],
+)
+def test_a_line_of_units_below_the_header(tmp_path: Path, units: str, time: float, angle: float) -> None:
+    frame = tidy_frame(400, joints=1)
+    head, values = (frame * [time, angle, angle, 1.0]).to_csv(index=False).split("\n", 1)
+    log, plain = read_text(tmp_path, f"{head}\n{units}\n{values}"), read_text(tmp_path, frame)
+    np.testing.assert_allclose(np.c_[log.t, log.q, log.dq], np.c_[plain.t, plain.q, plain.dq], atol=1e-12)
+    assert not any(finding.damaged for finding in log.source.findings)
+
+
 def test_no_header(tmp_path: Path) -> None:
     mapping = {"t": "#1", "q": "#2-#3", "dq": "#4-#5", "tau_J": "#6,#7"}
     log = read_text(tmp_path, tidy_frame(300, 2).to_csv(index=False, header=False), mapping=mapping)

@@ -17,7 +17,14 @@ from friction_audit.friction.history import (
     FrictionHistory,
     JointFriction,
 )
-from friction_audit.friction.reasons import Extremes, cautions_of, dead_channel, missing_motion, one_speed
+from friction_audit.friction.reasons import (
+    Extremes,
+    cautions_of,
+    dead_channel,
+    missing_motion,
+    not_simultaneous,
+    one_speed,
+)
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.friction.torque_regression import CUTOFF_HZ, HIGHEST_CONDITION, RegressionRows, regress_torque
 from friction_audit.friction.weighted import FRICTION, fit_windows, set_up
@@ -204,6 +211,7 @@ def _conclude(
         for name in UNITS
         if np.isnan(getattr(determined, name).value) and not np.isnan(getattr(joint, name).value)
     )
+    lost = (*not_simultaneous(joint), *lost)
     if joint.method == "regression":
         return determined, (Caution(code="from_regression", joint=joint.joint), *lost)
     alike = False

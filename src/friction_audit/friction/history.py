@@ -76,6 +76,7 @@ class TorqueRegression:
     samples: int  # rows used
     condition_number: float = NAN  # of the scaled regression matrix
     correlation: float = NAN  # between the Coulomb and the viscous coefficient
+    delay_s: float = NAN  # by which the torque is late after the motion, if that is certain [s]
     # why it cannot stand alone for the friction of the joint; empty if it can, or if that was not asked
     doubt: str = ""
 

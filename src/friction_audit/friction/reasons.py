@@ -30,6 +30,14 @@ def cautions_of(joint: JointFriction) -> Iterator[Caution]:
         yield Caution(code=code, joint=joint.joint, numbers=numbers)
 
 
+def not_simultaneous(joint: JointFriction) -> Iterator[Caution]:
+    """Yield a caution where the torque is certainly late after the motion, or early."""
+    delay_s = np.nan if joint.regression is None else joint.regression.delay_s
+    if np.isfinite(delay_s):
+        numbers = {"ms": 1e3 * abs(delay_s), "late": "late" if delay_s > 0.0 else "early"}
+        yield Caution(code="torque_delayed", joint=joint.joint, numbers=numbers)
+
+
 def _weaknesses(joint: JointFriction) -> Iterator[tuple[str, dict[str, Any]]]:
     """Compare also the two methods, and the first full window of the history with the last, if they share no cycle."""
     yield from ((f"negative_{name}", {}) for name in UNITS if getattr(joint, name).value < 0)

@@ -45,6 +45,8 @@ LEAST_ONE_WAY = 0.1  # share of the samples that each direction has at least, or
 LEAST_FRICTION_SHARE = 0.85
 # Share of the residual that another joint's velocity may explain: 0.92, 0.96 where two share gears, else at most 0.40.
 LARGEST_COUPLED_SHARE = 0.5
+# Half widths of 95 % that the jerk's coefficient must differ from zero, and the inertia's; a shorter delay is harmless.
+CERTAIN, SHORTEST_DELAY_S = 2.5, 2e-3
 HUBER = 1.345  # residuals beyond so many standard deviations lose weight: 95 % efficiency where the noise is normal
 SIGMA_PER_MEDIAN = 1 / 0.6744897501960817  # standard deviation of a normal variable over its median absolute value
 REWEIGHTINGS = 9
@@ -79,8 +81,27 @@ def regress_torque(
         samples=len(found.torque),
         condition_number=condition,
         correlation=correlation,
+        delay_s=_delay(found),
         doubt=doubt,
     )
+
+
+def _delay(rows: "_Rows") -> float:
+    """Return how late the torque is, NaN if that is not certain. [s]
+
+    Of a torque that is late by d, the inertia leaves -d B times the jerk. Noise of the jerk makes it too small.
+    """
+    columns = {"columns": rows.columns, "instruments": rows.instruments}
+    more = replace(
+        rows, names=(*rows.names, "jerk"), **{k: np.column_stack([one, rows.jerk]) for k, one in columns.items()}
+    )
+    equations, clipping = _gather(more)
+    fit = fit_windows(equations, len(equations.normal))
+    (jerk, jerk_half), (inertia, inertia_half) = (
+        (float(one[0]) for one in fit.column(name)) for name in ("jerk", "inertia")
+    )
+    is_certain = abs(jerk) > CERTAIN * clipping * jerk_half and inertia > CERTAIN * clipping * inertia_half
+    return -jerk / inertia if is_certain and abs(jerk) > SHORTEST_DELAY_S * inertia else np.nan
 
 
 def _doubt(rows: "_Rows", fit: Fit, condition: float) -> str:
@@ -136,6 +157,7 @@ class _Rows:
     columns: Float
     instruments: Float
     torque: Float
+    jerk: Float
     stroke: NDArray[np.int64]
     place: NDArray[np.int64]
 
@@ -179,6 +201,7 @@ class RegressionRows:
             load = load + part.compensation[:, column]
         near = velocity[index[:, None] + NEIGHBOURS]
         window = index[:, None] + np.arange(-around, around + 1)
+        far = velocity[index[:, None] + around * NEIGHBOURS]  # a second difference of near ones would be noise
         times, places = (signal[window] - signal[index, None] for signal in (part.t, part.q[:, column]))
         by_position = differences(*((signal @ self._blocks).T for signal in (times, places)))
         found = {
@@ -188,6 +211,7 @@ class RegressionRows:
             "coulomb": np.sign(near) @ SIMPSON,
             "viscous": near @ SIMPSON,
             "inertia": 0.5 * (near[:, 2] - near[:, 0]) / (times @ self._weights),
+            "jerk": (far[:, 0] - 2.0 * far[:, 1] + far[:, 2]) / (around * self._step_s) ** 2,
             **dict(zip(("gravity_x", "gravity_y"), _gravity(part, column, index), strict=True)),
             **dict(zip(("velocity by position", "acceleration by position"), by_position, strict=True)),
             "torque": self._filtered(load, index),
@@ -224,6 +248,7 @@ class RegressionRows:
             columns=np.stack(list(columns.values()), axis=1),
             instruments=np.stack(list((columns | by_position).values()), axis=1),
             torque=own["torque"],
+            jerk=own["jerk"],
             stroke=np.cumsum(np.diff(direction, prepend=direction[:1]) != 0),
             place=place,
         )

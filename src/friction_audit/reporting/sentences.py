@@ -60,6 +60,9 @@ SENTENCES: Mapping[str, str] = {
     },
     "hardly_separable": "Coulomb and viscous coefficients are hardly separable (correlation above {most:g}): only "
     "their sum at the recorded speeds is reliable; vary the speed",
+    "torque_delayed": "the torque looks {ms:.2g} ms or more too {late} for the motion (a delay, an elastic joint or "
+    "Stribeck friction): the viscous coefficient is wrong; log q, dq and torque in one message; `diagnose` separates "
+    "the causes",
     "few_cycles": "fewer than {fewest} cycles: the intervals are wide and approximate",
     "from_regression": "too few energy cycles, so the coefficients are from torque regression, which assumes a "
     "constant inertia and no coupling with other joints",

@@ -93,7 +93,10 @@ def _sorted(blocks: Iterator[Block], late_s: float) -> Iterator[Block]:
 
 
 def drop_repeats(recording: Recording, clock: Clock, path: str) -> Recording:
-    """Leave out rows with the stamp of the one before; InputError where a table has a row for each joint and time."""
+    """Leave out rows with the stamp of the one before; spread the stamps of a coarse clock, where such rows differ.
+
+    InputError where a table has a row for each joint and time.
+    """
     repeats = clock.repeated.count
     if not repeats:
         return recording
@@ -107,11 +110,25 @@ def drop_repeats(recording: Recording, clock: Clock, path: str) -> Recording:
                 f"{within:.3g} between these: they look like rows of several joints; expected one column per joint, or "
                 "the joint of each row in a column called 'joint'; rename it"
             )
+    if repeats >= _LEAST_SHARE * (clock.rows - 1) and _differ(recording):
+        return _spread(recording, clock.rough)
     text = (
         f"{repeats} of {clock.rows} rows ({repeats / clock.rows:.1%}) carry the stamp of the row before them; "
         "the first of each stamp is kept"
     )
     return recording.without(clock.repeated).with_findings(Finding("duplicate_stamps", text, amount=float(repeats)))
+
+
+def _differ(recording: Recording) -> bool:
+    """Return True if the state changes within a stamp at least half as often as between stamps: no copies of rows."""
+    changes, steps = np.zeros(2), np.zeros(2)  # between stamps and within
+    for _, t, channels in recording.read():
+        state = np.column_stack([*channels.values()])
+        within = (np.diff(t) == 0.0).astype(int)
+        steps += np.bincount(within, minlength=2)
+        changes += np.bincount(within, np.any(np.diff(state, axis=0) != 0.0, axis=1), minlength=2)
+    between, inside = changes / np.maximum(steps, 1.0)
+    return bool(inside >= 0.5 * between > 0.0)
 
 
 def _refuse_no_clock(recording: Recording, clock: Clock, path: str) -> None:
@@ -148,10 +165,14 @@ def spread_batches(recording: Recording, steps: "Steps") -> Recording:
     # Every step counts: of every second one, a log that comes in pairs would show only short ones or only long ones.
     if steps.short < _LEAST_SHARE * steps.count:
         return recording
+    return _spread(recording, steps.rough)
+
+
+def _spread(recording: Recording, rough_s: float) -> Recording:
     if recording.blocks is not None:
         raise WholeLogError
     t = recording.t
-    ends = np.append(np.flatnonzero(~(np.diff(t) < _SHORT * steps.rough)), len(t) - 1)
+    ends = np.append(np.flatnonzero(~(np.diff(t) < _SHORT * rough_s)), len(t) - 1)
     # Mean steps over whole batches: a part of one would make the period too short or too long.
     reach = min(max(round(_LONGEST_BATCH * len(ends) / len(t)), 1), len(ends) - 1)
     period = float(np.median((t[ends[reach:]] - t[ends[:-reach]]) / (ends[reach:] - ends[:-reach])))
@@ -160,8 +181,10 @@ def spread_batches(recording: Recording, steps: "Steps") -> Recording:
     # A backlog may hold more samples than there was time for since the last batch: these share that time.
     apart = np.minimum(period, since / size)
     before = np.repeat(ends, size) - np.arange(len(t))
+    is_coarse = np.count_nonzero(np.diff(t) == 0.0) >= _LEAST_SHARE * (len(t) - 1)
+    how = "share a stamp, for the clock is coarse or rounded" if is_coarse else "carry times of arrival"
     message = (
-        f"samples arrive in {len(ends)} batches of {len(t) / len(ends):.1f} on average and carry times of arrival; "
+        f"samples arrive in {len(ends)} batches of {len(t) / len(ends):.1f} on average and {how}; "
         f"those of a batch are put {1e3 * period:.3g} ms apart; record the sensor's own stamps if there are any"
     )
     finding = Finding("batched_stamps", message, amount=float(len(ends)))

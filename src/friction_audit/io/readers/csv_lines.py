@@ -4,7 +4,7 @@ import csv
 import io
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import chain, pairwise
@@ -58,6 +58,8 @@ class _Unpacked(io.RawIOBase):
 _COMMENT = re.compile(rb"#+|//+|%(?=[%\s])%*")  # %time begins the header of rostopic echo -p
 _FEWEST_LINES = 4
 _LOOK = 20
+_UNIT = re.compile(r"[\[(]?\s*([a-zA-Z°µ%-][\w°µ%*/^.· -]{0,11}?)?\s*[\])]?")  # a cell of a line of units, or nothing
+_USUAL_UNITS = {"", "-", "s", "sec", "rad", "rad/s", "nm", "n m", "n.m", "n*m", "n·m"}  # as if none were given
 _PEEK_BYTES = 4096
 _MISSING = {"", "na", "n/a", "null", "none", "nan", "-nan", "-nan(ind)", "nan(ind)", "#n/a", "<na>", "-1.#ind",
             "1.#qnan", "-1.#qnan", "1.#ind"}  # fmt: skip
@@ -179,6 +181,8 @@ def sniff_csv(path: Path) -> Dialect:
     if not has_header:
         has_header = mark is not None and len(names) == len(fields)
         names = names if has_header else tuple(f"#{column}" for column in range(1, len(fields) + 1))
+    named = _with_units(names, texts[first : first + 1], separator) if has_header else None
+    names, first = (named or names), first + (named is not None)
     rows = tuple(split_line(text, separator) for text in texts[first : first + _LOOK] if text.strip())
     if not rows:
         raise InputError(f"{path}: 0 samples: a header of {len(names)} columns and no rows; record the arm in motion")
@@ -194,6 +198,18 @@ def sniff_csv(path: Path) -> Dialect:
         size=size,
         rows=rows,
     )
+
+
+def _with_units(names: tuple[str, ...], line: Sequence[str], separator: str) -> tuple[str, ...] | None:
+    """Return the names with the units that stand in the line below them; None if that is no line of units."""
+    fields = [field.strip() for field in (split_line(line[0], separator) if line else ())]
+    found = [_UNIT.fullmatch(field) for field in fields]
+    is_number = any(field and value_of(field, float, ".") is not None for field in fields)
+    if len(fields) != len(names) or is_number or not all(found) or not any(one and one[1] for one in found):
+        return None
+    units = ((one[1] if one else None) or "" for one in found)
+    named = zip(names, units, strict=True)
+    return tuple(name if unit.lower() in _USUAL_UNITS else f"{name.strip()} [{unit}]" for name, unit in named)
 
 
 def recognises(path: Path) -> bool:
