@@ -90,11 +90,12 @@ class Ledger(AbstractContextManager["Ledger"]):
         try:
             with self._whole():
                 is_ledger = self._pragma("application_id") == APPLICATION_ID
-                if is_ledger and self._pragma("user_version") < SCHEMA_VERSION:
-                    # Its sessions are of older results, which are never asked for again.
-                    self._database.close()
-                    self.older = move_aside(path)
-                    self._open()
+                is_old = is_ledger and self._pragma("user_version") < SCHEMA_VERSION
+            if is_old:  # its sessions are of older results, which are never asked for again
+                self._database.close()
+                self.older = move_aside(path)
+                self._open()
+            with self._whole():
                 self._set_up(unclean=unclean)
         except BaseException:
             self._database.close()
