@@ -129,7 +129,7 @@ def moved() -> JointData:
     t = np.arange(4400) / 400.0
     torque = (0.6 + 0.02 * t) * np.sin(np.pi * t)
     motion = simulate(AUGMENTED, t, torque)
-    return data_of(t, torque, motion.q, motion.dq, motion.ddq)
+    return data_of(t, torque, motion.q, motion.dq, np.gradient(motion.dq, t))
 
 
 def data_of(t: Float, torque: Float, q: Float, dq: Float, ddq: Float) -> JointData:
