@@ -94,10 +94,8 @@ def _delay(rows: "_Rows") -> float:
 
     Of a torque that is late by d, the inertia leaves -d B times the jerk. Noise of the jerk makes it too small.
     """
-    columns = {"columns": rows.columns, "instruments": rows.instruments}
-    more = replace(
-        rows, names=(*rows.names, "jerk"), **{k: np.column_stack([one, rows.jerk]) for k, one in columns.items()}
-    )
+    columns, instruments = (np.column_stack([one, rows.jerk]) for one in (rows.columns, rows.instruments))
+    more = replace(rows, names=(*rows.names, "jerk"), columns=columns, instruments=instruments)
     equations, clipping = _gather(more)
     fit = fit_windows(equations, len(equations.normal))
     (jerk, jerk_half), (inertia, inertia_half) = (
