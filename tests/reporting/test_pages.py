@@ -121,6 +121,8 @@ def test_the_lead_of_a_batch_claims_no_more_than_was_tested() -> None:
     steady, bare = batch_by_hand.arm(24, 1, robot="steady"), replace(batch_by_hand.arm(3, 1, robot="short"), joints=())
     assert "short: 3 comparable sessions, at least 4 are needed" in write_page(batch_by_hand.batch(bare), {})
     page = write_page(batch_by_hand.batch(steady, bare), {})
+    assert "check lubrication" not in page
+    assert "check lubrication" in write_page(batch_by_hand.batch(batch_by_hand.arm()), {})
     assert "No drift of the friction was found on 1 arm; no answer on 1 arm." in page
 
 
