@@ -16,7 +16,7 @@ from friction_audit.io.writers.tables import Writer
 from friction_audit.io.writers.write_log import WRITERS, write_log
 from friction_audit.joint_log import JointLog
 from friction_audit.simulation import PANDA_SENSORS, BenchSettings, HandGuidedPanda, JointParameters, Operator, simulate
-from friction_audit.simulation.motion import StopAndGo
+from friction_audit.simulation.strokes import StopAndGo
 
 PANDA_JOINT_1 = JointParameters(inertia_kg_m2=0.3, coulomb_nm=0.26, viscous_nms_per_rad=0.09)
 PANDA_JOINT_7 = JointParameters(inertia_kg_m2=0.1, coulomb_nm=0.22, viscous_nms_per_rad=0.06)

@@ -18,7 +18,7 @@ def test_a_sheet_and_every_joint(run: Run, logs: Path, tmp_path: Path) -> None:
 @pytest.mark.usefixtures("sketched")
 def test_a_joint_that_did_not_move_has_no_figure_of_its_own(run: Run, logs: Path) -> None:
     frame = pd.read_csv(logs / "moved2.csv")
-    frame[[name for name in frame if name.startswith(("q_2", "dq_2"))]] = 0.0
+    frame.loc[:, frame.columns.str.contains("q_2")] = 0.0
     frame.to_csv("half.csv", index=False)
     answer = run("plot", "half.csv")
     assert answer.out.split() == ["figures/velocity-torque.png", "figures/velocity-torque-joint1.png"]
