@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import matplotlib.pyplot as plt
+import pandas as pd
 import pytest
 
 from friction_audit import parallel
@@ -16,6 +17,16 @@ def test_a_sheet_and_every_joint(run: Run, logs: Path, tmp_path: Path) -> None:
     names = ["velocity-torque", "velocity-torque-joint1", "velocity-torque-joint2"]
     assert answer.out.split() == [f"figures/{name}.png" for name in names]
     assert all((tmp_path / path).stat().st_size > 10_000 for path in answer.out.split())
+
+
+@pytest.mark.usefixtures("sketched")
+def test_a_joint_that_did_not_move_has_no_figure_of_its_own(run: Run, logs: Path) -> None:
+    frame = pd.read_csv(logs / "moved2.csv")
+    frame.loc[:, frame.columns.str.contains("q_2")] = 0.0
+    frame.to_csv("half.csv", index=False)
+    answer = run("plot", "half.csv")
+    assert answer.out.split() == ["figures/velocity-torque.png", "figures/velocity-torque-joint1.png"]
+    assert "velocity-torque: no figure of joint 2 alone: did not move" in answer.err
 
 
 def test_copies_of_the_process_draw_the_same_files(run: Run, logs: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -117,6 +117,7 @@ def test_the_torque_regression_agrees_without_a_hidden_effect() -> None:
             [1.0, 1.0],
             r"moved too slowly: the speed peaks at 0\.09\d* rad/s, below the initiation threshold 0\.2 rad/s",
         ),
+        ([0.009, -0.009], [0.3, 0.3], r"hardly moved: by 0\.00\d+ rad"),
         ([0.001, -0.001], [1.0, 1.0], "did not move: the speed stays far below"),
         ([0.8, 0.7, 0.6, 0.5, 0.4], [1.0] * 5, "all motion has one direction"),
         ([0.8, -0.8], [1.0, 1.0], "fewer than 4 usable cycles; .*--thresholds auto"),
@@ -183,7 +184,9 @@ def test_a_delay_looks_like_viscous_friction_to_both_methods() -> None:
     history = estimated(interaction(t, v, np.interp(t - 0.03, t, friction(v, a))))
     regression: Any = history.joints[0].regression
     assert min(history.joints[0].viscous.value, regression.viscous.value) > 2 * VISCOUS
-    assert history.warnings == ()
+    (warning,) = history.warnings
+    assert (warning.code, warning.numbers["late"]) == ("torque_delayed", "late")
+    assert warning.numbers["ms"] == pytest.approx(30.0, rel=0.05)
 
 
 def test_the_smallest_window_is_checked() -> None:

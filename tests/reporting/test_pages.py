@@ -99,7 +99,7 @@ def test_a_drawing_has_words_a_description_and_its_own_ids() -> None:
 
 def test_the_lead_names_the_joints() -> None:
     assert lead_sentence(log_report_by_hand.cut(report(), 1, 2)) == (
-        "Friction is estimated on all 2 joints. The model misses stribeck on joint 1; "
+        "Friction is estimated on all 2 joints. The model misses Stribeck on joint 1; "
         "the model misses torque bias or asymmetric Coulomb on joint 2."
     )
 
@@ -110,7 +110,7 @@ def test_a_verdict_counts_without_an_estimate_and_a_regression_is_said() -> None
     joints = (replace(first, reason="gravity is in the torque"), replace(second, method="regression"))
     found = replace(both, estimate=replace(both.estimate, friction=replace(both.estimate.friction, joints=joints)))
     assert lead_sentence(found).startswith(
-        "Friction is estimated on joint 2 of 2. The model misses stribeck on joint 1;"
+        "Friction is estimated on 1 of 2 joints: joint 2. The model misses Stribeck on joint 1;"
     )
     assert "From torque regression, as too few energy cycles count: joint 2." in of_log(found)
 
@@ -119,6 +119,8 @@ def test_the_lead_of_a_batch_claims_no_more_than_was_tested() -> None:
     steady, bare = batch_by_hand.arm(24, 1, robot="steady"), replace(batch_by_hand.arm(3, 1, robot="short"), joints=())
     assert "short: 3 comparable sessions, at least 4 are needed" in write_page(batch_by_hand.batch(bare), {})
     page = write_page(batch_by_hand.batch(steady, bare), {})
+    assert "check lubrication" not in page
+    assert "check lubrication" in write_page(batch_by_hand.batch(batch_by_hand.arm()), {})
     assert "No drift of the friction was found on 1 arm; no answer on 1 arm." in page
 
 
@@ -157,7 +159,7 @@ def test_markdown_holds_the_tables() -> None:
     for table in tables:
         assert len({len(re.findall(r"(?<!\\)\|", row)) for row in table.splitlines()}) == 1
     assert "```sh\nfriction-audit report 'run 1.csv' -o out\n```" in text
-    assert "| named | missing: stribeck " in text
+    assert "| named | missing: Stribeck " in text
 
 
 def test_the_pdf_is_the_page_printed(monkeypatch: pytest.MonkeyPatch) -> None:

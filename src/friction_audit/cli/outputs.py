@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from friction_audit.cli.chain import check_outputs
-from friction_audit.cli.console import Voice, say
+from friction_audit.cli.console import Voice, remark, say
 from friction_audit.errors import UsageError
 from friction_audit.reporting.figures.registry import FIGURES
+from friction_audit.reporting.words import joints_label
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -107,14 +108,20 @@ class ResultFolder:
         sheet = joints[0] if len(joints) == 1 else None
         alone = joints if each_joint and sheet is None else ()
         kinds = [kind for kind in FIGURES if kind.result in results and kind.name in self.figures]
-        tasks = [(kind, joint) for kind in kinds for joint in (sheet, *alone)]
+        load_matplotlib(self.formats)  # once, and not by every copy
+        tasks = [(kind, sheet) for kind in kinds]
+        for kind in kinds:
+            empty = [one for one in alone if not kind.layout().shows(results[kind.result], one)]
+            tasks += [(kind, one) for one in alone if one not in empty]
+            if empty and not voice.quiet:
+                remark(f"{kind.name}: no figure of {joints_label(empty)} alone: {kind.layout().lacks}")
+        tasks.sort(key=lambda task: kinds.index(task[0]))
 
         def draw(k: int) -> list[bytes]:
             kind, joint = tasks[k]
             figure = label_in_unit(kind.draw(results[kind.result], joint), unit)
             return [figure_bytes(figure, suffix) for suffix in self.formats]
 
-        load_matplotlib(self.formats)  # once, and not by every copy
         contents = in_processes(draw, len(tasks), workers_for(len(tasks)))
         files = []
         for kind, joint in tasks:

@@ -102,7 +102,7 @@ def _estimate_joint(
     number, seen, rows = port.joint_numbers[column], every[column].seen, [one.rows for one in every]
     kept = own if (own.reason == KEPT).all() else own.rows(own.reason == KEPT)
     dead = dead_channel(seen, dead_torque=number in dead_torque)
-    reason = dead or missing_motion(own, settings, seen.duration_s)
+    reason = dead or missing_motion(own, settings, seen)
     alone = bool(reason) and not dead and settings.estimator == "weighted" and settings.model == "combined"
     if not reason and settings.model == "combined":
         reason = one_speed(kept)

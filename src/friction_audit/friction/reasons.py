@@ -121,10 +121,10 @@ def dead_channel(seen: Extremes, *, dead_torque: bool) -> str:
     return ""
 
 
-def missing_motion(cycles: EnergyCycles, settings: FrictionSettings, duration_s: float) -> str:
+def missing_motion(cycles: EnergyCycles, settings: FrictionSettings, seen: Extremes) -> str:
     """Say why all cycles of one joint, with its thresholds alone, allow no estimate; empty if they do."""
     if not len(cycles.joint):
-        return _no_cycle(cycles, duration_s)
+        return _no_cycle(cycles, seen.duration_s, float(seen.high[1] - seen.low[1]))
     if not cycles.sums.path_rad.any():
         return "the position never changes while the velocity does; check that q and dq are of this joint (--map q=...)"
     kept = int((cycles.reason == KEPT).sum())
@@ -155,7 +155,7 @@ def one_speed(cycles: EnergyCycles) -> str:
     )
 
 
-def _no_cycle(cycles: EnergyCycles, duration_s: float) -> str:
+def _no_cycle(cycles: EnergyCycles, duration_s: float, travel_rad: float) -> str:
     initiation, termination, fastest = (
         float(values[0]) for values in (cycles.initiation, cycles.termination, cycles.fastest)
     )
@@ -164,6 +164,8 @@ def _no_cycle(cycles: EnergyCycles, duration_s: float) -> str:
     threshold = f"the initiation threshold {initiation:.3g} {unit}"
     if fastest < STANDSTILL * initiation:
         return f"did not move: {speed} stays far below {threshold}; move back and forth"
+    if fastest <= initiation and travel_rad < LEAST_TRAVEL_RAD:
+        return f"hardly moved: by {travel_rad:.2g} rad; move back and forth"
     if fastest <= initiation:
         peak = f"{speed} peaks at {fastest:.3g} {unit}, below {threshold}"
         return f"moved too slowly: {peak}; move back and forth faster, or lower the thresholds (--thresholds auto)"

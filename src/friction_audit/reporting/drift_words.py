@@ -29,6 +29,7 @@ SHAPES = {
 }  # fmt: skip
 LARGEST_DETECTABLE = 10.0  # times the level; a larger detectable change is no information
 TWO_DIGITS = 99.5  # larger numbers of per cent are written with all their digits
+WEEK_S = 7 * 86400.0
 MOST_NAMES = 3  # sessions that a sentence names
 
 
@@ -58,7 +59,7 @@ def describe(found: CoefficientDrift, sessions: Sequence[Session]) -> str:
 
 
 def headline(found: CoefficientDrift, sessions: Sequence[Session]) -> str:
-    """Return what became of a coefficient; the sessions are read for the moments of its steps alone."""
+    """Return what became of a coefficient; the sessions are read for their moments alone."""
     name, unit = f"{NAMES[found.coefficient]} friction", UNITS[found.coefficient]
     changed = f"{name} {verb_of(found.change)} by {how_much(found.total, found.change, unit)}"
     if found.shape == "too_few":
@@ -82,7 +83,14 @@ def headline(found: CoefficientDrift, sessions: Sequence[Session]) -> str:
         trend = found.trend_per_session
         rises = f"{verb_of(trend, 'rises', 'falls')} by {how_much(words.scaled(trend, 1.0 / size), trend, unit)}"
         total = how_much(found.total, found.change, unit)
-        return f"{name} {rises} a session, {total} from the reference to the last sessions"
+        first, last = (sessions[found.sessions[k]].start_s for k in (0, -1))
+        weeks = math.nan if first is None or last is None else (last - first) / WEEK_S
+        if weeks >= 1.0:
+            weekly = trend.value * (found.sessions[-1] - found.sessions[0]) / weeks
+            rises += f" a session, about {amount(abs(weekly) / size, abs(weekly), found.coefficient)} a week"
+        else:
+            rises += " a session"
+        return f"{name} {rises}, {total} from the reference to the last sessions"
     return f"{changed} from the reference to the last sessions; a step and a slow change describe it equally well"
 
 

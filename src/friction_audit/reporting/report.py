@@ -176,8 +176,10 @@ def lead_sentence(report: LogReport) -> str:
     known = [one for one in joints if not one.friction.reason]
     if not known:
         return "Friction is estimated on no joint."
-    alone, of_all = len(joints) == 1, "" if len(known) == len(joints) else f" of {len(joints)}"
-    estimated = f"Friction is estimated on {_joints(known, len(joints))}{of_all}."
+    alone, where = len(joints) == 1, _joints(known, len(joints))
+    if len(known) < len(joints):
+        where = f"{len(known)} of {len(joints)} joints{f': {where}' if len(known) <= MOST_LISTED else ''}"
+    estimated = f"Friction is estimated on {where}."
     if alone:
         estimated = f"Friction is estimated: {friction_words(known[0].friction)}."
     groups: dict[str, list[JointReport]] = {}

@@ -144,8 +144,8 @@ def count_of(number: int, thing: str) -> str:
 
 
 def enumerate_words(words: Iterable[object]) -> str:
-    """Return words as people list them: ``1, 2 and 3``."""
-    *rest, last = map(str, words)
+    """Return words as people list them: ``1, 2 and 3``; nothing for none."""
+    *rest, last = [*map(str, words)] or [""]
     return f"{', '.join(rest)} and {last}" if rest else last
 
 

@@ -67,6 +67,10 @@ class Layout:
         figure.supylabel(_written(self.y, result))
         return figure
 
+    def shows(self, result: Any, number: int) -> bool:
+        """Return True if there is something to show of a joint."""
+        return any(self.has(result, one) for one in self.joints(result) if one.joint == number)
+
     def into(self, axes: Axes, result: Any, number: int) -> None:
         """Draw one joint, whose one panel it is, into axes, and name them."""
         self._draw_joint([axes], result, *chosen_joints(self.joints(result), number))

@@ -16,6 +16,7 @@ from friction_audit.pipeline import Diagnosis
 from friction_audit.reporting.diagnosis_words import MOST_NUMBERS, effect_numbers, joint_message, plain_names
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures import style as theme
+from friction_audit.reporting.words import enumerate_words
 
 NOMINAL, AUGMENTED = theme.FITTED, theme.GREEN
 CHARACTERS = 52  # of a line of a title
@@ -75,7 +76,7 @@ def _draw_row(panels: list[Axes], joint: JointDiagnosis, row: Row) -> None:
     if row.before is None or traces is None:
         write_verdict(panels[0], joint)
         return
-    names = plain_names(" and ".join(effect.name for effect in joint.added))
+    names = plain_names(enumerate_words(effect.name for effect in joint.added))
     contacts = ", contacts left out" if len(joint.added) < len(joint.effects) else ""
     titles = (f"{parts.joint_title(joint.joint, joint.name)}: nominal model{contacts}", f"with {names}")
     models = zip(panels, titles, (row.before, row.after), (traces.before, traces.after), strict=False)
@@ -178,8 +179,9 @@ def _draw_effect(axes: Axes, joint: JointDiagnosis, effect: NamedEffect) -> None
         x, y = mean_along(along[which], effect.torque[which])
         axes.plot(x, y, color=theme.BORDER, lw=0.9, ls=dashes, label=f"fitted, {name}", zorder=5)
     if parts.is_narrow(axes) and len(effect.parameters) <= MOST_NUMBERS:
+        numbers = fill(effect_numbers(effect).replace(" ± ", "\u00a0±\u00a0"), 56)
         axes.annotate(
-            fill(effect_numbers(effect), 56), (0.0, 0.0), (0.0, -28.0), xycoords="axes fraction",
+            numbers, (0.0, 0.0), (0.0, -28.0), xycoords="axes fraction",
             textcoords="offset points", va="top", fontsize=6.0, color=theme.MUTED,
         )  # fmt: skip
 

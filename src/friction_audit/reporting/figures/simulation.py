@@ -16,6 +16,7 @@ from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures import style as theme
 from friction_audit.reporting.figures.estimate import series_of
 from friction_audit.reporting.figures.profiles import AUGMENTED, NOMINAL, RESIDUAL, write_verdict
+from friction_audit.reporting.words import enumerate_words
 
 SHOWN = 4  # held-out cycles in a panel
 GAP = 0.04  # of the time shown, between one cycle and the next
@@ -46,7 +47,7 @@ def _draw(panels: Sequence[Axes], found: Diagnosis, joint: JointDiagnosis) -> No
         write_verdict(panels[0], joint)
         return
     pieces = shown_cycles(traces, motion)
-    names = plain_names(" and ".join(effect.name for effect in joint.added)) if alone else "the effects named"
+    names = plain_names(enumerate_words(effect.name for effect in joint.added)) if alone else "the effects named"
     with_effects = f"with {names}" if joint.added else ""
     filtered = f"measured, below {traces.corner_hz:.3g} Hz" if alone else "measured, low-passed"
     (friction,) = parts.chosen_joints(found.estimate.friction.joints, joint.joint)
