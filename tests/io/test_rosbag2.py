@@ -170,7 +170,7 @@ ROWS = 9500
 @pytest.fixture(scope="module")
 def long_bag(tmp_path_factory: pytest.TempPathFactory) -> LongBag:
     values = bags.samples(ROWS)
-    values["q"] = np.cumsum(values["dq"], axis=0) * bags.STEP_S  # the checks compare them
+    values["q"] = np.cumsum(values["dq"], axis=0) * 1e-9 * bags.STEP_NS  # the checks compare them
     return bags.write(tmp_path_factory.mktemp("long") / "bag", values), values
 
 
