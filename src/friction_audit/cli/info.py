@@ -59,10 +59,8 @@ def command(
             codes.append(error.exit_code)
             entries.append(InfoEntry(path=str(path), topics=topics, message=str(error)))
     _print(entries, voice, json=general.json)
-    if len(codes) == len(entries):
-        raise typer.Exit(max(codes))
     if codes:
-        raise typer.Exit(DAMAGED)
+        raise typer.Exit(max(codes) if len(codes) == len(entries) else DAMAGED)
     for entry in entries:
         if entry.summary is not None:
             chain.exit_if_damaged(entry.summary.log)

@@ -150,13 +150,8 @@ def render_page(page: Page, *, paper: bool = False) -> str:
     """Return the page as HTML; for paper with sections open, without script and the long tables that a screen folds."""
     script = "" if paper else _resource("page.js")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()  # the browser runs no other script
-    text = (
-        _environment()
-        .get_template("page.html.j2")
-        .render(
-            page=page, paper=paper, version=__version__, style=_resource("page.css"), script=script, script_hash=digest
-        )
-    )
+    template, style = _environment().get_template("page.html.j2"), _resource("page.css")
+    text = template.render(page=page, paper=paper, version=__version__, style=style, script=script, script_hash=digest)
     return printable(text)
 
 
