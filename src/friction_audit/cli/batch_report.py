@@ -179,8 +179,7 @@ class Batch:
 
     def recall(self, request: object) -> BatchAnswer | None:
         """Return the answer to the same request if all that was written with it is still there, else None."""
-        written = self.ledger.note(REPORTED)
-        if written is None:
+        if (written := self.ledger.note(REPORTED)) is None:
             return None
         digest, _, text = written.partition(" ")
         if digest != _digest(text):

@@ -113,8 +113,7 @@ def closing_sections(
     again = (Text(("This command makes the page again:",)), Command(command)) if command else ()
     yield Section("settings", "Settings", (*again, table), folded=True)
     lead = "Friction is estimated from the energy balance between two moments of rest. When you publish, cite"
-    parts = (Text((lead,)), Text((METHOD, PROGRAM), listed=True))
-    yield Section("cite", "How to cite", parts, folded=True)
+    yield Section("cite", "How to cite", (Text((lead,)), Text((METHOD, PROGRAM), listed=True)), folded=True)
 
 
 def flattened(settings: Mapping[str, object], before: str = "") -> Iterator[tuple[str, str]]:
