@@ -7,7 +7,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from friction_audit.batch.executor import Lost
-from friction_audit.batch.run_batch import BatchResult, Standing, drift_of_arms, gather
+from friction_audit.batch.run_batch import Standing, drift_of_arms, gather
 from friction_audit.cli import chain
 from friction_audit.cli.batch_report import RESULTS, Batch, BatchAnswer
 from friction_audit.cli.console import DAMAGED, EXCEEDED, UNTESTABLE
@@ -49,7 +49,12 @@ def write_results(batch: Batch, standing: Standing, command: str) -> tuple[Batch
 
 def _summarise(batch: Batch, standing: Standing, command: str) -> BatchSummary:
     result = gather(standing, batch.settings, batch.ledger)
-    _require_an_answer(result)
+    if not result.sessions:
+        lines = [f"{failed.path}: {failed.message}" for failed in result.failed]
+        raise InputError("\n  ".join([f"none of {len(lines)} logs can be used:", *few(lines)]))
+    if all(joint.reason for session in result.sessions for joint in session.joints):
+        lines = [f"{session.path}: {'; '.join(reason_lines(session.joints))}" for session in result.sessions]
+        raise AnalysisError("\n  ".join(["no joint of any session has an estimate:", *few(lines)]))
     report = drift_of_arms(result.sessions, batch.drift, batch.processes)
     asked = batch.settings
     every = {"reading": chain.reading_settings(asked.reading), **asdict(asked.audit), "drift": asdict(batch.drift)}
@@ -59,16 +64,6 @@ def _summarise(batch: Batch, standing: Standing, command: str) -> BatchSummary:
         report=report, failed=result.failed, exceeded=beyond, cannot_tell=unknown, warnings=result.warnings,
         settings=to_json(every), command=command, computed=result.new, known=result.known,
     )  # fmt: skip
-
-
-def _require_an_answer(result: BatchResult) -> None:
-    """Refuse a batch without a session, or without any coefficient in all of them, with the reasons."""
-    if not result.sessions:
-        lines = [f"{failed.path}: {failed.message}" for failed in result.failed]
-        raise InputError("\n  ".join([f"none of {len(lines)} logs can be used:", *few(lines)]))
-    if all(joint.reason for session in result.sessions for joint in session.joints):
-        lines = [f"{session.path}: {'; '.join(reason_lines(session.joints))}" for session in result.sessions]
-        raise AnalysisError("\n  ".join(["no joint of any session has an estimate:", *few(lines)]))
 
 
 def _write_tables(summary: BatchSummary, folder: Path) -> None:

@@ -126,8 +126,11 @@ def command(
             answer, files = write_results(batch, standing, again)
             batch.remember(request, answer, files)
     if shared.general.json:
-        for line in _document_lines(folder, standing):
-            say(line, nl=False)
+        counts = {"computed": standing.new, "known": standing.known}  # of this run
+        with (folder / RESULTS[0]).open(encoding="utf-8") as lines:
+            for line in lines:
+                count = _COUNT.fullmatch(line)
+                say(line if count is None else f'  "{count[1]}": {counts[count[1]]},\n', nl=False)
     else:
         voice.warn(answer.warnings)
         say(_COUNTS.sub(f"{standing.new} computed, {standing.known} known", answer.text, count=1), nl=False)
@@ -176,8 +179,7 @@ class Batch:
 
     def recall(self, request: object) -> BatchAnswer | None:
         """Return the answer to the same request if all that was written with it is still there, else None."""
-        written = self.ledger.note(REPORTED)
-        if written is None:
+        if (written := self.ledger.note(REPORTED)) is None:
             return None
         digest, _, text = written.partition(" ")
         if digest != _digest(text):
@@ -203,15 +205,6 @@ class Batch:
 
 def _digest(request: object) -> str:
     return hashlib.sha256(repr(request).encode()).hexdigest()
-
-
-def _document_lines(folder: Path, standing: "Standing") -> Iterator[str]:
-    """Yield the lines of the document, with what was computed and known in this run."""
-    counts = {"computed": standing.new, "known": standing.known}
-    with (folder / RESULTS[0]).open(encoding="utf-8") as lines:
-        for line in lines:
-            count = _COUNT.fullmatch(line)
-            yield line if count is None else f'  "{count[1]}": {counts[count[1]]},\n'
 
 
 def _settings(sessions: SessionOptions, friction: opt.EstimateOptions, shared: opt.LogOptions) -> "BatchSettings":

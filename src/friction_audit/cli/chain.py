@@ -150,10 +150,7 @@ def exit_for_bugs(bugs: Iterable[tuple[str, str]], voice: Voice) -> None:
 
 
 def check_outputs(paths: Sequence[Path], *, overwrite: bool, log: Path | None = None, folder: bool = False) -> None:
-    """Refuse outputs that could not be written or must not be, before anything long is done.
-
-    The log that they are made from is never replaced; ``folder``: they are folders.
-    """
+    """Refuse outputs (``folder``: folders) that could not be written or must not be, before anything long is done."""
     if log is not None:
         for path in paths:
             keep_input(path, log)

@@ -1,8 +1,4 @@
-"""Options with a choice of names, and values that several options share.
-
-Names come from the registries and settings that they belong to; those whose module loads numerics are asked for when a
-shell completes them.
-"""
+"""Options with a choice of names, and values that several options share."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields
@@ -35,7 +31,7 @@ EXPORTS = ("mcap", "csv", "parquet")
 
 
 def names_in(module: str, registry: str) -> list[str]:
-    """Return the names in a registry whose module loads numerics."""
+    """Return the names in a registry whose module loads numerics, asked for when a shell completes them."""
     return [one.name for one in getattr(import_module(f"friction_audit.{module}"), registry)]
 
 
@@ -127,9 +123,8 @@ def parse_joints(text: str | None) -> tuple[int, ...] | None:
 
 def parse_numbers(option: str, text: str, names: tuple[str, ...]) -> tuple[float, ...]:
     """Return the numbers of ``"0.2,0.05"``, one per name."""
-    parts = text.split(",")
     try:
-        numbers = tuple(float(part) for part in parts)
+        numbers = tuple(map(float, text.split(",")))
     except ValueError as error:
         raise UsageError(f"{option} {text}: expected numbers {','.join(names)}") from error
     if len(numbers) != len(names):

@@ -87,10 +87,7 @@ class Voice:
 
     @contextmanager
     def step(self, name: str) -> Iterator[Report | None]:
-        """Show that a step is under way, on a terminal and only if it takes long.
-
-        Yield what takes the share of it that is done, None where it is not shown.
-        """
+        """Show that a step is under way, on a terminal and only if it takes long; yield what takes the share done."""
         with (
             nullcontext(self) if self.course else self.stages(1) as voice,
             self._timed(name),

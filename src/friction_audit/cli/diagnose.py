@@ -74,9 +74,7 @@ def command(
     voice, again = shared.general.voice, shared.overwrite
     audit, reading = chain.audit_settings(shared), chain.read_options(shared.reading, shared.selection)
     settings = _settings(options)
-    out = ResultFolder(
-        folder=folder, name="diagnose", figures=figures, formats=drawn.formats, exports=export, overwrite=again
-    )
+    out = ResultFolder(folder, "diagnose", figures, drawn.formats, export, overwrite=again)
     out.check(log, (DOCUMENT, MODEL), "diagnosis")
     with voice.stages([1.0, LENGTH, *[1.0] * out.stages]) as stages, ExitStack() as loading:
         loading.enter_context(chain.loading(*LOADED))

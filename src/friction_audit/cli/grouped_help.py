@@ -81,13 +81,11 @@ class GroupedCommand(LateParams, TyperCommand):
         """Write arguments and options under their headings; with ``--help`` only those that the command shows."""
         records: dict[str, list[tuple[str, str]]] = {heading: [] for heading in HEADINGS}
         for parameter in self.get_params(ctx):
-            record = parameter.get_help_record(ctx)
-            if record is not None:
+            if (record := parameter.get_help_record(ctx)) is not None:
                 heading = getattr(parameter, "rich_help_panel", None) or COMMON
                 records[ARGUMENTS if parameter.param_type_name == "argument" else heading].append(record)
         for heading, commands in HEADINGS.items():
-            shown = commands is None or self.name in commands or ctx.meta.get(EVERY)
-            if records[heading] and shown:
+            if records[heading] and (commands is None or self.name in commands or ctx.meta.get(EVERY)):
                 with formatter.section(heading):
                     formatter.write_dl(records[heading])
 
@@ -101,10 +99,7 @@ def show_every_option(context: typer.Context, wanted: bool) -> None:
 
 
 def with_option_groups(command: Callable[..., None]) -> Callable[..., None]:
-    """Return the command as Typer wants it: every dataclass parameter replaced by its fields, --dump-config served.
-
-    A field that is a dataclass itself is a group within the group.
-    """
+    """Return the command as Typer wants it: every dataclass parameter replaced by its fields, --dump-config served."""
     parameters = [p for p in inspect.signature(command).parameters.values() if p.name != CONTEXT]
     groups = {p.name: p.annotation for p in parameters if is_dataclass(p.annotation)}
     flat = [one for p in parameters for one in (_fields(p.annotation) if p.name in groups else [_keyword(p)])]
@@ -114,11 +109,10 @@ def with_option_groups(command: Callable[..., None]) -> Callable[..., None]:
         if values.get("dump_config"):
             say(dump_config(context), nl=False)
             return
-        own = "gravity" in values
-        filled = {name: _fill(group, values) for name, group in groups.items()}
         choices = [one.name.removesuffix("_hz") for one in fields(TorqueSettings)]
-        given = GIVEN.set(command_line(context, leave_out=choices) if own else "")
+        given = GIVEN.set(command_line(context, leave_out=choices) if "gravity" in values else "")
         try:
+            filled = {name: _fill(group, values) for name, group in groups.items()}
             command(**filled, **values, **({CONTEXT: context} if takes_context else {}))
         finally:
             GIVEN.reset(given)
@@ -190,8 +184,7 @@ def load_config(context: typer.Context, path: Path | None) -> Path | None:
     except ValueError as error:
         raise typer.BadParameter(f"{path}: not TOML with options: {printable(str(error))}") from error
     options = _options(context)
-    unknown = [shortened(printable(key), LONGEST_KEY) for key in values if key not in options]
-    if unknown:
+    if unknown := [shortened(printable(key), LONGEST_KEY) for key in values if key not in options]:
         few = [f"{key}{near_misses(key, tuple(options))}" for key in unknown[:MOST_NAMED]]
         more = f" and {len(unknown) - len(few)} more" if len(unknown) > len(few) else ""
         listed = "" if "?" in "".join(few) else f" (options of this command: {', '.join(options)})"

@@ -59,10 +59,8 @@ def command(
             codes.append(error.exit_code)
             entries.append(InfoEntry(path=str(path), topics=topics, message=str(error)))
     _print(entries, voice, json=general.json)
-    if len(codes) == len(entries):
-        raise typer.Exit(max(codes))
     if codes:
-        raise typer.Exit(DAMAGED)
+        raise typer.Exit(max(codes) if len(codes) == len(entries) else DAMAGED)
     for entry in entries:
         if entry.summary is not None:
             chain.exit_if_damaged(entry.summary.log)
@@ -78,8 +76,7 @@ def _read(path: Path, options: "ReadOptions", topics: "tuple[Topic, ...]", voice
     if options.has_window:
         return chain.read(path, FirstLook.of(options), voice)
     part = chain.read(path, FirstLook.of(options, t_end_s=FIRST_S), voice)
-    counts = {topic.name: topic.messages for topic in topics}
-    rows = counts.get(part.source.topic or path.name)
+    rows = {topic.name: topic.messages for topic in topics}.get(part.source.topic or path.name)
     held = "" if rows is None else f"; the file has {rows} {'messages' if part.source.topic else 'rows'}"
     message = f"the first {FIRST_S:g} s, {len(part.t)} samples{held}; --full reads the whole log"
     finding = Finding(code="first_part", message=message, amount=FIRST_S)

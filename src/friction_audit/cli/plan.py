@@ -118,8 +118,7 @@ def _tasks(source: Path | None, motion: MotionOptions, shared: opt.LogOptions) -
     else:
         arm, tasks = _tasks_of_log(source, start, shared)
     if shared.torque.drive != "auto":
-        hand = shared.torque.drive == "hand"
-        tasks = [replace(one, joint=replace(one.joint, hand=hand)) for one in tasks]
+        tasks = [replace(one, joint=replace(one.joint, hand=shared.torque.drive == "hand")) for one in tasks]
     if not tasks:
         raise InputError(f"{source}: holds no joint of --joints; name one that it has")
     if any(one.purpose for one in tasks):

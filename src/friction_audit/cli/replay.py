@@ -152,8 +152,7 @@ def _warn_of_moments(given: "ModelFile | None", log: "JointLog", voice: Voice) -
     for number, joint in enumerate(() if given is None else given.model.joints, start=1):
         if joint is None or joint.provenance.sha256 in ("", log.source.sha256):
             continue
-        names = ", ".join(term.name for term in joint.terms if term.name in MOMENTS)
-        if names:
+        if names := ", ".join(term.name for term in joint.terms if term.name in MOMENTS):
             held = f"holds for moments of {joint.provenance.log}, not of this log"
             voice.warn([f"joint {number}: {names} of the model {held}"])
 

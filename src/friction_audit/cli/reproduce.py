@@ -46,11 +46,10 @@ def command(
     names = [f"fig{number}" for number in simulation.figures]
     out = ResultFolder(folder=folder, figures=names, formats=drawing.formats, overwrite=overwrite)
     out.check()
-    chosen = [one for one in REPRODUCTIONS if one.figure in simulation.figures]
     files: list[tuple[str, str, str]] = []
     rows: list[dict[str, Any]] = []
     simulations: Simulations = {}
-    for one in chosen:
+    for one in (one for one in REPRODUCTIONS if one.figure in simulation.figures):
         with voice.step(f"simulate figure {one.figure}") as progress:
             simulations = simulate_figures([one], persons, progress, simulations)
         with voice.step(f"check and draw figure {one.figure}"):

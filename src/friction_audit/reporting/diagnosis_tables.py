@@ -6,7 +6,6 @@ from typing import Any, NamedTuple
 from friction_audit.diagnosis.result import VERDICTS, Evidence, JointDiagnosis, NamedEffect
 from friction_audit.friction.history import Coefficient
 from friction_audit.reporting import diagnosis_words as words
-from friction_audit.reporting.diagnosis_words import corrects_gravity
 from friction_audit.reporting.table import ALL, INTERVAL, JOINT, NAME, PEOPLE, Column, Get, Record, Tone, joint_column
 
 WORDS = {verdict: verdict.replace("_", " ") for verdict in VERDICTS}
@@ -206,7 +205,7 @@ def _augmented(path: str) -> Callable[[JointDiagnosis], float | None]:
 
 
 def _without_gravity(joint: JointDiagnosis) -> float | None:
-    return joint.share_explained if corrects_gravity(joint) and len(joint.added) > 1 else None
+    return joint.share_explained if words.corrects_gravity(joint) and len(joint.added) > 1 else None
 
 
 def _people(title: str, short: str, unit: str, get: Get, form: Any = ".3g", file: str = "shown") -> Column:  # noqa: ANN401

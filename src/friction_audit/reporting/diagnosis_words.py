@@ -101,8 +101,7 @@ def corrects_gravity(joint: JointDiagnosis) -> bool:
 def _todo(joint: JointDiagnosis) -> str:
     if joint.verdict == "unexplained":
         return "look at the figure residual"
-    unsure = next((one for one in joint.effects if one.alternatives), None)
-    if unsure is not None:
+    if (unsure := next((one for one in joint.effects if one.alternatives), None)) is not None:
         motion = motion_between(unsure.name, unsure.alternatives[0])
         which = "" if joint.added[:1] == (unsure,) else f" {unsure.name}"
         return f"to separate{which}: {motion.partition(':')[0].partition(';')[0]}"

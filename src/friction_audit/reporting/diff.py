@@ -122,15 +122,13 @@ def diff_lines(sides: TwoSides, exceeded: Iterable[str] = (), cannot_tell: Itera
     for name, side in (("before", sides.before), ("after", sides.after)):
         first, last = side[0].session.path, side[-1].session.path
         lines.append(f"{name}: {first if len(side) == 1 else f'{len(side)} recordings, {first} to {last}'}")
-    lines += [f"changes with 95 % intervals; p adjusted over {_tests(sides.joints)} tests (Holm)"]
+    tests = sum(isfinite(one.single_p_value) for joint in sides.joints for one in joint.coefficients)
+    lines += [f"changes with 95 % intervals; p adjusted over {tests} tests (Holm)"]
     lines += JOINT_CHANGE.people(sides.joints, "t", unit=sides.unit).lines()
-    lines += [in_unit(_sentence(joint), sides.unit) for joint in sides.joints if _tests([joint])]
+    tested = (one for one in sides.joints if any(isfinite(found.single_p_value) for found in one.coefficients))
+    lines += [in_unit(_sentence(joint), sides.unit) for joint in tested]
     lines += [f"limit exceeded: {sentence}" for sentence in exceeded]
     return lines + [f"cannot test: {sentence}" for sentence in cannot_tell]
-
-
-def _tests(joints: Iterable[JointChange]) -> int:
-    return sum(isfinite(one.single_p_value) for joint in joints for one in joint.coefficients)
 
 
 def _sentence(joint: JointChange) -> str:

@@ -104,12 +104,8 @@ def _outside(row: CoefficientRow) -> int:
 
 def _within(row: CoefficientRow) -> tuple[int, int]:
     """Return in how many sessions a change within the session is significant, and of how many it is known."""
-    every = (
-        one.within.get(row.found.coefficient, UNDETERMINED)
-        for session in row.arm.sessions
-        for one in session.joints
-        if one.joint == row.joint.joint
-    )
+    own = (one for session in row.arm.sessions for one in session.joints if one.joint == row.joint.joint)
+    every = (one.within.get(row.found.coefficient, UNDETERMINED) for one in own)
     known = [one for one in every if not math.isnan(one.low + one.high)]
     return sum(one.low > 0.0 or one.high < 0.0 for one in known), len(known)
 

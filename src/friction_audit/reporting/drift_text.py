@@ -92,10 +92,9 @@ def _limit_sentence(one: Judged) -> str:
 def junit_text(command: str, report: DriftReport, limits: Sequence[Limit], unit: str = NEWTON_METRES) -> str:
     """Return the XML of the limits of a command, a suite per limit; torques are in a unit."""
     root = ET.Element("testsuites", name=f"friction-audit {command}")
-    judged = list(judge(report, limits))
     for limit in limits:
         suite = ET.SubElement(root, "testsuite", name=limit.text)
-        for one in (one for one in judged if one.limit is limit):
+        for one in judge(report, [limit]):
             words = () if one.found is None else (f"joint {one.joint}", f"{NAMES[one.found.coefficient]} friction, ")
             place = (printable(part).replace(".", "_") for part in ("friction-audit", command, one.robot or "no arm"))
             name = f"{': '.join(words)}limit {limit.text}"

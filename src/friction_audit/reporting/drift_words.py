@@ -162,8 +162,7 @@ def joint_sentence(arm: ArmDrift, joint: JointDrift) -> str:
     """Return one sentence on a joint, without its number in front."""
     found = joint.coefficients
     messages = {one.coefficient: describe(one, arm.sessions) for one in found}
-    changed = [messages[one.coefficient] for one in found if one.drift or one.shape == "temperature"]
-    if changed:
+    if changed := [messages[one.coefficient] for one in found if one.drift or one.shape == "temperature"]:
         return "; ".join(changed) + ("; nothing else changed" if len(changed) < len(found) else "")
     alike = {text.removeprefix(f"{NAMES[name]} friction: ") for name, text in messages.items()}
     return alike.pop() if len(alike) == 1 else "; ".join(messages.values())

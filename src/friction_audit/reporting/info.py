@@ -155,8 +155,7 @@ def facts_of(summary: LogSummary) -> Iterator[tuple[str, str]]:
     checked = f"checked on {count_of(source.clock_windows, 'window')}" if source.clock_windows else "not checked"
     yield "clock", f"{source.clock}, {samples}, {checked}"
     jitter = f"jitter {1e3 * summary.jitter_s:.3g} ms" if summary.jitter_s >= ROUNDING_S else "no jitter"
-    longest = f", the longest {summary.longest_gap_s:.3g} s"
-    gaps = f"{count_of(summary.gaps, 'gap')}{longest}" if summary.gaps else "no gaps"
+    gaps = f"{count_of(summary.gaps, 'gap')}, the longest {summary.longest_gap_s:.3g} s" if summary.gaps else "no gaps"
     yield "steps", f"{jitter}, {gaps}, {count_of(summary.stale_samples, 'repeated sample')} left out"
     yield from (("channel", f"{channel} = {name}") for channel, name in source.channels.items())
     if source.torque_unit != NEWTON_METRES:

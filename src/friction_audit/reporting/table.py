@@ -1,7 +1,4 @@
-"""Specification of a result's tables: every column once.
-
-JSON documents, their schemas, files (CSV, Parquet, MCAP) and tables for people are derived from the same columns.
-"""
+"""Specification of a result's tables: every column once, for documents, their schemas, files and people."""
 
 import io
 import math

@@ -133,8 +133,7 @@ def _diagnosis(arm: ArmDrift, anchor: str) -> Iterator[html.Section]:
 
 def _session_tables(arm: ArmDrift, most: int) -> Iterator[Table]:
     """Yield the sessions that were not compared, the last ``most`` sessions, and their coefficients."""
-    left_out = [SessionRow(k, arm.sessions[k], reason) for k, reason in arm.left_out]
-    if left_out:
+    if left_out := [SessionRow(k, arm.sessions[k], reason) for k, reason in arm.left_out]:
         yield LEFT_OUT.people(left_out, caption="Sessions that were not compared, and why")
     count = len(arm.sessions)
     part = dict.fromkeys(arm.compared, "compared") | dict.fromkeys(arm.reference, "reference")

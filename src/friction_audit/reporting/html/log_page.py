@@ -6,7 +6,6 @@ from functools import lru_cache
 from types import SimpleNamespace
 
 import numpy as np
-from matplotlib.figure import Figure as Drawing
 from matplotlib.lines import Line2D
 
 from friction_audit.parallel import in_processes, workers_for
@@ -122,8 +121,7 @@ def _answer(report: made.LogReport, answered: list[made.JointReport], drawn: Dra
     if regressed := [one.joint for one in joints if one.method != "energy" and not one.reason]:
         text = f"From torque regression, as too few energy cycles count: {joints_label(regressed)}."
         yield html.Text(lines=(text,), tone="unsure")
-    without = [in_unit(line, report.unit) for line in reason_lines(joints)]
-    if without:
+    if without := [in_unit(line, report.unit) for line in reason_lines(joints)]:
         yield html.Text([f"No estimate on {line}." for line in without], tone="off" if answered else "unsure")
     if all(one.friction.reason for one in report.joints):
         yield html.Text((RECORD,))
@@ -174,8 +172,7 @@ def _friction(report: made.LogReport) -> Iterator[html.Part]:
         f"A window of up to {settings.cycles_per_point} cycles moves over the log.",
     ]
     fitted = (one.friction for one in report.joints if not one.friction.reason and one.friction.method == "energy")
-    short = [one.joint for one in fitted if one.cycles < 2 * one.window]
-    if short:
+    if short := [one.joint for one in fitted if one.cycles < 2 * one.window]:
         lines.append(f"Too few cycles for a change within the log to show: {joints_label(short)}.")
     yield html.Text(lines)
 
@@ -281,23 +278,14 @@ def _sheets(report: made.LogReport) -> Iterator[tuple[FigureKind, tuple[made.Joi
     every = [one for one in report.joints if any(one.joint in numbers for numbers in shown.values())]
     for own, which in html.sheets_of(every):
         for kind, numbers in shown.items():
-            joints = tuple(one for one in own if one.joint in numbers)
-            if joints:
+            if joints := tuple(one for one in own if one.joint in numbers):
                 yield kind, joints, f"{kind.title}{which}"
 
 
 def _figure(report: made.LogReport, kind: FigureKind, joints: tuple[made.JointReport, ...], title: str) -> html.Figure:
     numbers = tuple(one.joint for one in joints)
     drawing = label_in_unit(kind.draw(getattr(report, kind.result), numbers), report.unit)
-    _make_small(drawing)
-    every = "; ".join(f"joint {joint_label(one.joint, one.name)}: {made.joint_words(one)}" for one in joints)
-    about = in_unit(f"{title}. {every}.", report.unit)
-    return html.draw_inline(drawing, f"{kind.name}-{numbers[0]}", title=title, caption=kind.caption, description=about)
-
-
-def _make_small(drawing: Drawing) -> None:
-    """Let clouds of dots be images, and leave of curves what is visible."""
-    for line in drawing.findobj(Line2D):
+    for line in drawing.findobj(Line2D):  # clouds of dots become images, and of curves what is visible is left
         assert isinstance(line, Line2D)
         x, y = (np.asarray(data, dtype=np.float64) for data in line.get_data())
         dots = line.get_linestyle() == "None"
@@ -306,3 +294,6 @@ def _make_small(drawing: Drawing) -> None:
         if long and bool((np.diff(x) > 0.0).all() and np.isfinite(y).all()):
             line.set_data(*thin_extremes(x, y, MOST_POINTS))
         line.get_path().simplify_threshold = COARSE_PT
+    every = "; ".join(f"joint {joint_label(one.joint, one.name)}: {made.joint_words(one)}" for one in joints)
+    about = in_unit(f"{title}. {every}.", report.unit)
+    return html.draw_inline(drawing, f"{kind.name}-{numbers[0]}", title=title, caption=kind.caption, description=about)

@@ -113,8 +113,7 @@ def closing_sections(
     again = (Text(("This command makes the page again:",)), Command(command)) if command else ()
     yield Section("settings", "Settings", (*again, table), folded=True)
     lead = "Friction is estimated from the energy balance between two moments of rest. When you publish, cite"
-    parts = (Text((lead,)), Text((METHOD, PROGRAM), listed=True))
-    yield Section("cite", "How to cite", parts, folded=True)
+    yield Section("cite", "How to cite", (Text((lead,)), Text((METHOD, PROGRAM), listed=True)), folded=True)
 
 
 def flattened(settings: Mapping[str, object], before: str = "") -> Iterator[tuple[str, str]]:
@@ -150,13 +149,8 @@ def render_page(page: Page, *, paper: bool = False) -> str:
     """Return the page as HTML; for paper with sections open, without script and the long tables that a screen folds."""
     script = "" if paper else _resource("page.js")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()  # the browser runs no other script
-    text = (
-        _environment()
-        .get_template("page.html.j2")
-        .render(
-            page=page, paper=paper, version=__version__, style=_resource("page.css"), script=script, script_hash=digest
-        )
-    )
+    template, style = _environment().get_template("page.html.j2"), _resource("page.css")
+    text = template.render(page=page, paper=paper, version=__version__, style=style, script=script, script_hash=digest)
     return printable(text)
 
 
