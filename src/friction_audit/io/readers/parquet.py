@@ -216,14 +216,10 @@ class ParquetTable(ColumnTable):
         return clock
 
     def findings(self) -> tuple[Finding, ...]:
+        sizes, text = self._sizes, "{}: row group {} of {} is damaged and left out ({})"
         return tuple(
-            Finding(
-                code="damaged_numbers",
-                message=f"{column}: row group {group + 1} of {len(self._sizes)} is damaged and left out ({error})",
-                amount=float(self._sizes[group]),
-                damaged=True,
-            )
-            for (column, group), error in sorted(self._damage.items())
+            Finding("damaged_numbers", text.format(name, n + 1, len(sizes), why), amount=float(sizes[n]), damaged=True)
+            for (name, n), why in sorted(self._damage.items())
         )
 
     def _read_cells(self, wanted: Iterable[tuple[int, NDArray[Any]]], rows: NDArray[np.bool_] | None) -> None:
