@@ -88,8 +88,7 @@ def read_toml(path: Path) -> dict[str, Any]:
     if len(content) > _MOST_BYTES:
         raise ValueError(f"more than {_MOST_BYTES} bytes")
     lines = _STRING.sub(b"", content).split(b"\n")
-    number = next((i for i, line in enumerate(lines, 1) if line.count(b".") > _MOST_DOTS), None)
-    if number is not None:
+    if number := next((i for i, line in enumerate(lines, 1) if line.count(b".") > _MOST_DOTS), 0):
         raise ValueError(f"more than {_MOST_DOTS} dots in line {number}")
     try:
         return tomllib.loads(content.decode("utf-8"))
@@ -153,8 +152,7 @@ def keep_input(path: Path, log: Path) -> None:
 
 
 def _refuse(path: Path, faults: Mapping[str, bool]) -> None:
-    what = next((what for what, is_so in faults.items() if is_so), None)
-    if what is not None:
+    if what := next((what for what, is_so in faults.items() if is_so), ""):
         raise UsageError(f"{path}: {what}; nothing was written; choose another name or folder")
 
 

@@ -83,8 +83,7 @@ class Recording:
 
     def with_findings(self, *findings: Finding | None) -> "Recording":
         """Return the recording with findings added."""
-        new = filter(None, findings)
-        return replace(self, findings=(*self.findings, *new))
+        return replace(self, findings=(*self.findings, *filter(None, findings)))
 
     @property
     def rows(self) -> int:

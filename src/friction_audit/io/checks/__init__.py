@@ -91,11 +91,10 @@ class _Survey:
         if "dq" in channels:
             self._motion.take(first, t, (last_s, before["dq"]), channels["q"], channels["dq"])
             self.stale.take(first, t, before, channels)
-        if self.means is not None:
-            self.means.take(t, channels)
         self._before = {"t": t[-1:].copy()} | {name: piece[-1].copy() for name, piece in channels.items()}
         if self.means is None:
             return
+        self.means.take(t, channels)
         if first == 0:
             self.listener = self._listen(self.concluded(self._recording))
         if self.stale.marks.count:  # they will be left out, and all blocks be looked at anew

@@ -45,26 +45,21 @@ class Thinned:
 
 
 class Column:
-    """What a pass finds of one channel of all joints.
-
-    Attributes:
-        sample: Values of rows that are spread evenly over the recording, shape (m, j).
-        changed: Values after changes over LAG rows, shape (m, j).
-        lowest, highest, jump: Range and largest change between neighbouring rows, shape (j,).
-        zeroed: True where a large jump begins or ends at zero, shape (j,).
-    """
+    """What a pass finds of one channel of all joints."""
 
     def __init__(self, rows: int, joints: int, to_zero: float, whole: Float | None = None) -> None:
         """Take the least jump to or from zero that is to be noticed, and the column of a recording in memory."""
         every = max(rows // MOST_SAMPLES, 1)
         self._picked: tuple[Picked, ...] = ()
+        # Values of rows spread evenly over the recording, and values after changes over LAG rows, shape (m, j).
         if whole is None:
             self._picked = tuple(Picked(np.arange(first, rows, every), joints) for first in (0, LAG))
             self.sample, self.changed = (one.values for one in self._picked)
         else:
             self.sample, self.changed = whole[::every], whole[LAG::every]
-        self.lowest, self.highest = np.full(joints, np.inf), np.full(joints, -np.inf)
-        self.jump, self.zeroed = np.zeros(joints), np.zeros(joints, np.bool_)
+        self.lowest, self.highest = np.full(joints, np.inf), np.full(joints, -np.inf)  # range, shape (j,)
+        self.jump = np.zeros(joints)  # largest change between neighbouring rows, shape (j,)
+        self.zeroed = np.zeros(joints, np.bool_)  # true where a large jump begins or ends at zero, shape (j,)
         self._to_zero = to_zero
 
     def take(self, first: int, before: Float, piece: Float, lowest: Float, highest: Float) -> None:

@@ -166,8 +166,6 @@ _STRETCHED = 0.02
 _STRETCHED_TOO_FAR = 1.5
 _TINY = 1e-3  # no clock is wrong by more than units are: with a smaller ratio q does not follow dq at all
 _UNIT_FACTORS = (1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9)
-
-
 _TURNS, _OF_A_TURN = (2.0 * np.pi, 360.0), 0.08  # by which q jumps at the end of a turn, to this share
 
 

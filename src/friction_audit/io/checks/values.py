@@ -52,8 +52,7 @@ def leave_out_columns(recording: Recording, missing: Missing, path: str) -> Reco
 
 def leave_out_rows(recording: Recording, missing: Missing) -> Recording:
     """Leave out rows with anything missing."""
-    lost = missing.marks.count
-    if not lost:
+    if not (lost := missing.marks.count):
         return recording
     message = f"{lost} of {missing.rows} rows hold NaN, infinity or numbers beyond {_ABSURD:g}; they are left out"
     finding = Finding("non_finite", message, amount=float(lost), damaged=True)

@@ -237,8 +237,7 @@ def _refuse_no_text(path: Path, head: bytes) -> None:
         f"no text (it begins with the bytes {head[:8].hex(' ')})": b"\0" in head.rstrip(b"\0")[:_PEEK_BYTES],
         "text whose lines end in a carriage return alone": b"\r" in head and b"\n" not in head,
     }
-    found = next((kind for kind, is_so in kinds.items() if is_so), "")
-    if found:
+    if found := next((kind for kind, is_so in kinds.items() if is_so), ""):
         raise InputError(f"{path}: {found}; expected a table in UTF-8 with lines that end in a line feed; save it so")
 
 

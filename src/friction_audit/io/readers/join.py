@@ -16,10 +16,7 @@ LONGEST_GAP = 3.5  # median steps of a file; in a longer gap of it nothing is in
 
 
 def join_recordings(parts: Sequence[tuple[Path, Recording]], mapping: Mapping[str, str]) -> Recording:
-    """Return the first recording with the channels that the others have and it lacks, in the span that all cover.
-
-    Linear interpolation (``numpy.interp``) at the stamps of the first file, without extrapolation.
-    """
+    """Return the first recording with the channels that the others have and it lacks, in the span that all cover."""
     (first_path, joined), *others = parts
     stems = {channel: name.rpartition(":")[0] or name for channel, name in mapping.items()}
     held = {c: any(part.mapping.get(c, "").startswith(stem) for _, part in parts) for c, stem in stems.items()}
@@ -39,7 +36,12 @@ def join_recordings(parts: Sequence[tuple[Path, Recording]], mapping: Mapping[st
                 "that overlap; name the common clock with --map t=NAME, or join files of one recording"
             )
         joined = _with_channels(first_path, joined, path, other, stamps)
-    _refuse_lacks(parts, joined)
+    lost = [] if "q" in joined.channels else ["q"]
+    lost += [] if joined.channels.keys() & {*TORQUE_CHANNELS} else [f"a torque ({', '.join(TORQUE_CHANNELS)})"]
+    if lost:
+        contents = "; ".join(f"{path.name} has {', '.join(part.channels) or 'none'}" for path, part in parts)
+        what = f"{first_path}: no {' and no '.join(lost)}; {contents}"
+        raise InputError(f"{what}; join the file that has it with --join, or name its columns with --map")
     rows = (joined.t >= low) & (joined.t <= high)
     for channel in {"q", "dq", *TORQUE_CHANNELS} & joined.channels.keys() - parts[0][1].channels.keys():
         there = np.isfinite(joined.channels[channel]).all(axis=1)
@@ -48,21 +50,10 @@ def join_recordings(parts: Sequence[tuple[Path, Recording]], mapping: Mapping[st
     names = ", ".join(f"{', '.join(c for c in JOINT_CHANNELS if c in part.channels)} of {p.name}" for p, part in others)
     cut = f"; {outside} samples outside of the common span or in gaps are left out" if outside else ""
     message = f"joined on the clock of {first_path.name}, by linear interpolation: {names}{cut}"
-    found = Finding("joined", message, amount=float(outside))
     if outside:  # the parts of a log that --t-start and --t-end name count from its first sample all the same
         first_s = float(np.nanmin(joined.t)) if joined.first_s is None else joined.first_s
         joined = replace(joined.changed(lambda t, channels: take_rows(t, channels, rows)), first_s=first_s)
-    return joined.with_findings(found)
-
-
-def _refuse_lacks(parts: Sequence[tuple[Path, Recording]], joined: Recording) -> None:
-    """Refuse files that are no log together."""
-    lost = [] if "q" in joined.channels else ["q"]
-    lost += [] if joined.channels.keys() & {*TORQUE_CHANNELS} else [f"a torque ({', '.join(TORQUE_CHANNELS)})"]
-    if lost:
-        held = "; ".join(f"{path.name} has {', '.join(part.channels) or 'none'}" for path, part in parts)
-        what = f"{parts[0][0]}: no {' and no '.join(lost)}; {held}"
-        raise InputError(f"{what}; join the file that has it with --join, or name its columns with --map")
+    return joined.with_findings(Finding("joined", message, amount=float(outside)))
 
 
 def _on_clock_of(first_path: Path, first: Recording, path: Path, other: Recording) -> Float:
@@ -77,8 +68,7 @@ def _on_clock_of(first_path: Path, first: Recording, path: Path, other: Recordin
 
 
 def _with_channels(first_path: Path, first: Recording, path: Path, other: Recording, stamps: Float) -> Recording:
-    new = [channel for channel in other.channels if channel not in first.channels]
-    if not new:
+    if not (new := [channel for channel in other.channels if channel not in first.channels]):
         raise InputError(
             f"{path}: has {', '.join(other.channels)}, as {first_path}; expected channels that it lacks; name them "
             f"with --map, or leave out --join {path}"
@@ -93,15 +83,13 @@ def _with_channels(first_path: Path, first: Recording, path: Path, other: Record
         columns = [interpolated(first.t, stamps, values[:, joint], longest) for joint in order]
         channels[channel] = np.asfortranarray(np.column_stack(columns))
     findings = [replace(one, message=f"{path.name}: {one.message}") for one in other.findings]
-    both = [channel for channel in other.channels if channel in first.channels]
-    if both:
+    if both := [channel for channel in other.channels if channel in first.channels]:
         message = f"{', '.join(both)} of {path.name} are left out: {first_path.name} has them"
         findings.append(Finding("not_joined", message))
-    names = {channel: other.mapping[channel] for channel in new if channel in other.mapping}
     return replace(
         first,
         channels=channels,
-        mapping={**first.mapping, **names},
+        mapping={**first.mapping, **{c: other.mapping[c] for c in new if c in other.mapping}},
         robot=other.robot if first.robot == "unknown" else first.robot,
         serial=first.serial or other.serial,
         torque_unit=first.torque_unit or other.torque_unit,

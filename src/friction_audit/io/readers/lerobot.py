@@ -64,8 +64,7 @@ class _EpisodeTable(ArrayTable):
 
     def __init__(self, path: Path, arrays: Mapping[str, NDArray[Any]], features: Mapping[str, Any]) -> None:
         super().__init__(path, arrays)
-        labels: dict[int, str] = {}
-        names = list(self.names)
+        names, labels = list(self.names), dict[int, str]()
         for feature, array in arrays.items():
             motors = _motors(features.get(feature, {}).get("names"))
             cells = [cell for cell, name in enumerate(names) if name.startswith(f"{feature}[")]

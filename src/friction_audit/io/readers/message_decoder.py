@@ -268,8 +268,7 @@ class _Walk:
 
     def __init__(self, payload: bytes, types: Types, *, is_cdr: bool) -> None:
         self.payload, self.types, self.is_cdr = payload, types, is_cdr
-        self.numbers: dict[str, Leaf] = {}
-        self.strings: dict[str, tuple[str, ...]] = {}
+        self.numbers, self.strings = dict[str, Leaf](), dict[str, tuple[str, ...]]()
         self.fixed = np.zeros(len(payload), bool)
         self.position = _CDR_HEADER_BYTES if is_cdr else 0
         self.fixed[: len(_CDR_LITTLE_ENDIAN) if is_cdr else 0] = True

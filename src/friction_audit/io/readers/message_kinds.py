@@ -222,9 +222,8 @@ def _refuse_several_arms(path: Path, candidates: Sequence[Candidate]) -> None:
 
 
 def _named(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic], wanted: str) -> Candidate:
-    for candidate in candidates:
-        if candidate.topic.strip("/") == wanted.strip("/"):
-            return candidate
+    if found := next((one for one in candidates if one.topic.strip("/") == wanted.strip("/")), None):
+        return found
     there = next((topic for topic in topics if topic.name.strip("/") == wanted.strip("/")), None)
     if there is None:
         near = near_misses(wanted, [topic.name for topic in topics])

@@ -274,12 +274,10 @@ def _losses(stream: MessageStream, decoder: JointDecoder, count: int) -> Iterato
 def _joints_and_channels(decoder: JointDecoder, candidates: Sequence[Candidate]) -> Iterator[Finding]:
     """Say which joints are not of the arm, which main channels of the kind hold nothing, and which topic has them."""
     chosen = decoder.chosen
-    left_out = dict.fromkeys(name for name in chosen.names if name not in decoder.joints)
-    if left_out:  # as the joints of a gripper are
-        text = f"left out, no joints of the arm: {', '.join(left_out)}"
+    if left_out := dict.fromkeys(name for name in chosen.names if name not in decoder.joints):
+        text = f"left out, no joints of the arm: {', '.join(left_out)}"  # as the joints of a gripper are
         yield Finding("joints_left_out", text, amount=float(len(left_out)))
-    empty = [name for name in ("q", "dq", "tau_J") if name in chosen.kind.fields and name not in chosen.channels]
-    if empty:
+    if empty := [name for name in ("q", "dq", "tau_J") if name in chosen.kind.fields and name not in chosen.channels]:
         better = [c.topic for c in candidates if c is not chosen and set(empty) <= set(c.channels)]
         hint = f"; {', '.join(better)} has them: choose with --topic" if better else ""
         fields = ", ".join(chosen.kind.fields[name] for name in empty)

@@ -109,8 +109,7 @@ def _opened(path: Path) -> Iterator[zipfile.ZipFile]:
 
 def _entries(archive: zipfile.ZipFile, path: Path) -> tuple[dict[str, Entry], tuple[Finding, ...]]:
     """Return the arrays in an archive by name, and what is damaged; nothing is unpacked but headers."""
-    entries: dict[str, Entry] = {}
-    damage = []
+    entries, damage = dict[str, Entry](), list[Finding]()
     for info in archive.infolist():
         name = info.filename.removesuffix(".npy")
         if name == info.filename:

@@ -27,7 +27,6 @@ from friction_audit.presets import PRESETS
 _BATCH_ROWS, _BATCH_BYTES = 1 << 16, 6 << 20  # of which several are in memory; of fewer rows, calls take the time
 _BUFFER_BYTES = 1 << 17
 _LOOK_ROWS = 1000  # the first list that is not empty is among them: the first messages of a topic may be empty
-_NANOSECONDS = 1_000_000_000
 
 
 def read(path: Path, options: ReadOptions) -> Recording:
@@ -60,9 +59,8 @@ class ParquetTable(ColumnTable):
     def __init__(self, path: Path, file: ParquetFile) -> None:
         """Name the numbers of a row: scalars, and the elements of lists as long as the first that is not empty."""
         fields = arrow.flat(pa.Table.from_batches([], file.schema_arrow)).schema
-        self._file = file
+        self._file, self._damage = file, dict[tuple[str, int], str]()
         self._types = {field.name: field.type for field in fields}
-        self._damage: dict[tuple[str, int], str] = {}
         self._sizes = [file.metadata.row_group(group).num_rows for group in range(file.metadata.num_row_groups)]
         lists = [field.name for field in fields if arrow.is_list(field.type)]
         scalars = [field.name for field in fields if field.name not in lists]
@@ -218,14 +216,10 @@ class ParquetTable(ColumnTable):
         return clock
 
     def findings(self) -> tuple[Finding, ...]:
+        sizes, text = self._sizes, "{}: row group {} of {} is damaged and left out ({})"
         return tuple(
-            Finding(
-                code="damaged_numbers",
-                message=f"{column}: row group {group + 1} of {len(self._sizes)} is damaged and left out ({error})",
-                amount=float(self._sizes[group]),
-                damaged=True,
-            )
-            for (column, group), error in sorted(self._damage.items())
+            Finding("damaged_numbers", text.format(name, n + 1, len(sizes), why), amount=float(sizes[n]), damaged=True)
+            for (name, n), why in sorted(self._damage.items())
         )
 
     def _read_cells(self, wanted: Iterable[tuple[int, NDArray[Any]]], rows: NDArray[np.bool_] | None) -> None:

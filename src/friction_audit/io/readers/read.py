@@ -182,8 +182,7 @@ def choose_reader(path: Path) -> Reader:
     for reader in (*by_suffix, *READERS):
         if reader.recognises(path):
             return reader
-    packed = next((name for magic, name in _PACKED.items() if starts_with(path, magic)), None)
-    if packed is not None:
+    if packed := next((name for magic, name in _PACKED.items() if starts_with(path, magic)), ""):
         raise InputError(f"{path}: packed with {packed}; expected one that is not; unpack with `{packed} -d {path}`")
     what = "of no known format"
     if path.is_dir():

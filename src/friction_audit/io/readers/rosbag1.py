@@ -51,9 +51,8 @@ class Rosbag1Stream(MessageStream):
     def __init__(self, path: Path) -> None:
         super().__init__(path)
         self._connections: dict[int, dict[str, bytes]] = {}
-        self._counts = Counter[int]()
-        self._chunks: list[Chunk] = []
         self._times: dict[int, tuple[int, int]] = {}
+        self._counts, self._chunks = Counter[int](), list[Chunk]()
         self._uncounted = 0  # of the chunks, the last ones, which no index follows
         with self._open() as file:
             self._survey(file)

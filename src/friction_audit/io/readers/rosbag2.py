@@ -32,7 +32,15 @@ class Rosbag2Stream(MessageStream):
     def __init__(self, path: Path, streams: Sequence[MessageStream], metadata: str) -> None:
         """Give each type the definition that any of the files has for it."""
         super().__init__(path)
-        self._streams, (self.stated, self.notes) = streams, _stated_in(metadata)
+        listed = metadata.partition(_TOPICS)[2]
+        indent = len(listed) - len(listed.lstrip(" "))
+        items = re.split(rf"^ {{{indent}}}- ", listed, flags=re.MULTILINE)
+        found = ((_NAME.search(item), _COUNT.search(item)) for item in items)  # recorders differ in the order of keys
+        self.stated = {name[1]: int(count[1]) for name, count in found if name and count}
+        lines = metadata.partition("custom_data:")[2].splitlines()[1:]  # notes of ros2 bag record --custom-data
+        pairs = (line.partition(":") for line in lines if line[:1] in (" ", "\t"))
+        self.notes = {name.strip(" \t'\""): value.strip(" \t'\"") for name, _, value in pairs}
+        self._streams = streams
         own = [(stream, connection) for stream in streams for connection in stream.connections]
         self._places = [(stream, c.key) for stream, c in own]
         known = {c.type: c.definition for _, c in own if c.definition[1]}
@@ -98,8 +106,7 @@ def _decompress_file(path: Path, folder: Path) -> Path:
     """Decompress a storage file, one that is cut off as far as it goes."""
     import zstandard
 
-    target = folder / path.stem
-    left = bound_of(path.stat().st_size)
+    target, left = folder / path.stem, bound_of(path.stat().st_size)
     try:
         with (
             path.open("rb") as packed,
@@ -130,15 +137,3 @@ def recognises(path: Path) -> bool:
 
 
 read, topics = partial(read_messages, _opened), partial(topics_of, _opened)
-
-
-def _stated_in(metadata: str) -> tuple[dict[str, int], dict[str, str]]:
-    """Return the number of messages of each topic, and the notes of ``ros2 bag record --custom-data``."""
-    topics = metadata.partition(_TOPICS)[2]
-    indent = len(topics) - len(topics.lstrip(" "))
-    items = re.split(rf"^ {{{indent}}}- ", topics, flags=re.MULTILINE)
-    found = ((_NAME.search(item), _COUNT.search(item)) for item in items)  # recorders differ in the order of keys
-    lines = metadata.partition("custom_data:")[2].splitlines()[1:]
-    pairs = (line.partition(":") for line in lines if line[:1] in (" ", "\t"))
-    notes = {name.strip(" \t'\""): value.strip(" \t'\"") for name, _, value in pairs}
-    return {name[1]: int(count[1]) for name, count in found if name and count}, notes

@@ -58,8 +58,7 @@ def find_time(names: Sequence[str], constant: Collection[int] = ()) -> TimeColum
     first, second, *_ = [*map(str.lower, bare[:2]), "", ""]
     if second in ("success rate", "success_rate") and first in ("duration", "time"):
         return TimeColumn(cells=(0,), name=bare[0], unit="ms", clock="robot_time")  # libfranka's logToCSV
-    split = _split_stamp(bare)
-    if split is not None and split.cells[1] not in constant:
+    if (split := _split_stamp(bare)) and split.cells[1] not in constant:
         return split
     for pattern, unit, clock in _PATTERNS:
         for cell, name in enumerate(bare):

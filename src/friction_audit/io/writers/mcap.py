@@ -35,9 +35,7 @@ def write_channels(path: Path, channels: Sequence[Channel], messages: Iterable[t
         writer.start(profile=channels[0].profile if channels else "", library="friction-audit")
         found = {one.schema: (one.schema_encoding, one.schema_data) for one in channels}
         schemas = {name: writer.register_schema(name, *schema) for name, schema in found.items()}
-        keys = [
-            writer.register_channel(one.topic, one.encoding, schemas[one.schema], dict(one.notes)) for one in channels
-        ]
+        keys = [writer.register_channel(c.topic, c.encoding, schemas[c.schema], dict(c.notes)) for c in channels]
         for time, place, payload in messages:
             number = next(sequences[place])
             writer.add_message(keys[place], log_time=time, publish_time=time, data=payload, sequence=number)

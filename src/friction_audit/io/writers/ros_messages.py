@@ -5,7 +5,7 @@ import sqlite3
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import partial, reduce
 from pathlib import Path
 from typing import Any
 
@@ -85,8 +85,7 @@ def encode(log: JointLog, message: MessageType, types: "Typestore") -> Iterator[
     if not log.t.size:
         return
     sample, recorded = _blank(types, (2, message.name)), logged_channels(log)
-    arrays: dict[str, NDArray[Any]]
-    arrays = {path: recorded[channel] for channel, path in message.fields.items() if channel in recorded}
+    arrays: dict[str, NDArray[Any]] = {path: recorded[c] for c, path in message.fields.items() if c in recorded}
     for path in message.names:
         _set(sample, path, list(log.joint_names))
     for path, array in arrays.items():
@@ -112,9 +111,7 @@ def encode(log: JointLog, message: MessageType, types: "Typestore") -> Iterator[
 def _set(sample: Any, path: str, value: object) -> None:  # noqa: ANN401
     """Set a field given by its dotted path."""
     *parents, name = path.split(".")
-    for parent in parents:
-        sample = getattr(sample, parent)
-    setattr(sample, name, value)
+    setattr(reduce(getattr, parents, sample), name, value)
 
 
 def _blank(types: "Typestore", kind: Any) -> Any:  # noqa: ANN401

@@ -1,7 +1,4 @@
-"""TidyTables and trajectories -> MCAP; of tables a topic per table and joint: JSON messages with their schema.
-
-What is known at a moment of the log is stamped with that moment, what the whole log says with its last sample.
-"""
+"""TidyTables and trajectories -> MCAP; of tables a topic per table and joint: JSON messages with their schema."""
 
 import heapq
 import json
