@@ -1,13 +1,15 @@
-from friction_audit.api import diagnose_log as diagnose_log
-from friction_audit.api import estimate_log as estimate_log
-from friction_audit.api import log_from_frame as log_from_frame
-from friction_audit.api import plot as plot
-from friction_audit.api import read_log as read_log
-from friction_audit.api import replay_log as replay_log
-from friction_audit.api import report_log as report_log
-from friction_audit.api import simulate_log as simulate_log
-from friction_audit.api import to_frames as to_frames
-from friction_audit.api import write_log as write_log
+from friction_audit.api import (
+    diagnose_log as diagnose_log,
+    estimate_log as estimate_log,
+    log_from_frame as log_from_frame,
+    plot as plot,
+    read_log as read_log,
+    replay_log as replay_log,
+    report_log as report_log,
+    simulate_log as simulate_log,
+    to_frames as to_frames,
+    write_log as write_log,
+)
 from friction_audit.errors import FrictionAuditError as FrictionAuditError
 
 __version__: str

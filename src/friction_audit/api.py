@@ -12,8 +12,13 @@ from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 from friction_audit import pipeline as audit
 from friction_audit.compensation.compensators import Compensator
-from friction_audit.compensation.settings import Competitor, ModelFile, OperatorImpedance, ReplaySettings
-from friction_audit.compensation.settings import energy_compensator as energy
+from friction_audit.compensation.settings import (
+    Competitor,
+    ModelFile,
+    OperatorImpedance,
+    ReplaySettings,
+    energy_compensator as energy,
+)
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_model import ArmModel
 from friction_audit.errors import UsageError, near_misses

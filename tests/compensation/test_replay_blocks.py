@@ -4,8 +4,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from friction_audit.compensation.compensators import Coefficients, EnergyCompensator
 from friction_audit.compensation.settings import Competitor, ReplaySettings, energy_compensator

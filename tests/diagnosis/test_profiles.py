@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from statsmodels.api import OLS
 
 from friction_audit.diagnosis.problem import AXES, Curve, curve, knots_of

@@ -2,8 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
-from hypothesis import strategies as st
+from hypothesis import example, given, settings, strategies as st
 
 from friction_audit.drift.analyse import analyse_arm
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, DriftSettings

@@ -11,8 +11,7 @@ from xml.etree import ElementTree as ET
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from ruamel.yaml import YAML
 
 import friction_audit

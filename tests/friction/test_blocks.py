@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
-from hypothesis import strategies as st
+from hypothesis import example, given, settings, strategies as st
 
 from friction_audit.joint_log import Float, JointLog, median_step
 from friction_audit.log_in_blocks import LogInBlocks

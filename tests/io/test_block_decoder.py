@@ -3,8 +3,7 @@
 from typing import Any
 
 import numpy as np
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from friction_audit.io.readers.message_decoder import Layout, find_layout
 from friction_audit.io.readers.message_stream import Block, one_block

@@ -4,8 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from friction_audit.io.checks.columns import Thinned
 from friction_audit.io.readers.message_samples import MessageClock, choose_clock

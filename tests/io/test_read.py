@@ -14,8 +14,7 @@ import pytest
 import friction_audit
 from friction_audit.errors import InputError, UsageError
 from friction_audit.io.files import sha256_of
-from friction_audit.io.readers import ReadOptions, read_log
-from friction_audit.io.readers import csv as reader
+from friction_audit.io.readers import ReadOptions, csv as reader, read_log
 from friction_audit.io.readers.csv_lines import Dialect, sniff_csv
 from friction_audit.io.recording import Recording
 from friction_audit.io.writers.tables import Writer

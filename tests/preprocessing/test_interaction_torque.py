@@ -19,8 +19,7 @@ from friction_audit.preprocessing.torque_source import known_arm
 from friction_audit.reporting.sentences import sentence_of
 from friction_audit.robot import load_arm
 from tests.robot.test_arm import PENDULUM
-from tests.synthetic_interaction import choice
-from tests.synthetic_interaction import log_of as made_log
+from tests.synthetic_interaction import choice, log_of as made_log
 
 COULOMB = np.array([0.3, 0.25, 0.3, 0.4, 0.3, 0.2, 0.25])
 HAND = (0.73, -0.01, 0.0, 0.03)

@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.preprocessing.interaction import SignEvidence

@@ -9,8 +9,7 @@ import pytest
 
 from friction_audit.reporting.drift import BatchSummary
 from friction_audit.reporting.figures.registry import figure_names, figures_of
-from friction_audit.reporting.html import batch_page
-from friction_audit.reporting.html import log_page as page_of_log
+from friction_audit.reporting.html import batch_page, log_page as page_of_log
 from friction_audit.reporting.html.batch_page import draw, drawings_of, write_page
 from friction_audit.reporting.html.log_page import LOG_FIGURES, log_page
 from friction_audit.reporting.html.page import Figure, render_page

@@ -5,15 +5,12 @@ import sys
 from dataclasses import replace
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from friction_audit.errors import UsageError
 from friction_audit.reporting.figures.drift import DRIFT
 from friction_audit.reporting.figures.registry import figures_of
-from friction_audit.reporting.html import batch_page
-from friction_audit.reporting.html import log_page as page_of_log
-from friction_audit.reporting.html import page as html_page
+from friction_audit.reporting.html import batch_page, log_page as page_of_log, page as html_page
 from friction_audit.reporting.html.batch_page import write_page
 from friction_audit.reporting.html.log_page import LOG_FIGURES, log_page
 from friction_audit.reporting.html.page import Page, render_page, write_markdown, write_pdf

@@ -12,8 +12,16 @@ from scipy.integrate import cumulative_trapezoid
 
 from friction_audit.joint_log import Float
 from friction_audit.robot import Arm, load_arm
-from friction_audit.simulation import IDEAL_SENSORS, ArmSettings, Hand, Simulation, TrueMotion, bench, simulate
-from friction_audit.simulation import settings as settings_module
+from friction_audit.simulation import (
+    IDEAL_SENSORS,
+    ArmSettings,
+    Hand,
+    Simulation,
+    TrueMotion,
+    bench,
+    settings as settings_module,
+    simulate,
+)
 from friction_audit.simulation.bench import PANDA_JOINTS
 from friction_audit.simulation.settings import make_streams
 from tests.simulation.hand_at_flange import Pull, pull

@@ -5,8 +5,7 @@ from math import inf
 from typing import Any
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from friction_audit.compensation.compensators import Coefficients, EnergyCompensator
 from friction_audit.errors import UsageError

@@ -12,8 +12,7 @@ from scipy.integrate import cumulative_trapezoid
 from friction_audit.joint_log import Float
 from friction_audit.simulation import bench
 from friction_audit.simulation.bench import BenchSettings, HandGuidedPanda, Operator
-from friction_audit.simulation.effects import Hidden, load_and_place, velocity
-from friction_audit.simulation.effects import slow_and_events as slow
+from friction_audit.simulation.effects import Hidden, load_and_place, slow_and_events as slow, velocity
 from friction_audit.simulation.effects.sensors import TorqueBias
 from friction_audit.simulation.effects.structure import Backlash, JointElasticity
 from friction_audit.simulation.periodic import Sinusoid

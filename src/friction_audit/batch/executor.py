@@ -4,8 +4,7 @@ import os
 import signal
 import warnings
 from collections.abc import Callable, Generator, Iterable
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures import Executor as Pool
+from concurrent.futures import FIRST_COMPLETED, Executor as Pool, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass, field

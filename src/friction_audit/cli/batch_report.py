@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from friction_audit import __version__
-from friction_audit.cli import chain, choices
-from friction_audit.cli import options as opt
+from friction_audit.cli import chain, choices, options as opt
 from friction_audit.cli.choices import flag, group, option
 from friction_audit.cli.console import Voice, remark, say
 from friction_audit.cli.grouped_help import DRIFT, RUNNING, SESSIONS, command_line

@@ -5,8 +5,7 @@ from typing import Annotated
 
 import typer
 
-from friction_audit.cli import chain
-from friction_audit.cli import options as opt
+from friction_audit.cli import chain, options as opt
 from friction_audit.cli.choices import flag, parse_joints
 from friction_audit.cli.console import say_table
 from friction_audit.cli.grouped_help import OUTPUT

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from friction_audit.cli import chain, choices
-from friction_audit.cli import options as opt
+from friction_audit.cli import chain, choices, options as opt
 from friction_audit.cli.choices import parse_joints
 from friction_audit.cli.console import DAMAGED, EXCEEDED, UNTESTABLE
 from friction_audit.cli.outputs import ResultFolder, check_junit, show, write_junit

@@ -3,8 +3,7 @@
 from functools import partial
 from pathlib import Path
 
-from friction_audit.cli import chain, choices
-from friction_audit.cli import options as opt
+from friction_audit.cli import chain, choices, options as opt
 from friction_audit.cli.outputs import ResultFolder, show
 
 EXAMPLES = """Examples:

@@ -5,8 +5,7 @@ from typing import Annotated
 
 import typer
 
-from friction_audit.cli import chain
-from friction_audit.cli import options as opt
+from friction_audit.cli import chain, options as opt
 from friction_audit.cli.choices import group, option, parse_joints, parse_numbers
 from friction_audit.cli.grouped_help import OUTPUT
 from friction_audit.cli.outputs import show

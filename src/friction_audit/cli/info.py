@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from friction_audit.cli import chain
-from friction_audit.cli import options as opt
+from friction_audit.cli import chain, options as opt
 from friction_audit.cli.choices import flag
 from friction_audit.cli.console import DAMAGED, Voice, remark, say
 from friction_audit.cli.grouped_help import READING

@@ -7,8 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from friction_audit.cli import choices
-from friction_audit.cli import grouped_help as panel
+from friction_audit.cli import choices, grouped_help as panel
 from friction_audit.cli.choices import described, flag, group, option
 from friction_audit.cli.console import Voice
 from friction_audit.cli.grouped_help import load_config, show_every_option

@@ -6,8 +6,7 @@ from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from friction_audit.cli import chain, choices
-from friction_audit.cli import options as opt
+from friction_audit.cli import chain, choices, options as opt
 from friction_audit.cli.choices import flag, group, option, parse_numbers
 from friction_audit.cli.console import Voice
 from friction_audit.cli.grouped_help import REPLAY, TUNING

@@ -5,8 +5,7 @@ from pathlib import Path
 
 import typer
 
-from friction_audit.cli import chain, choices
-from friction_audit.cli import options as opt
+from friction_audit.cli import chain, choices, options as opt
 from friction_audit.cli.choices import group, option
 from friction_audit.cli.diagnose import joint_bugs
 from friction_audit.cli.grouped_help import OUTPUT, command_line

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from friction_audit.cli import chain, choices
-from friction_audit.cli import options as opt
+from friction_audit.cli import chain, choices, options as opt
 from friction_audit.cli.choices import completed_by, flag, group, option
 from friction_audit.cli.console import say, say_table
 from friction_audit.cli.grouped_help import OUTPUT, SIMULATION

@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from friction_audit.drift import regression
-from friction_audit.drift import report as made
+from friction_audit.drift import regression, report as made
 from friction_audit.drift.change_points import Step, find_isolated, find_steps, leave_outliers_out
 from friction_audit.drift.change_test import COLLINEAR, Verdict, judge_family
 from friction_audit.drift.covariates import CONFOUNDED, choose_comparable, shared, use_temperature

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from friction_audit.errors import InputError, UsageError
-from friction_audit.export import plain_text as text
-from friction_audit.export import robot_xml as xml
+from friction_audit.export import plain_text as text, robot_xml as xml
 from friction_audit.export.friction_law import (
     ExportedJoint,
     FittedFriction,

@@ -1,7 +1,6 @@
 """The next recording of a joint: the motion, what `diagnose` would answer after it, and the trajectory."""
 
-from collections.abc import Mapping, Sequence
-from collections.abc import Set as AbstractSet
+from collections.abc import Mapping, Sequence, Set as AbstractSet
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 

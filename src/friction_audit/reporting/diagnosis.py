@@ -9,8 +9,7 @@ import numpy as np
 from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.io.writers.tables import TidyTable
 from friction_audit.pipeline import Diagnosis
-from friction_audit.reporting import diagnosis_tables as tables
-from friction_audit.reporting import diagnosis_words as words
+from friction_audit.reporting import diagnosis_tables as tables, diagnosis_words as words
 from friction_audit.reporting.documents import CHAIN, NO_OPTIONS, chain_document
 from friction_audit.reporting.notices import SENTENCE_END, diagnose_notices, log_line, physics_of
 from friction_audit.reporting.table import Column, Document, Get, Record, to_json

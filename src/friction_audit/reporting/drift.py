@@ -12,8 +12,7 @@ from friction_audit.batch.identity import FailedLog
 from friction_audit.drift.report import SHAPES, ArmDrift, ChangePoint, CoefficientDrift, DriftReport, JointDrift
 from friction_audit.drift.session import Session
 from friction_audit.friction.history import UNDETERMINED, Coefficient
-from friction_audit.reporting import drift_words as phrases
-from friction_audit.reporting import words
+from friction_audit.reporting import drift_words as phrases, words
 from friction_audit.reporting.drift_sessions import SESSION, SessionRow
 from friction_audit.reporting.table import INTERVAL, Column, Document, Get, Record, joint_column
 

@@ -8,8 +8,7 @@ import numpy as np
 
 from friction_audit.compensation.compensators import Compensator
 from friction_audit.compensation.compensators.law import Checked, positive, within
-from friction_audit.compensation.records import FIELDS, TRACE, fresh_memory
-from friction_audit.compensation.records import pack as pack_compensators
+from friction_audit.compensation.records import FIELDS, TRACE, fresh_memory, pack as pack_compensators
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.robot.arm import load_arm

@@ -151,8 +151,7 @@ def _write_rosbag1(message: MessageType, log: JointLog, path: Path, *, lz4: bool
 
 def _write_rosbag2(message: MessageType, log: JointLog, path: Path, *, storage: str = "SQLITE3") -> None:
     """Write a bag directory."""
-    from rosbags.rosbag2 import StoragePlugin
-    from rosbags.rosbag2 import Writer as Rosbag2Writer
+    from rosbags.rosbag2 import StoragePlugin, Writer as Rosbag2Writer
 
     _fill(Rosbag2Writer(path, version=8, storage_plugin=StoragePlugin[storage]), message, log)
 

@@ -12,8 +12,7 @@ from matplotlib.figure import Figure
 from friction_audit.compensation.comparison.methods import BEST, NONE, PAPER
 from friction_audit.compensation.comparison.result import Comparison, Curve, Interval, Row
 from friction_audit.joint_log import Float
-from friction_audit.reporting.figures import panels as parts
-from friction_audit.reporting.figures import style as theme
+from friction_audit.reporting.figures import panels as parts, style as theme
 
 # Colour and dashes of each method.
 LOOKS: dict[str, tuple[str, Any]] = {

@@ -15,8 +15,7 @@ from friction_audit.drift.session import COEFFICIENTS
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.reporting import drift_words
-from friction_audit.reporting.figures import panels as parts
-from friction_audit.reporting.figures import style as theme
+from friction_audit.reporting.figures import panels as parts, style as theme
 from friction_audit.reporting.figures.style import DASHED, FILTERED, FITTED, GREEN, MUTED, Look
 from friction_audit.reporting.words import NOTHING, count_of, format_date, scaled
 

@@ -11,8 +11,7 @@ from friction_audit.friction.history import Coefficient, JointFriction
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Estimate
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
-from friction_audit.reporting.figures import panels as parts
-from friction_audit.reporting.figures import style as theme
+from friction_audit.reporting.figures import panels as parts, style as theme
 from friction_audit.reporting.words import count_of
 
 MOST_SHADED = 80  # cycles in one panel above which stripes would only be grey

@@ -10,8 +10,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from friction_audit.joint_log import Float
-from friction_audit.reporting.figures import panels as parts
-from friction_audit.reporting.figures import style as theme
+from friction_audit.reporting.figures import panels as parts, style as theme
 
 DRAWN, DRAWN_ON_SHEET = 4000, 1500  # points of a curve: more than a column has pixels
 VISCOUS = "Viscous\n[N m s/rad]"

@@ -14,8 +14,7 @@ from friction_audit.diagnosis.result import CONTACT_EVENT, JointDiagnosis, Named
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Diagnosis
 from friction_audit.reporting.diagnosis_words import MOST_NUMBERS, effect_numbers, joint_message, plain_names
-from friction_audit.reporting.figures import panels as parts
-from friction_audit.reporting.figures import style as theme
+from friction_audit.reporting.figures import panels as parts, style as theme
 from friction_audit.reporting.words import enumerate_words
 
 NOMINAL, AUGMENTED = theme.FITTED, theme.GREEN

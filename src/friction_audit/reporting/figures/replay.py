@@ -10,8 +10,7 @@ from matplotlib.axes import Axes
 
 from friction_audit.compensation.result import JointReplay, Signals
 from friction_audit.pipeline import LogReplay
-from friction_audit.reporting.figures import panels as parts
-from friction_audit.reporting.figures import style as theme
+from friction_audit.reporting.figures import panels as parts, style as theme
 from friction_audit.reporting.figures.estimate import MOST_SHADED, POINTS_PER_PERIOD, SMALLEST_SPEED_RAD_S
 
 POINTS = 4000  # of a curve: more than a column has pixels

@@ -12,8 +12,7 @@ from friction_audit.diagnosis.result import JointDiagnosis, SimulationGap, Trace
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Diagnosis
 from friction_audit.reporting.diagnosis_words import plain_names
-from friction_audit.reporting.figures import panels as parts
-from friction_audit.reporting.figures import style as theme
+from friction_audit.reporting.figures import panels as parts, style as theme
 from friction_audit.reporting.figures.estimate import series_of
 from friction_audit.reporting.figures.profiles import AUGMENTED, NOMINAL, RESIDUAL, write_verdict
 from friction_audit.reporting.words import enumerate_words

@@ -4,11 +4,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from friction_audit.drift.report import ArmDrift
-from friction_audit.reporting import drift as tables
-from friction_audit.reporting import drift_words as phrases
+from friction_audit.reporting import drift as tables, drift_words as phrases
 from friction_audit.reporting.drift_sessions import LEFT_OUT, SESSION_NUMBER, SHOWN, SessionRow, coefficient_column
-from friction_audit.reporting.figures.registry import Figure as FigureKind
-from friction_audit.reporting.figures.registry import figures_of
+from friction_audit.reporting.figures.registry import Figure as FigureKind, figures_of
 from friction_audit.reporting.html import page as html
 from friction_audit.reporting.table import Record, Table
 from friction_audit.reporting.words import count_of, enumerate_words, joint_label, joints_label

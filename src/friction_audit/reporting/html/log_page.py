@@ -9,14 +9,11 @@ import numpy as np
 from matplotlib.lines import Line2D
 
 from friction_audit.parallel import in_processes, workers_for
-from friction_audit.reporting import diagnosis_tables as tables
-from friction_audit.reporting import diagnosis_words as words
-from friction_audit.reporting import report as made
+from friction_audit.reporting import diagnosis_tables as tables, diagnosis_words as words, report as made
 from friction_audit.reporting.documents import write_document
 from friction_audit.reporting.estimate import FRICTION
 from friction_audit.reporting.figures.panels import label_in_unit, thin_extremes
-from friction_audit.reporting.figures.registry import Figure as FigureKind
-from friction_audit.reporting.figures.registry import figures_of
+from friction_audit.reporting.figures.registry import Figure as FigureKind, figures_of
 from friction_audit.reporting.html import page as html
 from friction_audit.reporting.info import MOTION, facts_of, summarize_log
 from friction_audit.reporting.notices import estimate_notices, notice_lines, notices, physics_of, reason_lines

@@ -4,8 +4,14 @@ import math
 
 import numpy as np
 
-from friction_audit.compensation.controller import FIND, INITIATION_M_S, TERMINATION_M_S, UNDER_WAY, hand_rests
-from friction_audit.compensation.controller import step as compensate
+from friction_audit.compensation.controller import (
+    FIND,
+    INITIATION_M_S,
+    TERMINATION_M_S,
+    UNDER_WAY,
+    hand_rests,
+    step as compensate,
+)
 from friction_audit.compiled import Record, compiled
 from friction_audit.joint_log import Float
 from friction_audit.simulation.effects import slow_and_events, structure
