@@ -31,10 +31,7 @@ _ALONE = ContextVar("_ALONE", default=False)
 
 @contextmanager
 def own_process() -> Iterator[None]:
-    """Say in a block that this process belongs to friction-audit.
-
-    A program that uses this package as a library may have threads that hold anything, and is not forked.
-    """
+    """Say in a block that this process is friction-audit's own: one of a user may have threads and is not forked."""
     token = _OWN.set(True)
     _tune_malloc(mapped=LARGE, kept=KEPT)
     try:
@@ -104,10 +101,7 @@ def ahead(items: Iterator[Result]) -> Iterator[Result]:
 
 
 def workers_for(pieces: int, working_bytes: int = 0) -> int:
-    """Return how many processes are to share pieces of work: 1 where this process is not to be forked.
-
-    The memory that each needs of its own, ``working_bytes``, fits into what is available.
-    """
+    """Return how many processes share work, for cores and memory (``working_bytes`` each); 1 without forks."""
     first = threading.current_thread() is threading.main_thread() and multiprocessing.parent_process() is None
     if sys.platform != "linux" or not (first and _OWN.get()) or _ALONE.get():
         return 1

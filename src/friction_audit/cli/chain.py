@@ -90,10 +90,7 @@ def untabled(log: "JointLog", notices: "Iterable[Notice]", voice: Voice) -> "lis
 
 
 def warn_about(log: "JointLog", notices: "Iterable[Notice]", voice: Voice, *, marked: bool = False) -> None:
-    """Say the warnings that a result's table does not show, under their number.
-
-    ``marked``: a table follows that shows the warnings about the physics.
-    """
+    """Say the warnings that a result's table does not show; ``marked``: it shows those about the physics."""
     from friction_audit.reporting.notices import is_physics, notice_lines
     from friction_audit.reporting.words import MARK, count_of
 

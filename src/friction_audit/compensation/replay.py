@@ -271,10 +271,7 @@ def _cautions(joint: JointReplay) -> Iterator[tuple[str, dict[str, object]]]:
 def seems_compensated(
     interaction: Interaction, cycles: EnergyCycles, friction: JointFriction, robot: str, square: float
 ) -> dict[str, object]:
-    """Return the sign that a compensator had been active where no column has its torque; empty without one.
-
-    ``square`` is the sum of the squared torque over the samples of all cycles.
-    """
+    """Return the sign of an active compensator without a column; ``square`` sums the squared torque of all cycles."""
     if interaction.compensation is not None or interaction.choice.drive != "hand" or friction.reason:
         return {}
     coefficients = {"Coulomb": friction.coulomb, "viscous": friction.viscous}

@@ -117,10 +117,7 @@ def _columns(
 
 
 def known_inertias(arm: Arm | None, choice: TorqueChoice, q: Float) -> Float:
-    """Return the inertia of each joint whose torque a model removed from the recorded one, else zero, shape (j,).
-
-    The mean diagonal of the mass matrix along the motion. [kg m^2]
-    """
+    """Return the mean inertia of each joint whose torque a model removed, else zero, shape (j,). [kg m^2]"""
     if arm is None or choice.inertia != "model":
         return np.zeros(q.shape[1])
     return np.asarray(np.mean(arm.mass_diagonal(q[:: max(len(q) // INERTIA_POSES, 1)]), axis=0))

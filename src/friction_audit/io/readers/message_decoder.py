@@ -87,10 +87,7 @@ class MessageDecoder:
 
 
 def decoder_for(connection: Connection, payloads: Iterable[bytes]) -> MessageDecoder | None:
-    """Make the decoder of a connection, from its first payloads where nothing else says what they hold.
-
-    None if its type is not known; BrokenError if the definition in the file cannot be used.
-    """
+    """Make the decoder of a connection; None if its type is not known, BrokenError if its definition is broken."""
     if connection.encoding in ("cdr", "ros1"):
         types = _find_definition(connection, payloads)
         return None if types is None or connection.type not in types else _ros_decoder(connection, types)
