@@ -11,7 +11,6 @@ from friction_audit.cli.chain import check_outputs
 from friction_audit.cli.console import Voice, remark, say
 from friction_audit.errors import UsageError
 from friction_audit.reporting.figures.registry import FIGURES
-from friction_audit.reporting.words import joints_label
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -114,6 +113,8 @@ class ResultFolder:
             empty = [one for one in alone if not kind.layout().shows(results[kind.result], one)]
             tasks += [(kind, one) for one in alone if one not in empty]
             if empty and not voice.quiet:
+                from friction_audit.reporting.words import joints_label
+
                 remark(f"{kind.name}: no figure of {joints_label(empty)} alone: {kind.layout().lacks}")
         tasks.sort(key=lambda task: kinds.index(task[0]))
 

@@ -46,8 +46,8 @@ def names_of(effect: NamedEffect, effects: Sequence[NamedEffect]) -> str:
 
 def plain_names(text: str) -> str:
     """Return a text with the names of effects as people write them, without underscores."""
-    spaced = UNDERSCORED.sub(lambda found: found[0].replace("_", " ").replace("coulomb", "Coulomb"), text)
-    return spaced.replace("stribeck", "Stribeck")
+    spaced = UNDERSCORED.sub(lambda found: found[0].replace("_", " "), text)
+    return re.sub("coulomb|stribeck", lambda found: found[0].title(), spaced)
 
 
 def decide_words(effect: NamedEffect) -> str:
