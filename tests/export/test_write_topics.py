@@ -12,8 +12,8 @@ import pyarrow.parquet as pq
 import pytest
 from mcap.reader import make_reader
 
+from friction_audit.io.writers.mcap import write_topics
 from friction_audit.io.writers.tables import UNKNOWN_START_NS, JointRows, TidyTable, stamps_ns, to_frame, write_table
-from friction_audit.io.writers.topics import write_topics
 from friction_audit.joint_log import JointLog, Source
 
 START_S = 1_700_000_000.25

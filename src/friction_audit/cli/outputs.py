@@ -137,8 +137,8 @@ class ResultFolder:
         """Write the tables in the formats that were asked for; return their files."""
         if not self.exports:
             return []
+        from friction_audit.io.writers.mcap import write_topics
         from friction_audit.io.writers.tables import write_table
-        from friction_audit.io.writers.topics import write_topics
 
         for kind in self.exports:
             with voice.step(f"export {kind}"):

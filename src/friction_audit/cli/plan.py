@@ -54,7 +54,8 @@ def command(
     folder: Path | None = opt.folder_option(f"Also write {DOCUMENT}, {TRAJECTORY}.csv and {TRAJECTORY}.mcap to DIR."),
 ) -> None:
     """Plan the motion that separates ambiguous effects."""
-    from friction_audit.io.writers.topics import write_csv, write_mcap
+    from friction_audit.io.writers.mcap import write_trajectory
+    from friction_audit.io.writers.tables import write_trajectory_csv
     from friction_audit.planning.motion import limits_of
     from friction_audit.planning.plan import plan_task, trajectory_of
     from friction_audit.reporting.notices import notice_lines
@@ -79,8 +80,8 @@ def command(
         if folder is not None:
             trajectory = trajectory_of(plans, arm, motion.trajectory_rate)
             stem = TRAJECTORY if len(purposes) == 1 else f"{TRAJECTORY}_{purpose}"
-            out.write(f"{stem}.csv", partial(write_csv, trajectory))
-            out.write(f"{stem}.mcap", partial(write_mcap, trajectory))
+            out.write(f"{stem}.csv", partial(write_trajectory_csv, trajectory))
+            out.write(f"{stem}.mcap", partial(write_trajectory, trajectory))
             files = tuple(str(folder / f"{stem}.{kind}") for kind in ("csv", "mcap"))
         recordings.append(Recording(purpose, plans, files))
     settled = [one for one in tasks if one.purpose is None]

@@ -17,7 +17,7 @@ from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.effects.registry import effect_of, effects
 from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.friction.history import Coefficient
-from friction_audit.io.writers.topics import Trajectory
+from friction_audit.io.writers.tables import Trajectory
 from friction_audit.pipeline import estimate_log
 from friction_audit.planning import design
 from friction_audit.planning.motion import Candidate, Limits, candidates_of

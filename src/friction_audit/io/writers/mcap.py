@@ -1,15 +1,29 @@
-"""MCAP files: channels of messages, and JointLog -> ROS 1, ROS 2 and foxglove.JointStates messages."""
+"""MCAP files: of a log as ROS 1, ROS 2 and foxglove.JointStates messages, of tables of results, of a trajectory."""
 
+import heapq
 import json
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import count
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
+from friction_audit.errors import encodable
 from friction_audit.io.readers.message_kinds import JOINT_STATE
 from friction_audit.io.writers import ros_messages as ros
-from friction_audit.io.writers.tables import NANOSECONDS, Writer, logged_channels, stamps_ns
+from friction_audit.io.writers.tables import (
+    NANOSECONDS,
+    UNKNOWN_START_NS,
+    JointRows,
+    TidyTable,
+    Trajectory,
+    Writer,
+    logged_channels,
+    stamps_ns,
+)
 from friction_audit.joint_log import JointLog
 
 
@@ -140,3 +154,68 @@ MCAP_DIALECTS = (
     Writer("mcap-protobuf", ".mcap", partial(_write_foxglove, encoding="protobuf"),
            "MCAP of foxglove.JointStates as protobuf", holds=tuple(JOINT_STATE)),
 )  # fmt: skip
+
+_BLOCK = 8192  # rows that are turned into messages at once
+_JSON_TYPES = {str: "string", int: "integer", float: "number", bool: "boolean"}
+
+
+def write_topics(tables: Sequence[TidyTable], log: JointLog, path: Path) -> None:
+    """Write every table, a topic per joint, in the order of time; a part of a log has the stamps that it has there."""
+    channels, streams = list[Channel](), list[Iterator[tuple[int, int, bytes]]]()
+    for table, rows in ((one, rows) for one in tables for rows in one.rows if len(rows)):
+        title, types = f"friction_audit.{table.name}", {n: {"type": _JSON_TYPES[k]} for n, k in table.types.items()}
+        schema = {"title": title, "description": table.summary, "type": "object", "properties": types}
+        topic, notes = f"/friction_audit/joint_{rows.joint}/{table.name}", {"joint": str(rows.joint)}
+        notes["joint_name"] = encodable(rows.name)
+        streams.append(_messages(table, rows, log, len(channels)))
+        channels.append(Channel(topic, title, "jsonschema", json.dumps(schema).encode(), "json", notes=notes))
+    write_channels(path, channels, heapq.merge(*streams))
+
+
+def _messages(table: TidyTable, rows: JointRows, log: JointLog, place: int) -> Iterator[tuple[int, int, bytes]]:
+    """Yield time in the log [ns], place of the channel and message of every row, without missing numbers."""
+    begun, skipped_s = log.source.start_s, log.source.skipped_s
+    start_ns = round((UNKNOWN_START_NS / NANOSECONDS + skipped_s if begun is None else begun) * NANOSECONDS)
+    for first in range(0, len(rows), _BLOCK):
+        part = slice(first, first + _BLOCK)
+        cells = [rows.columns[name][part] for name in table.types]
+        last = np.full(len(cells[0]), log.duration_s)
+        moments = last if table.time is None else np.asarray(rows.columns[table.time][part], dtype=np.float64)
+        stamps = start_ns + np.rint(np.clip(moments, 0.0, log.duration_s) * NANOSECONDS).astype(np.int64)
+        for stamp, row in zip(stamps.tolist(), zip(*cells, strict=True), strict=True):
+            named = {
+                name: kind(value)
+                for (name, kind), value in zip(table.types.items(), row, strict=True)
+                if value is not None and (kind is not float or math.isfinite(value))
+            }
+            yield stamp, place, json.dumps(named, separators=(",", ":")).encode()
+
+
+_TRAJECTORY = ros.MessageType(
+    name="trajectory_msgs/msg/JointTrajectory",
+    topic="/joint_trajectory_controller/joint_trajectory",  # of ros2_control
+    ros=2,
+    fields={},
+)
+
+
+def write_trajectory(trajectory: Trajectory, path: Path) -> None:
+    """Write the whole trajectory as one message, as ROS 2 records it."""
+    store = ros.load_types(_TRAJECTORY)
+    types: Any = store.types
+    time, duration = types["builtin_interfaces/msg/Time"], types["builtin_interfaces/msg/Duration"]
+    none, moments = np.zeros(0), np.rint(trajectory.t * NANOSECONDS).astype(np.int64)
+    points = [
+        types["trajectory_msgs/msg/JointTrajectoryPoint"](
+            positions=q,
+            velocities=dq,
+            accelerations=ddq,
+            effort=none,
+            time_from_start=duration(*map(int, divmod(moment, NANOSECONDS))),
+        )
+        for moment, q, dq, ddq in zip(moments, *trajectory[2:], strict=True)
+    ]
+    header = types["std_msgs/msg/Header"](stamp=time(sec=0, nanosec=0), frame_id="")
+    message = types[_TRAJECTORY.name](header=header, joint_names=list(trajectory.names), points=points)
+    payload = bytes(store.serialize_cdr(message, _TRAJECTORY.name))
+    write_channels(path, (ros_channel(_TRAJECTORY, store),), [(UNKNOWN_START_NS, 0, payload)])

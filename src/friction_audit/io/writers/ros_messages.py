@@ -68,7 +68,7 @@ FRANKA_ROBOT_STATE = replace(  # franka_ros2 from v0.1.10 on
 )
 
 
-def load_types(message: MessageType) -> "Typestore":
+def load_types(message: MessageType) -> Typestore:
     """Return the types that a message is made of."""
     from rosbags.typesys import Stores, get_typestore
 
@@ -77,7 +77,7 @@ def load_types(message: MessageType) -> "Typestore":
     return store
 
 
-def encode(log: JointLog, message: MessageType, types: "Typestore") -> Iterator[tuple[int, bytes]]:
+def encode(log: JointLog, message: MessageType, types: Typestore) -> Iterator[tuple[int, bytes]]:
     """Yield (time [ns], serialised message) for every sample; a channel that was not recorded is NaN or empty.
 
     One message is serialised by rosbags; the numbers of each sample are written into copies of its bytes.
@@ -86,10 +86,11 @@ def encode(log: JointLog, message: MessageType, types: "Typestore") -> Iterator[
         return
     sample, recorded = _blank(types, (2, message.name)), logged_channels(log)
     arrays: dict[str, NDArray[Any]] = {path: recorded[c] for c, path in message.fields.items() if c in recorded}
-    for path in message.names:
-        _set(sample, path, list(log.joint_names))
-    for path, array in arrays.items():
-        _set(sample, path, np.ascontiguousarray(array[0]))
+    filled: dict[str, Any] = {path: list(log.joint_names) for path in message.names}
+    filled |= {path: np.ascontiguousarray(array[0]) for path, array in arrays.items()}
+    for path, value in filled.items():
+        *parents, name = path.split(".")
+        setattr(reduce(getattr, parents, sample), name, value)
     serialise = types.serialize_ros1 if message.ros == 1 else types.serialize_cdr
     form = bytes(serialise(sample, message.name))
     places = find_layout(form, message.name, types.fielddefs, encoding=ENCODINGS[message.ros]).numbers
@@ -97,24 +98,18 @@ def encode(log: JointLog, message: MessageType, types: "Typestore") -> Iterator[
         arrays[message.robot_time] = log.t[:, np.newaxis]
     stamps = stamps_ns(log)
     arrays["header.stamp.sec"] = np.column_stack(np.divmod(stamps, NANOSECONDS)).astype("<u4")  # and nanosec after it
-    for first in range(0, len(stamps), _BLOCK):
-        rows = slice(first, first + _BLOCK)
+    for begin in range(0, len(stamps), _BLOCK):
+        rows = slice(begin, begin + _BLOCK)
         copies = np.repeat(np.frombuffer(form, np.uint8)[np.newaxis], len(stamps[rows]), axis=0)
         for path, array in arrays.items():
             data, place = np.ascontiguousarray(array[rows]).view(np.uint8), places[path].offset
             copies[:, place : place + data.shape[1]] = data
-        filled = copies.tobytes()
+        payloads = copies.tobytes()
         for row, stamp in enumerate(stamps[rows].tolist()):
-            yield stamp, filled[row * len(form) : (row + 1) * len(form)]
+            yield stamp, payloads[row * len(form) : (row + 1) * len(form)]
 
 
-def _set(sample: Any, path: str, value: object) -> None:  # noqa: ANN401
-    """Set a field given by its dotted path."""
-    *parents, name = path.split(".")
-    setattr(reduce(getattr, parents, sample), name, value)
-
-
-def _blank(types: "Typestore", kind: Any) -> Any:  # noqa: ANN401
+def _blank(types: Typestore, kind: Any) -> Any:  # noqa: ANN401
     """Return a field, or a message, that says nothing: numbers NaN or 0, lists empty."""
     from rosbags.interfaces import Nodetype
 
@@ -130,36 +125,28 @@ def _blank(types: "Typestore", kind: Any) -> Any:  # noqa: ANN401
     return np.full(size, _blank(types, detail[0]), dtype=base)
 
 
-def _fill(bag: Any, message: MessageType, log: JointLog) -> None:  # noqa: ANN401
-    """Write one topic with a writer of rosbags."""
+def _write_bag(message: MessageType, log: JointLog, path: Path, *, storage: str = "SQLITE3", lz4: bool = False) -> None:
+    """Write one topic: a ROS 1 bag, compressed as ``rosbag record --lz4`` does, or the directory of a ROS 2 bag."""
+    from rosbags import rosbag1, rosbag2
+
     types = load_types(message)
+    bag: Any
+    if message.ros == 1:
+        bag = rosbag1.Writer(path)
+        if lz4:
+            bag.set_compression(rosbag1.Writer.CompressionFormat.LZ4)
+    else:
+        bag = rosbag2.Writer(path, version=8, storage_plugin=rosbag2.StoragePlugin[storage])
     with bag:
         connection = bag.add_connection(message.topic, message.name, typestore=types)
         for time, payload in encode(log, message, types):
             bag.write(connection, time, payload)
 
 
-def _write_rosbag1(message: MessageType, log: JointLog, path: Path, *, lz4: bool = False) -> None:
-    """Write a bag; ``lz4`` compresses, as ``rosbag record --lz4`` does."""
-    from rosbags.rosbag1 import Writer as Rosbag1Writer
-
-    bag = Rosbag1Writer(path)
-    if lz4:
-        bag.set_compression(Rosbag1Writer.CompressionFormat.LZ4)
-    _fill(bag, message, log)
-
-
-def _write_rosbag2(message: MessageType, log: JointLog, path: Path, *, storage: str = "SQLITE3") -> None:
-    """Write a bag directory."""
-    from rosbags.rosbag2 import StoragePlugin, Writer as Rosbag2Writer
-
-    _fill(Rosbag2Writer(path, version=8, storage_plugin=StoragePlugin[storage]), message, log)
-
-
 def _write_humble_db3(message: MessageType, log: JointLog, path: Path) -> None:
     """Write the storage file alone, without definitions of its messages, as ROS 2 Humble and older recorded it."""
     folder = path.with_name(f"{path.stem}_bag")
-    _write_rosbag2(message, log, folder)
+    _write_bag(message, log, folder)
     (storage,) = folder.glob("*.db3")
     with closing(sqlite3.connect(storage)) as database, database:
         database.execute("DROP TABLE message_definitions")
@@ -176,12 +163,12 @@ def ros_writer(
 
 
 BAGS = (
-    ros_writer("rosbag1-joint-state", ".bag", _write_rosbag1, JOINT_STATE_ROS1, "ROS 1 bag of sensor_msgs/JointState"),
-    ros_writer("rosbag1-franka-state", ".bag", partial(_write_rosbag1, lz4=True), FRANKA_STATE_ROS1,
+    ros_writer("rosbag1-joint-state", ".bag", _write_bag, JOINT_STATE_ROS1, "ROS 1 bag of sensor_msgs/JointState"),
+    ros_writer("rosbag1-franka-state", ".bag", partial(_write_bag, lz4=True), FRANKA_STATE_ROS1,
                "ROS 1 bag of franka_msgs/FrankaState (franka_ros 0.10), lz4"),
-    ros_writer("rosbag2-sqlite3", "", _write_rosbag2, JOINT_STATE_ROS2,
+    ros_writer("rosbag2-sqlite3", "", _write_bag, JOINT_STATE_ROS2,
                "ROS 2 bag directory of sensor_msgs/JointState, sqlite3 storage"),
-    ros_writer("rosbag2-mcap", "", partial(_write_rosbag2, storage="MCAP"), JOINT_STATE_ROS2,
+    ros_writer("rosbag2-mcap", "", partial(_write_bag, storage="MCAP"), JOINT_STATE_ROS2,
                "ROS 2 bag directory of sensor_msgs/JointState, MCAP storage"),
     ros_writer("rosbag2-db3", ".db3", _write_humble_db3, JOINT_STATE_ROS2,
                "single sqlite3 file of sensor_msgs/JointState, without definitions, as Humble records"),

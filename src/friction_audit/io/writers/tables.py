@@ -1,9 +1,9 @@
-"""What a writer is, the columns of a log as tables have them, and tables of results, joint by joint."""
+"""What a writer is; the columns of a log as tables have them; tables of results, joint by joint; trajectories."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -155,3 +155,20 @@ def _batches(schema: "pa.Schema", lots: Iterable[Lot], write_text: Callable[[str
                 column = [written[text] for text in column]
             columns.append(pa.array(column, type=field.type, from_pandas=None if is_text else True))
         yield pa.record_batch(columns, schema=schema)
+
+
+class Trajectory(NamedTuple):
+    """A trajectory of n points and j joints."""
+
+    names: tuple[str, ...]  # of the joints
+    t: Float  # time from the start, shape (n,) [s]
+    q: Float  # position, shape (n, j) [rad]
+    dq: Float  # velocity [rad/s]
+    ddq: Float  # acceleration [rad/s^2]
+
+
+def write_trajectory_csv(trajectory: Trajectory, path: Path) -> None:
+    """Write a row per point: time_s, then q, dq and ddq of every joint."""
+    heads = ["time_s", *(f"{quantity}_{name}" for quantity in ("q", "dq", "ddq") for name in trajectory.names)]
+    rows = np.column_stack(trajectory[1:])
+    np.savetxt(path, rows, fmt="%.9g", delimiter=",", header=",".join(heads), comments="", encoding="utf-8")
