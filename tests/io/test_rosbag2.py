@@ -12,7 +12,7 @@ import pytest
 import zstandard
 
 from friction_audit.errors import InputError
-from friction_audit.io.readers import list_topics, read_log, rosbag2
+from friction_audit.io.readers import list_topics, read_log
 from friction_audit.io.readers.message_decoder import _ERRORS, _FRANKA_GENERATIONS, franka_types
 from friction_audit.io.readers.reader import ReadOptions
 from tests.io import bag_writing as bags
@@ -269,12 +269,6 @@ def test_page_that_is_lost_leaves_out_its_messages_alone(tmp_path: Path) -> None
 def test_other_database(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"no table messages and no table topics.*tables are logs"):
         bags.read(execute(tmp_path / "other.db3", ("CREATE TABLE logs (id INTEGER)",)))
-
-
-def test_directory_without_storage(tmp_path: Path) -> None:
-    assert not rosbag2.recognises(tmp_path)
-    with pytest.raises(InputError, match=r"no storage file; expected \*.db3 or \*.mcap"):
-        rosbag2.read(tmp_path, ReadOptions())
 
 
 def test_a_topic_without_messages(tmp_path: Path) -> None:

@@ -20,7 +20,7 @@ _FRANKA_GENERATIONS = ("FrankaRobotState_nested", "FrankaState_flat", "FrankaSta
 _FRANKA_TYPES = ("franka_msgs/msg/FrankaState", "franka_msgs/msg/FrankaRobotState")
 _ERRORS = ("Errors_36", "Errors_41")  # which have so many flags
 _DEEPEST, _MOST_FIELDS = 64, 100_000  # the largest state message, FrankaRobotState, has some 200 fields in five levels
-_STAMP = "builtin_interfaces/msg/Time"
+_SECONDS = {"sec", "secs", "seconds"}  # in the fields of a time stamp
 # Node types of rosbags; 1 is a base type, 4 a sequence, whose length lies before it.
 _MESSAGE, _ARRAY = 2, 3
 _CDR_HEADER_BYTES = 4
@@ -31,6 +31,7 @@ _NUMBER_TYPES = {"bool": "u1", "byte": "u1", "char": "u1", "int8": "i1", "uint8"
                  "float64": "<f8"}  # fmt: skip
 
 Records = NDArray[np.void]
+Fields = Iterator[tuple[str, Any, bool]]  # name of each field of a message, what it holds if fields, whether in a list
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +97,7 @@ def decoder_for(connection: Connection, payloads: Iterable[bytes]) -> MessageDec
     paths = dict[str, None]()
     for payload in payloads if connection.encoding == "json" else ():
         with suppress(ValueError, RecursionError):
-            paths |= dict.fromkeys(_json_paths(json.loads(payload)))  # lists may be empty in the first message
+            paths |= dict.fromkeys(_paths(json.loads(payload), _json_fields))  # lists may be empty in the first message
     return MessageDecoder(tuple(paths), json.loads, (ValueError, RecursionError)) if paths else None
 
 
@@ -113,8 +114,13 @@ def _ros_decoder(connection: Connection, types: Types) -> MessageDecoder:
         made.register(types)
         return made.deserialize_cdr if encoding == "cdr" else made.deserialize_ros1
 
+    def fields_of(typename: str) -> Fields:
+        for field, description in types[typename][1]:
+            is_message, kind, size = _element_of(description)
+            yield field, kind if is_message else None, size is not None
+
     try:
-        paths = tuple(_ros_paths(name, types))
+        paths = tuple(_paths(name, fields_of))
     except KeyError as error:
         raise BrokenError(f"its definition does not say what {error} is") from error
     layout = partial(find_layout, typename=name, types=types, encoding=encoding)
@@ -136,7 +142,11 @@ def _protobuf_decoder(connection: Connection) -> MessageDecoder:
         raise BrokenError(f"its protobuf descriptors cannot be used ({error})") from error
     if decode is None:
         raise BrokenError(f"its schema is of encoding {language!r}, not protobuf")
-    return MessageDecoder(tuple(_protobuf_paths(decode(b"").DESCRIPTOR)), decode, (DecodeError,))
+
+    def fields_of(message: Any) -> Fields:  # noqa: ANN401
+        yield from ((field.name, field.message_type, field.is_repeated) for field in message.fields)
+
+    return MessageDecoder(tuple(_paths(decode(b"").DESCRIPTOR, fields_of)), decode, (DecodeError,))
 
 
 def _find_definition(connection: Connection, payloads: Iterable[bytes]) -> Types | None:
@@ -208,31 +218,20 @@ def franka_types(names: Sequence[str], own: str) -> Types:
     return found
 
 
-def _ros_paths(typename: str, types: Types, prefix: str = "") -> Iterator[str]:
-    for name, description in types[typename][1]:
-        path, (is_message, detail, length) = prefix + name, _element_of(description)
-        if not is_message or (length is None and detail == _STAMP):
+def _paths(message: Any, fields_of: Callable[[Any], Fields], prefix: str = "") -> Iterator[str]:  # noqa: ANN401
+    """Yield the dotted paths of numbers, texts and time stamps, one level of nesting deep."""
+    for name, inner, is_list in fields_of(message):
+        path = prefix + name
+        if inner is None or (not is_list and any(one in _SECONDS for one, *_ in fields_of(inner))):
             yield path
         elif not prefix:
-            yield from _ros_paths(detail, types, f"{path}." if length is None else f"{path}[].")
+            yield from _paths(inner, fields_of, f"{path}[]." if is_list else f"{path}.")
 
 
-def _json_paths(message: object, prefix: str = "") -> Iterator[str]:
+def _json_fields(message: object) -> Fields:
     for name, value in message.items() if isinstance(message, Mapping) else ():
-        path = f"{prefix}{name}"
-        yield path
-        if isinstance(value, Mapping) and not prefix:
-            yield from _json_paths(value, f"{path}.")
-        elif isinstance(value, list) and value and not prefix:
-            yield from _json_paths(value[0], f"{path}[].")
-
-
-def _protobuf_paths(descriptor: object, prefix: str = "") -> Iterator[str]:
-    for field in descriptor.fields:  # type: ignore[attr-defined]
-        path = f"{prefix}{field.name}"
-        yield path
-        if field.message_type is not None and not prefix:
-            yield from _protobuf_paths(field.message_type, f"{path}[]." if field.is_repeated else f"{path}.")
+        inner = value[0] if isinstance(value, list) and value else value
+        yield name, inner if isinstance(inner, Mapping) else None, isinstance(value, list)
 
 
 def find_layout(payload: bytes, typename: str, types: Types, *, encoding: str) -> Layout:
@@ -283,31 +282,27 @@ class _Walk:
                 if (kind := _NUMBER_TYPES.get(detail[0])) is None:
                     raise BrokenError(f"{path} is of type {detail[0]}")
                 width = np.dtype(kind).itemsize
-                self.align(width if count else 1)
-                self.numbers[path] = Leaf(self.position, kind, count)
-                self.position += count * width
+                self.take(count, width if count else 1)
+                self.numbers[path] = Leaf(self.position - count * width, kind, count)
                 if self.position > len(self.payload):
                     raise BrokenError(f"{path} ends after the payload")
 
-    def deciding(self, size: int) -> bytes:
-        """Return bytes that decide the layout."""
-        begin, self.position = self.position, self.position + size
-        self.fixed[begin : self.position] = True
+    def take(self, count: int, width: int, *, decides: bool = False) -> bytes:
+        """Pass over elements of some bytes each; returns them, and notes if they decide the layout."""
+        if self.is_cdr:
+            self.position += -(self.position - _CDR_HEADER_BYTES) % width
+        begin, self.position = self.position, self.position + count * width
+        self.fixed[begin : self.position] |= decides
         return self.payload[begin : self.position]
 
     def length(self) -> int:
-        self.align(4)
-        (value,) = struct.unpack("<I", self.deciding(4))
+        (value,) = struct.unpack("<I", self.take(1, 4, decides=True))
         if value > len(self.payload):
             raise BrokenError(f"a sequence of {value} elements")
         return int(value)
 
     def string(self) -> str:
-        content = self.deciding(size := self.length())
+        content = self.take(size := self.length(), 1, decides=True)
         if len(content) < size or (self.is_cdr and content[-1:] != b"\x00"):
             raise BrokenError("a string without end")
         return (content[:-1] if self.is_cdr else content).decode()
-
-    def align(self, width: int) -> None:
-        if self.is_cdr:
-            self.position += -(self.position - _CDR_HEADER_BYTES) % width

@@ -85,25 +85,21 @@ def rows_of(block: Block, decoder: MessageDecoder, kind: MessageKind) -> Iterato
     wrong: tuple[type[Exception], ...] = (TypeError, ValueError, OverflowError, *decoder.errors)
     for payload in block.payloads():
         try:
-            row = _row_of(decoder.decode(payload), kind)
+            message = decoder.decode(payload)
+            names = _value_at(message, kind.names)
+            values = {channel: _numbers(_value_at(message, path)) for channel, path in kind.fields.items()}
+            robot_time = _value_at(message, kind.robot_time)
+            if robot_time is not None:  # some messages give it as a time stamp
+                stamp = _nanoseconds(robot_time)
+                robot_time = float(robot_time) if stamp is None else stamp / 1e9
+            stamps = [_nanoseconds(_value_at(message, path)) for path in kind.stamps]
         except wrong:
-            row = None
-        yield row
-
-
-def _row_of(message: object, kind: MessageKind) -> Row:
-    names = _value_at(message, kind.names)
-    names = tuple(map(str, names)) if isinstance(names, list | tuple) and any(names) else ()
-    values = {channel: _numbers(_value_at(message, path)) for channel, path in kind.fields.items()}
-    channels = {channel: array for channel, array in values.items() if array.size}
-    robot_time = _value_at(message, kind.robot_time)
-    if robot_time is not None:  # some messages give it as a time stamp
-        stamp = _nanoseconds(robot_time)
-        robot_time = float(robot_time) if stamp is None else stamp / 1e9
-    stamps = (_nanoseconds(_value_at(message, path)) for path in kind.stamps)
-    if not names:
-        names = tuple(f"joint{k + 1}" for k in range(max(map(len, channels.values()), default=0)))
-    return Row(names, channels, next((stamp for stamp in stamps if stamp is not None), None), robot_time)
+            yield None
+            continue
+        names = tuple(map(str, names)) if isinstance(names, list | tuple) and any(names) else ()
+        channels = {channel: array for channel, array in values.items() if array.size}
+        names = names or tuple(f"joint{k + 1}" for k in range(max(map(len, channels.values()), default=0)))
+        yield Row(names, channels, next((stamp for stamp in stamps if stamp is not None), None), robot_time)
 
 
 def _value_at(message: object, path: str | None) -> Any:  # noqa: ANN401
@@ -149,42 +145,29 @@ _EXPECTED = "expected fields q, dq and tau_J, or position, velocity and effort"
 _NOT_MEASURED = re.compile(r"desired|command|target|goal|motor_state|external")
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Candidate:
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Candidate(Topic):
     """A topic whose messages can be read as joint states."""
 
-    topic: str  # its name
-    type: str  # its message type
-    messages: int  # number of messages
+    messages: int
     kind: MessageKind  # which fields are which channel
     decoders: Mapping[int, MessageDecoder]  # key of each connection -> its decoder
-    rows: Sequence[Row]  # the first messages, decoded
-
-    @property
-    def names(self) -> list[str]:
-        """Names of joints in the first messages."""
-        return [name for row in self.rows for name in row.names]
-
-    @property
-    def channels(self) -> tuple[str, ...]:
-        """Channels that have content in the first messages, in the order of the kind's table."""
-        return tuple(name for name in self.kind.fields if any(name in row.channels for row in self.rows))
+    is_decoded: bool  # True if any of the first messages fits its definition
+    names: tuple[str, ...]  # of joints in the first messages
+    channels: tuple[str, ...]  # that have content in the first messages, in the order of the kind's table
 
     @property
     def choices(self) -> dict[str, str]:
         """Prefix of each arm in the messages -> what ``--topic`` calls it."""
         arms = arms_in(self.names)
-        return {arm: f"{self.topic}#{arm or UNNAMED_ARM}" if len(arms) > 1 else self.topic for arm in arms}
+        return {arm: f"{self.name}#{arm or UNNAMED_ARM}" if len(arms) > 1 else self.name for arm in arms}
 
     @property
     def preference(self) -> tuple[bool, int, bool, int]:
         """Torque before none, libfranka's own messages before others, first hand before republished, then the rate."""
-        first_hand = bool(DRIVER_NODES & set(self.topic.split("/")))
+        first_hand = bool(DRIVER_NODES & set(self.name.split("/")))
         torque = any(name in self.channels for name in TORQUE_CHANNELS)
         return not torque, self.kind.rank, not first_hand, -self.messages
-
-    def __str__(self) -> str:
-        return f"{self.topic} ({self.type}, {self.messages} messages)"
 
 
 def choose_topic(
@@ -192,7 +175,7 @@ def choose_topic(
 ) -> tuple[Candidate, tuple[str, ...], tuple[Finding, ...]]:
     """Return the topic, the joints of the arm, and what to say about it; SeveralLogsError if the user has to choose."""
     name, _, arm = (wanted or "").partition("#")
-    measured = [c for c in candidates if c.choices and not _NOT_MEASURED.search(c.topic.rsplit("/", 1)[-1])]
+    measured = [c for c in candidates if c.choices and not _NOT_MEASURED.search(c.name.rsplit("/", 1)[-1])]
     if wanted is not None:
         measured = [_named(path, candidates, topics, name)]
     elif not measured:
@@ -201,20 +184,20 @@ def choose_topic(
         _refuse_several_arms(path, measured)
     best, *others = sorted(measured, key=lambda one: one.preference)
     if not best.choices:
-        raise InputError(f"{path}: topic {best.topic} has no joints in its messages; choose another with --topic")
+        raise InputError(f"{path}: topic {best.name} has no joints in its messages; choose another with --topic")
     message = f"{best} was read; also there: {', '.join(map(str, others))}; choose with --topic"
     findings = (Finding("topic_chosen", message),) if others else ()
-    return best, choose_arm(best.names, arm, path=str(path), topic=best.topic), findings
+    return best, choose_arm(best.names, arm, path=str(path), topic=best.name), findings
 
 
 def _refuse_several_arms(path: Path, candidates: Sequence[Candidate]) -> None:
     """Refuse several arms, distinguished by the names of their joints, else by namespace."""
-    namespaces = {namespace(candidate.topic) for candidate in candidates} - {""}
+    namespaces = {namespace(candidate.name) for candidate in candidates} - {""}
     prefixes = {arm for candidate in candidates for arm in candidate.choices} - {""}
     if max(len(namespaces), len(prefixes)) <= 1:
         return
     ranked = sorted(candidates, key=lambda one: one.preference)
-    choices = [(arm_name(arm) or namespace(c.topic), choice) for c in ranked for arm, choice in c.choices.items()]
+    choices = [(arm_name(arm) or namespace(c.name), choice) for c in ranked for arm, choice in c.choices.items()]
     best = dict(reversed(choices))  # the first one of each arm
     listed = [f"--topic '{choice}' ({c.messages} messages)" for c in candidates for choice in c.choices.values()]
     message = f"{path}: several arms in one log; choose one with {' or '.join(listed)}"
@@ -222,7 +205,7 @@ def _refuse_several_arms(path: Path, candidates: Sequence[Candidate]) -> None:
 
 
 def _named(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic], wanted: str) -> Candidate:
-    if found := next((one for one in candidates if one.topic.strip("/") == wanted.strip("/")), None):
+    if found := next((one for one in candidates if one.name.strip("/") == wanted.strip("/")), None):
         return found
     there = next((topic for topic in topics if topic.name.strip("/") == wanted.strip("/")), None)
     if there is None:
@@ -233,15 +216,14 @@ def _named(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic],
 
 
 def _nothing_to_read(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic]) -> str:
-    broken = next((candidate for candidate in candidates if not candidate.rows), None)
+    broken = next((candidate for candidate in candidates if not candidate.is_decoded), None)
     what = f"no topic with measured joint states; {_EXPECTED}"
     if not any(topic.messages for topic in topics):
         what = "0 messages on any topic; expected joint states"
     elif broken:
-        what = f"the first messages on topic {broken.topic} of type {broken.type} do not fit their definition"
+        what = f"the first messages on topic {broken.name} of type {broken.type} do not fit their definition"
     return f"{path}: {what}; {_listed(topics)}; name a topic with --topic and its fields with --map, or record again"
 
 
 def _listed(topics: Sequence[Topic]) -> str:
-    listed = ", ".join(f"{topic.name} ({topic.type}, {topic.messages} messages)" for topic in topics)
-    return f"topics are {listed}" if topics else "there are no topics"
+    return f"topics are {', '.join(map(str, topics))}" if topics else "there are no topics"

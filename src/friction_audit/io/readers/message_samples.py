@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,11 +23,8 @@ _SMALLEST_CAPACITY = 1024
 Times = Mapping[str, NDArray[Any]]  # clock that all messages have -> its readings, nanoseconds as integers
 
 
-class Piece(NamedTuple):
-    """Values of some joints in n messages that follow each other."""
-
-    times: Times
-    channels: Mapping[str, Sequence[NDArray[Any]]]  # channel -> a column per joint
+# Values of some joints in messages that follow each other: the clocks, and channel -> a column per joint.
+Piece = tuple[Times, Mapping[str, Sequence[NDArray[Any]]]]
 
 
 class JointSamples:
@@ -43,18 +40,19 @@ class JointSamples:
 
     def add(self, piece: Piece) -> None:
         """Append a piece."""
-        count = len(piece.times["log_time"])
+        found, channels = piece
+        count = len(found["log_time"])
         kept = slice(-self.rows % self._every, None, self._every)
         rows = slice(self.count, self.count + len(range(count)[kept]))
         if rows.stop > len(self._times["log_time"]):
             self.resize(max(rows.stop, 2 * rows.start))
         self.rows, self.count = self.rows + count, rows.stop
         for name, array in self.channels.items():
-            for joint, column in enumerate(piece.channels[name]):
+            for joint, column in enumerate(channels[name]):
                 array[rows, joint] = column[kept]
-        self._times = {name: times for name, times in self._times.items() if name in piece.times}
+        self._times = {name: times for name, times in self._times.items() if name in found}
         for name, times in self._times.items():
-            times[rows] = piece.times[name][kept]
+            times[rows] = found[name][kept]
 
     def resize(self, rows: int) -> None:
         """Move everything, one array at a time; memory that was never written to costs nothing."""
@@ -88,7 +86,7 @@ class JointDecoder:
         records = layout.records(block, self._paths) if layout else None
         if records is None and find:
             with suppress(BrokenError):
-                layout = find(block.payload(0))
+                layout = find(next(block.payloads()))
                 records = layout.records(block, self._paths)
         if layout is None or records is None:
             return self.of_messages(block)
@@ -111,7 +109,7 @@ class JointDecoder:
             times["header_stamp"] = seconds.astype(np.int64) * _NANOSECONDS + nanoseconds
         if kind.robot_time:
             times["robot_time"] = records[kind.robot_time][:, 0]
-        return Piece(times, {name: [field[:, column] for column in columns] for name, field in fields.items()})
+        return times, {name: [field[:, column] for column in columns] for name, field in fields.items()}
 
     def of_messages(self, block: Block) -> Piece:
         """Decode message by message, with the library's decoder; one that holds none of the joints is passed over."""
@@ -135,7 +133,7 @@ class JointDecoder:
         own: dict[str, list[Any]] = {"header_stamp": stamps, "robot_time": readings}
         own["log_time"] = [log_time for log_time, *_ in found]
         times = {name: np.array(values) for name, values in own.items() if None not in values}
-        return Piece(times, {name: list(array) for name, array in arrays.items()})
+        return times, {name: list(array) for name, array in arrays.items()}
 
 
 @lru_cache(maxsize=64)

@@ -100,18 +100,10 @@ class Block:
     def __len__(self) -> int:
         return len(self.log_time)
 
-    def at(self, kept: NDArray[np.bool_]) -> "Block":
-        """Return some of the messages."""
-        return Block(self.key, self.log_time[kept], self.buffer, self.start[kept], self.size[kept])
-
-    def payload(self, index: int) -> bytes:
-        """Return one payload."""
-        first = int(self.start[index])
-        return self.buffer[first : first + int(self.size[index])]
-
     def payloads(self) -> Iterator[bytes]:
         """Yield all payloads."""
-        return map(self.payload, range(len(self)))
+        for start, size in zip(self.start.tolist(), self.size.tolist(), strict=True):
+            yield self.buffer[start : start + size]
 
 
 @dataclass(slots=True)
@@ -134,15 +126,6 @@ class Window:
         return ~(earlier | later)
 
 
-@dataclass(frozen=True, slots=True)
-class Damage:
-    """Where a file is broken."""
-
-    byte: int | None  # offset up to which it was sound, None where that is not known
-    file_bytes: int
-    reason: str
-
-
 class MessageStream(AbstractContextManager["MessageStream"]):
     """An open container of messages."""
 
@@ -156,15 +139,11 @@ class MessageStream(AbstractContextManager["MessageStream"]):
     def __init__(self, path: Path) -> None:
         """Open the file; InputError if nothing in it can be read."""
         self._path, self._bytes = path, path.stat().st_size
-        self._damage: dict[int | str, Damage] = {}
+        # What was found broken so far: file and place or reason -> what to say, and the byte up to which it was sound.
+        self.damage: dict[tuple[Path, int | str], tuple[str, int | None]] = {}
 
     def __exit__(self, *_: object) -> None:
         """Keep nothing: files are open only while they are read."""
-
-    @property
-    def damage(self) -> tuple[Damage, ...]:
-        """What was found broken so far."""
-        return tuple(self._damage.values())
 
     @abstractmethod
     def blocks(self, keys: Collection[int], window: Window | None = None) -> Iterator[Block]:
@@ -184,12 +163,13 @@ class MessageStream(AbstractContextManager["MessageStream"]):
             raise InputError(f"{self._path}: {why}") from error
 
     def _note(self, byte: int | None, reason: str, whole: int | None = None) -> None:
-        self._damage[reason if byte is None else byte] = Damage(byte, whole or self._bytes, reason)
+        place = "" if byte is None else f" at byte {byte} of {whole or self._bytes}"
+        self.damage[self._path, reason if byte is None else byte] = f"damaged{place} ({reason})", byte
 
     def _refuse_without(self, found: Collection[object], first: str) -> None:
         """Refuse a damaged file in which nothing was found."""
-        if self._damage and not found:
-            where = f"byte {min(map(int, self._damage))} of {self._bytes}"
+        if self.damage and not found:
+            where = f"byte {min(byte or 0 for _, byte in self.damage.values())} of {self._bytes}"
             raise InputError(f"{self._path}: breaks off at {where} before the first whole {first}; copy it again")
 
     def _unpack(self, offset: int, compression: str, packed: bytes, claimed: int, *, cut: bool) -> bytes | None:

@@ -66,7 +66,7 @@ def _read(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
         decoder.undecodable = decoder.incomplete = 0
         missing = _missing(stream, chosen, _collect(stream, decoder, samples))
     if not samples.count:
-        raise InputError(f"{path}: no message on {chosen.topic} can be decoded as {chosen.type}; choose another topic")
+        raise InputError(f"{path}: no message on {chosen.name} can be decoded as {chosen.type}; choose another topic")
     clock = choose_clock(samples.times)
     t, channels = clock.t[skipped:], {name: array[skipped:] for name, array in samples.channels.items()}
     if not channels:
@@ -83,7 +83,7 @@ def _read(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
         start_s=clock.start_s,
         origin_s=clock.origin_s,
         robot=_robot(joints, candidates),
-        topic=chosen.topic,
+        topic=chosen.name,
         mapping={
             name: (path.replace("[]", "[{i}]") if "[]" in path else f"{path}[{{i}}]") + units.get(name, "")
             for name, path in paths.items()
@@ -119,7 +119,7 @@ def _blocks(
 
 
 def _topics(stream: MessageStream, candidates: Sequence[Candidate]) -> tuple[Topic, ...]:
-    readable = {candidate.topic for candidate in candidates}
+    readable = {candidate.name for candidate in candidates}
     groups = defaultdict[str, list[Connection]](list)
     for connection in stream.connections:
         groups[connection.topic].append(connection)
@@ -141,9 +141,15 @@ def _candidates(path: Path, stream: MessageStream, options: ReadOptions) -> list
         except InputError as error:
             refusals.append(error)
             continue
-        if new and (old := found.setdefault(new.topic, new)) is not new and old.kind == new.kind:
-            decoders, rows = {**old.decoders, **new.decoders}, [*old.rows, *new.rows]
-            found[new.topic] = replace(old, messages=old.messages + new.messages, decoders=decoders, rows=rows)
+        if new and (old := found.setdefault(new.name, new)) is not new and old.kind == new.kind:
+            found[new.name] = replace(
+                old,
+                messages=old.messages + new.messages,
+                decoders={**old.decoders, **new.decoders},
+                is_decoded=old.is_decoded or new.is_decoded,
+                names=tuple(dict.fromkeys((*old.names, *new.names))),
+                channels=tuple(name for name in old.kind.fields if name in {*old.channels, *new.channels}),
+            )
     if refusals and (wanted is not None or not found):
         raise refusals[0]
     return list(found.values())
@@ -171,7 +177,17 @@ def _candidate(
     joints = max((len(row.names) for row in rows), default=0)
     if joints > MOST_JOINTS and is_wanted:
         raise InputError(f"{path}: {joints} joints on {topic}; expected at most {MOST_JOINTS}; choose another topic")
-    return Candidate(topic, connection.type, connection.messages, kind, {connection.key: decoder}, rows)
+    return Candidate(
+        name=topic,
+        type=connection.type,
+        messages=connection.messages,
+        readable=True,
+        kind=kind,
+        decoders={connection.key: decoder},
+        is_decoded=bool(rows),
+        names=tuple(dict.fromkeys(name for row in rows for name in row.names)),
+        channels=tuple(name for name in kind.fields if any(name in row.channels for row in rows)),
+    )
 
 
 def _first_block(stream: MessageStream, connection: Connection) -> Block | None:
@@ -204,7 +220,8 @@ def _collect(
     """Decode the messages of the topic chosen; returns how many each connection has."""
     seen: Counter[int] = Counter()
     for found in stream.blocks(list(decoder.chosen.decoders), window):
-        block = found.at(window.keeps(found.log_time, found.log_time)) if window else found
+        kept = window.keeps(found.log_time, found.log_time) if window else slice(None)
+        block = Block(found.key, found.log_time[kept], found.buffer, found.start[kept], found.size[kept])
         seen[block.key] += len(block)
         if len(block):
             samples.add(decoder.decode(block))
@@ -246,23 +263,21 @@ def _read_part(
 
 def _missing(stream: MessageStream, chosen: Candidate, seen: Mapping[int, int]) -> list[Finding]:
     """Compare the messages read with their number by the file's own index and by metadata.yaml."""
-    own = [c for c in stream.connections if c.topic == chosen.topic]
+    own = [c for c in stream.connections if c.topic == chosen.name]
     indexed = sum(max(c.messages - seen[c.key], 0) for c in own if c.key in chosen.decoders)
     found = sum(seen[c.key] if c.key in chosen.decoders else c.messages for c in own)
-    lost = max(indexed, stream.stated.get(chosen.topic, 0) - found)
+    lost = max(indexed, stream.stated.get(chosen.name, 0) - found)
     if lost <= 0:
         return []
     where = "metadata.yaml" if lost > indexed else "the index of the file"
-    text = f"{lost} of {found + lost} messages on {chosen.topic} that {where} counts are missing"
+    text = f"{lost} of {found + lost} messages on {chosen.name} that {where} counts are missing"
     return [Finding("missing_messages", text, amount=float(lost), damaged=True)]
 
 
 def _losses(stream: MessageStream, decoder: JointDecoder, count: int) -> Iterator[Finding]:
-    for d in stream.damage:
-        place = "" if d.byte is None else f" at byte {d.byte} of {d.file_bytes}"
-        text = f"the file is damaged{place} ({d.reason}); the {count} messages outside the damage were read"
-        amount = None if d.byte is None else float(d.byte)
-        yield Finding("truncated", text, amount=amount, damaged=True)
+    for damage, byte in stream.damage.values():
+        text = f"the file is {damage}; the {count} messages outside the damage were read"
+        yield Finding("truncated", text, amount=None if byte is None else float(byte), damaged=True)
     if lost := decoder.undecodable:
         text = f"{lost} messages do not fit their definition and were left out"
         yield Finding("undecodable_messages", text, amount=float(lost), damaged=True)
@@ -274,14 +289,14 @@ def _losses(stream: MessageStream, decoder: JointDecoder, count: int) -> Iterato
 def _joints_and_channels(decoder: JointDecoder, candidates: Sequence[Candidate]) -> Iterator[Finding]:
     """Say which joints are not of the arm, which main channels of the kind hold nothing, and which topic has them."""
     chosen = decoder.chosen
-    if left_out := dict.fromkeys(name for name in chosen.names if name not in decoder.joints):
+    if left_out := [name for name in chosen.names if name not in decoder.joints]:
         text = f"left out, no joints of the arm: {', '.join(left_out)}"  # as the joints of a gripper are
         yield Finding("joints_left_out", text, amount=float(len(left_out)))
     if empty := [name for name in ("q", "dq", "tau_J") if name in chosen.kind.fields and name not in chosen.channels]:
-        better = [c.topic for c in candidates if c is not chosen and set(empty) <= set(c.channels)]
+        better = [c.name for c in candidates if c is not chosen and set(empty) <= set(c.channels)]
         hint = f"; {', '.join(better)} has them: choose with --topic" if better else ""
         fields = ", ".join(chosen.kind.fields[name] for name in empty)
-        yield Finding("channel_empty", f"{chosen.topic} holds no values in {fields}{hint}")
+        yield Finding("channel_empty", f"{chosen.name} holds no values in {fields}{hint}")
 
 
 def _robot(joints: Sequence[str], candidates: Sequence[Candidate]) -> str:
@@ -289,5 +304,5 @@ def _robot(joints: Sequence[str], candidates: Sequence[Candidate]) -> str:
     robot = robot_of(joints)
     if robot != "unknown" or joints[0] != "joint1":
         return robot
-    others = {robot_of(row.names) for candidate in candidates for row in candidate.rows[:1]} - {"unknown"}
+    others = {robot_of(candidate.names) for candidate in candidates} - {"unknown"}
     return others.pop() if len(others) == 1 else "unknown"

@@ -68,12 +68,9 @@ if address_limit() < inf:  # before Arrow is loaded
 class SeveralLogsError(UsageError):
     """A log holds several arms, or a data set several episodes, and the user named none."""
 
-    def __init__(self, message: str, topics: Sequence[str]) -> None:
-        super().__init__(message, tuple(topics))
+    def __init__(self, message: str, topics: Sequence[str] = ()) -> None:
+        super().__init__(message)
         self.topics = tuple(topics)  # what --topic may say, once for each
-
-    def __str__(self) -> str:
-        return str(self.args[0])
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -172,6 +169,9 @@ class Topic:
     type: str
     messages: int | None
     readable: bool
+
+    def __str__(self) -> str:
+        return f"{self.name} ({self.type}, {self.messages} messages)"
 
 
 @dataclass(frozen=True, slots=True)

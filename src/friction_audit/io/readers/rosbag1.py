@@ -56,7 +56,7 @@ class Rosbag1Stream(MessageStream):
         self._uncounted = 0  # of the chunks, the last ones, which no index follows
         with self._open() as file:
             self._survey(file)
-        if self._damage or self._uncounted or not self._connections:
+        if self.damage or self._uncounted or not self._connections:
             counted = self._chunks[: len(self._chunks) - self._uncounted]
             for chunk, data in self._unpacked():  # connections are in the chunks themselves, too
                 for block in self._find_messages(chunk, data, None):

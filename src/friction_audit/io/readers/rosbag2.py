@@ -11,7 +11,7 @@ from tempfile import TemporaryDirectory
 from friction_audit.errors import InputError, few
 from friction_audit.io.files import METADATA, STORAGES, starts_with
 from friction_audit.io.readers.mcap import McapStream
-from friction_audit.io.readers.message_stream import MOST_TIMES_PACKED, Block, Damage, MessageStream, Window, bound_of
+from friction_audit.io.readers.message_stream import MOST_TIMES_PACKED, Block, MessageStream, Window, bound_of
 from friction_audit.io.readers.messages import read_messages, topics_of
 from friction_audit.io.readers.rosbag2_sqlite import Sqlite3Stream
 
@@ -41,16 +41,15 @@ class Rosbag2Stream(MessageStream):
         pairs = (line.partition(":") for line in lines if line[:1] in (" ", "\t"))
         self.notes = {name.strip(" \t'\""): value.strip(" \t'\"") for name, _, value in pairs}
         self._streams = streams
+        for stream in streams:
+            self.damage |= stream.damage
+            stream.damage = self.damage
         own = [(stream, connection) for stream in streams for connection in stream.connections]
         self._places = [(stream, c.key) for stream, c in own]
         known = {c.type: c.definition for _, c in own if c.definition[1]}
         self.connections = tuple(
             replace(c, key=key, definition=known.get(c.type, c.definition)) for key, (_, c) in enumerate(own)
         )
-
-    @property
-    def damage(self) -> tuple[Damage, ...]:
-        return tuple(damage for stream in self._streams for damage in stream.damage)
 
     def blocks(self, keys: Collection[int], window: Window | None = None) -> Iterator[Block]:
         for stream in self._streams:
@@ -87,8 +86,6 @@ def _storage_files(path: Path, metadata: str) -> list[Path]:
     by_number.sort(key=lambda one: [(int(part), "") if part.isdigit() else (-1, part) for part in one[0]])
     names = [name for _, name in by_number if name.endswith(_STORAGE_NAMES)]
     listed = [Path(text).name for text in _ITEM.findall(metadata) if text.endswith(_STORAGE_NAMES)]
-    if not names:
-        raise InputError(f"{path}: no storage file; expected *.db3 or *.mcap in the directory of a ROS 2 bag")
     if missing := [name for name in listed if name not in names]:
         there = f"copy the whole bag, or give one of its files alone ({', '.join(names)})"
         raise InputError(f"{path}: metadata.yaml lists {', '.join(missing)}, not to be found; {there}")

@@ -12,7 +12,8 @@ from contextlib import closing, suppress
 from functools import cached_property
 from itertools import islice, pairwise
 from pathlib import Path
-from typing import BinaryIO
+
+import numpy as np
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers.message_stream import (
@@ -38,39 +39,34 @@ class _Leaves:
     """The messages on the leaf pages of a database."""
 
     def __init__(self, path: Path, header: bytes, page_bytes: int) -> None:
-        self._path, self._size = path, page_bytes
-        self._usable, self._pages = self._size - header[20], path.stat().st_size // self._size
-        with path.open("rb") as file:
-            self._leaves = list(self._find_leaves(file, int.from_bytes(header[32:36], "big")))
+        self._pages = np.memmap(path, np.uint8, "r", shape=(path.stat().st_size // page_bytes, page_bytes))
+        self._usable = page_bytes - header[20]
+        self._numbers = list(self._in_order(int.from_bytes(header[32:36], "big")))
 
     def messages(self) -> Iterator[tuple[int, int, int, bytes]]:
         """Yield id, topic, time stamp and content."""
-        with self._path.open("rb") as file:
-            for page in (self._page(file, number) for number in self._leaves):
-                yield from (found for cell in _messages_on(page) if (found := self._message(file, page, cell)))
+        for page in map(self._page, self._numbers):
+            for cell in _messages_on(page):
+                record, first = self._record(page, cell), cell[3][0]
+                second = first + _INTEGERS[cell[4][0]]
+                third = second + _INTEGERS[cell[5][0]]
+                if len(record) == _number(cell[1]) == third + (_number(cell[6]) - 12) // 2:
+                    topic = int.from_bytes(record[first:second], "big", signed=True) + (cell[4] == b"\x09")
+                    time = int.from_bytes(record[second:third], "big", signed=True)
+                    yield _number(cell[2]), topic, time, record[third:]
 
-    def _message(self, file: BinaryIO, page: bytes, cell: re.Match[bytes]) -> tuple[int, int, int, bytes] | None:
-        record, first = self._record(file, page, cell), cell[3][0]
-        second = first + _INTEGERS[cell[4][0]]
-        third = second + _INTEGERS[cell[5][0]]
-        if not len(record) == _number(cell[1]) == third + (_number(cell[6]) - 12) // 2:
-            return None
-        topic = int.from_bytes(record[first:second], "big", signed=True) + (cell[4] == b"\x09")
-        return _number(cell[2]), topic, int.from_bytes(record[second:third], "big", signed=True), record[third:]
+    def _page(self, number: int) -> bytes:
+        return self._pages[number - 1].tobytes() if 0 < number <= len(self._pages) else b""
 
-    def _page(self, file: BinaryIO, number: int) -> bytes:
-        file.seek(max(number - 1, 0) * self._size)
-        return file.read(self._size) if 0 < number <= self._pages else b""
-
-    def _find_leaves(self, file: BinaryIO, trunk: int) -> Iterator[int]:
+    def _in_order(self, trunk: int) -> Iterator[int]:
         """Yield the leaf pages of the table of messages in the order of ids, without free pages: deleted messages."""
-        free = set[int]()
-        while 0 < trunk <= self._pages and trunk not in free:
+        free, count = set[int](), len(self._pages)
+        while 0 < trunk <= count and trunk not in free:
             free.add(trunk)
-            trunk, listed, *numbers = struct.unpack(f">{self._size // 4}I", self._page(file, trunk))
+            trunk, listed, *numbers = struct.unpack(f">{self._pages.shape[1] // 4}I", self._page(trunk))
             free.update(numbers[:listed])
-        pages = ((number, _messages_on(self._page(file, number))) for number in range(1, self._pages + 1))
-        ids = (([_number(cell[2]) for cell in cells], number) for number, cells in pages if number not in free)
+        pages = ((number, _messages_on(self._page(number))) for number in range(1, count + 1) if number not in free)
+        ids = (([_number(cell[2]) for cell in cells], number) for number, cells in pages)
         sound = [(own[-1], own[0], n) for own, n in ids if own and all(one < other for one, other in pairwise(own))]
         before = -1
         for last, first, number in sorted(sound):  # by last ids, so that a page with wrong ids displaces one at most
@@ -78,7 +74,7 @@ class _Leaves:
                 before = last
                 yield number
 
-    def _record(self, file: BinaryIO, page: bytes, cell: re.Match[bytes]) -> bytes:
+    def _record(self, page: bytes, cell: re.Match[bytes]) -> bytes:
         """Return a record, of which a page may hold the beginning; what is cut off is missing."""
         size, start, most, room = _number(cell[1]), cell.end(2), self._usable - 35, self._usable - 4
         least = (self._usable - 12) * 32 // 255 - 23
@@ -86,7 +82,7 @@ class _Leaves:
         local = local if local <= most else least
         record, following = page[start : start + local], page[start + local : start + local + 4]
         for _ in range(-(-(min(size, _LARGEST_MESSAGE) - local) // room)):
-            more = self._page(file, int.from_bytes(following, "big"))
+            more = self._page(int.from_bytes(following, "big"))
             record, following = record + more[4 : self._usable], more[:4]
         return record[:size]
 
