@@ -106,7 +106,7 @@ def write_mcap(path: Path, messages: int) -> None:
 
 def read_ours(path: Path, messages: int) -> tuple[Samples, ...]:
     """Read with friction-audit."""
-    from friction_audit.io.readers.read import choose_reader
+    from friction_audit.io.readers import choose_reader
     from friction_audit.io.readers.reader import ReadOptions
 
     recording = choose_reader(path).loaded.read(path, ReadOptions())

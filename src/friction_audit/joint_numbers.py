@@ -1,10 +1,13 @@
 """Numbers of joints as people write them: 1,3-5. Without numpy, for the command line."""
 
+import re
 from collections.abc import Iterable
+from itertools import groupby
 
 from friction_audit.errors import UsageError, shortened
 
-HIGHEST = 99_999  # no arm has so many joints, and no ledger so many sessions of one
+# Five digits: no arm has so many joints, and no ledger so many sessions of one.
+_RANGE = re.compile(r"(\d{1,5})(?:-(\d{1,5}))?")
 
 
 def parse_joint_numbers(text: str, where: str) -> tuple[int, ...]:
@@ -12,27 +15,20 @@ def parse_joint_numbers(text: str, where: str) -> tuple[int, ...]:
     joints: set[int] = set()
     where = shortened(where, 200)
     for part in text.split(","):
-        first, dash, last = part.strip().partition("-")
-        if not _is_number(first) or (dash and not _is_number(last)):
+        match = _RANGE.fullmatch(part.strip())
+        first, last = (int(match[1]), int(match[2] or match[1])) if match else (0, 0)
+        if not (first and last):
             raise UsageError(f"{where}: {shortened(part.strip(), 40)!r} is no joint; expected e.g. 1,3-5")
-        if dash and int(last) < int(first):
+        if last < first:
             raise UsageError(f"{where}: {part.strip()!r} runs backwards; expected e.g. 1,3-5")
-        joints.update(range(int(first), int(last if dash else first) + 1))
+        joints.update(range(first, last + 1))
     return tuple(sorted(joints))
-
-
-def _is_number(text: str) -> bool:
-    return text.isdecimal() and len(text) <= len(str(HIGHEST)) and int(text) > 0
 
 
 def write_joint_numbers(joints: Iterable[int]) -> str:
     """Return joints in order as ``"1,3-5"``, the text that ``parse_joint_numbers`` reads."""
-    runs: list[list[int]] = []
-    for joint in joints:
-        if runs and joint == runs[-1][-1] + 1:
-            runs[-1].append(joint)
-        else:
-            runs.append([joint])
+    rows = groupby(enumerate(joints), key=lambda one: one[1] - one[0])  # of numbers that follow each other
+    runs = ([joint for _, joint in row] for _, row in rows)
     return ",".join(f"{run[0]}-{run[-1]}" if len(run) > 1 else str(run[0]) for run in runs)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from friction_audit.io.readers.read import choose_reader
+from friction_audit.io.readers import choose_reader
 from friction_audit.io.readers.reader import ReadOptions
 from friction_audit.io.writers.write_log import WRITERS
 from friction_audit.joint_log import Float, JointLog, Source

@@ -220,7 +220,7 @@ def test_a_log_replaced_while_read_keeps_its_content(few: Path, run: Run, monkey
             os.utime(first, ns=(times.st_atime_ns, times.st_mtime_ns))
         return sha256_of(path)
 
-    monkeypatch.setattr("friction_audit.io.readers.read.sha256_of", replace_then_hash)
+    monkeypatch.setattr("friction_audit.io.readers.sha256_of", replace_then_hash)
     found = run("batch-report", first, "-q", "--json").document()["sessions"][0]
     assert replaced
     expected = levels[second]["joints"][0]["coulomb_nm"]

@@ -14,7 +14,7 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, W
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
-from friction_audit.io.readers.read import choose_reader
+from friction_audit.io.readers import choose_reader
 from friction_audit.io.readers.reader import ReadOptions
 from friction_audit.io.recording import Recording
 from friction_audit.io.writers.ros_messages import _blank

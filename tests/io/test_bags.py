@@ -123,6 +123,7 @@ def test_two_arms_are_for_the_user_to_choose(tmp_path: Path, form: Form) -> None
     [
         *forms("a.bag", {"compression": None}, {"compression": "LZ4"}),
         *forms("a.mcap", {}, {"use_chunking": False}, {"compression": CompressionType.NONE}),
+        *forms("a.mcap", *({"chunk_size": 1 << 30, "compression": one} for one in CompressionType)),
     ],
     ids=str,
 )

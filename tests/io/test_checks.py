@@ -12,8 +12,7 @@ from hypothesis import given, settings, strategies as st
 
 from friction_audit.errors import InputError
 from friction_audit.io.checks import examine
-from friction_audit.io.readers import ReadOptions, read_log
-from friction_audit.io.readers.read import to_joint_log
+from friction_audit.io.readers import ReadOptions, read_log, to_joint_log
 from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Finding, Float, JointLog
 from friction_audit.preprocessing.interaction_torque import extract_interaction

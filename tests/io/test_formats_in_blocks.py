@@ -33,7 +33,7 @@ def log() -> JointLog:
 
 def cut_into(rows: int, patch: pytest.MonkeyPatch) -> None:
     """Read logs of any size in blocks of about so many rows."""
-    for module in ("table", "csv", "messages"):
+    for module in ("table", "messages"):
         patch.setattr(f"friction_audit.io.readers.{module}.IN_BLOCKS_BYTES", 0)
     for module in ("npz", "messages"):
         patch.setattr(f"friction_audit.io.readers.{module}._BLOCK_ROWS", rows)
@@ -51,7 +51,7 @@ def test_blocks_are_the_whole(
     log: JointLog, tmp_path: Path, dialect: str, rows: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     cut_into(rows, monkeypatch)
-    shorter = log.take_window(0.0, 4.0) if dialect == "mcap-json" else log  # decoded one by one
+    shorter = log.take_window(2.0, 4.0) if dialect == "mcap-json" else log  # decoded one by one
     path = tmp_path / f"run{next(one.suffix for one in WRITERS if one.name == dialect)}"
     write_log(shorter, path, dialect=dialect)
     assert_in_blocks(path, blocks=2)

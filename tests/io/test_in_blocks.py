@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from hypothesis import given, strategies as st
 
 from friction_audit.compensation.settings import ReplaySettings
 from friction_audit.io.readers import ReadOptions, read_log
 from friction_audit.io.readers.reader import InBlocks
 from friction_audit.joint_log import LogPart
-from friction_audit.log_in_blocks import LogInBlocks
+from friction_audit.log_in_blocks import LogInBlocks, Means, block_means
 from friction_audit.pipeline import AuditSettings, estimate_log, replay_log, while_read
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.preprocessing.sign import coarse_log
@@ -268,20 +269,15 @@ def test_lists_and_exact_clocks_are_read_in_blocks(frame: pd.DataFrame, tmp_path
     assert_same_log(path, {})
 
 
-@pytest.mark.parametrize("rows", [1, 33, 1999, 25_000])
-def test_means_are_those_of_the_whole_whatever_the_blocks(
-    frame: pd.DataFrame, tmp_path: Path, rows: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("friction_audit.io.readers.parquet._BATCH_ROWS", rows)
-    few = frame.iloc[: 300 * rows]
-    path = written(few, tmp_path, "q", "dq", "tau_interaction")
-    log = read_log(path, InBlocks())
-    assert isinstance(log, LogInBlocks)
-    whole = coarse_log(read_log(path))
-    found = coarse_log(log)
-    np.testing.assert_array_equal(found.t, whole.t)
-    np.testing.assert_array_equal(found.dq, whole.dq)
-    np.testing.assert_array_equal(found.whole, whole.whole)
+@given(sizes=st.lists(st.integers(1, 90), min_size=40, max_size=50))
+def test_means_are_those_of_the_whole_whatever_the_blocks(sizes: list[int]) -> None:
+    whole = np.random.default_rng(0).standard_normal((sum(sizes), 3))
+    means = Means(1e-3, len(whole), ["dq"], 2)
+    for piece in np.split(whole, np.cumsum(sizes)[:-1]):
+        means.take(piece[:, 0], {"dq": piece[:, 1:]})
+    expected = block_means(whole, means.of)
+    np.testing.assert_array_equal(np.column_stack([means.found[0], means.found[1]["dq"]]), expected)
+    assert (means.of, len(expected)) == (20, len(whole) // 20)
 
 
 def test_a_long_log_is_judged_by_stretches_that_are_spread_over_it(

@@ -8,11 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 from google.protobuf.message_factory import GetMessages
+from hypothesis import given, settings, strategies as st
 from mcap.writer import CompressionType
 
 from friction_audit.errors import InputError, UsageError
 from friction_audit.io.readers import list_topics
-from friction_audit.io.readers.message_decoder import franka_types
+from friction_audit.io.readers.message_decoder import find_layout, franka_types
+from friction_audit.io.readers.message_stream import Block, one_block
 from friction_audit.io.readers.rosbag1 import Rosbag1Stream
 from friction_audit.io.recording import Recording
 from friction_audit.io.writers.mcap import _descriptors
@@ -228,3 +230,54 @@ def test_broken_definition_matters_only_on_the_topic_asked_for(tmp_path: Path) -
         bags.read(path, topic="/bad")
     with pytest.raises(InputError, match=r"topic /half .* does not say what 'b/msg/Unknown' is"):
         bags.read(path, topic="/half")
+
+
+STORES = {"ros1": STORE, "cdr": STORE2}
+CODECS: dict[str, tuple[Any, Any]] = {
+    "ros1": (STORE.serialize_ros1, STORE.deserialize_ros1),
+    "cdr": (STORE2.serialize_cdr, STORE2.deserialize_cdr),
+}
+NUMBERS = ("header.stamp.sec", "header.stamp.nanosec", "position", "velocity", "effort")
+any_name = st.text(st.characters(codec="utf-8", exclude_characters="\x00"), max_size=12)
+
+
+@st.composite
+def same_layout(draw: st.DrawFn) -> tuple[str, list[Any]]:
+    """Messages with the same names and array lengths, other values."""
+    encoding = draw(st.sampled_from(sorted(STORES)))
+    names, frame = draw(st.lists(any_name, max_size=5)), draw(any_name)
+    lengths = [draw(st.integers(0, 5)) for _ in range(3)]
+    numbers = [st.lists(st.floats(width=64, allow_nan=True), min_size=k, max_size=k) for k in lengths]
+    kind: Any = STORES[encoding].types[bags.JOINT_STATE]
+    return encoding, [
+        kind(bags.header(STORES[encoding], index, frame), names, *(np.array(draw(one), np.float64) for one in numbers))
+        for index in range(draw(st.integers(1, 6)))
+    ]
+
+
+@settings(max_examples=50)
+@given(same_layout(), st.data())
+def test_equals_the_librarys_decoder_bit_for_bit(case: tuple[str, list[Any]], data: st.DataObject) -> None:
+    encoding, messages = case
+    serialise, deserialise = CODECS[encoding]
+    payloads = [bytes(serialise(message, bags.JOINT_STATE)) for message in messages]
+    layout = find_layout(payloads[0], bags.JOINT_STATE, STORES[encoding].fielddefs, encoding=encoding)
+    gaps = data.draw(st.sampled_from([(0,), (5,), (3, 11, 0)]))  # between the payloads: none, even, uneven
+    buffer, start = b"", []
+    for number, payload in enumerate(payloads):
+        start.append(len(buffer))
+        buffer += payload + b"\xff" * gaps[number % len(gaps)]
+    size = np.full(len(payloads), len(payloads[0]), np.int64)
+    records = layout.records(Block(0, np.arange(len(payloads)), buffer, np.array(start, np.int64), size), NUMBERS)
+    assert records is not None
+    for record, payload in zip(records, payloads, strict=True):
+        reference = deserialise(payload, bags.JOINT_STATE)
+        assert list(layout.strings["name"]) == reference.name
+        assert layout.strings["header.frame_id"] == (reference.header.frame_id,)
+        assert record["header.stamp.nanosec"][0] == reference.header.stamp.nanosec
+        for field in ("position", "velocity", "effort"):
+            assert record[field].tobytes() == getattr(reference, field).tobytes()
+    changed = list(map(bytearray, payloads))  # any other string or length is refused
+    place = data.draw(st.sampled_from(layout.fixed.tolist()))
+    data.draw(st.sampled_from(changed))[place] ^= data.draw(st.integers(1, 255))
+    assert layout.records(one_block(0, range(len(changed)), list(map(bytes, changed))), NUMBERS) is None

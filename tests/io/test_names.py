@@ -15,7 +15,6 @@ from friction_audit.io.readers.arrays import ArrayTable
 from friction_audit.io.readers.channel_names import arms_in, parse_name, robot_of, torque_unit
 from friction_audit.io.readers.columns import ColumnMap, map_columns
 from friction_audit.io.readers.message_kinds import match_kind
-from friction_audit.io.readers.reader import serial_in
 from friction_audit.io.writers.write_log import write_log
 from friction_audit.joint_log import Source
 from tests.io.bag_writing import joint_states, ros2_store, samples, write
@@ -24,54 +23,53 @@ PANDA = tuple(f"panda_joint{i}" for i in range(1, 8))
 TWO_ARMS = ["time", *(f"{a}_joint{i}/{c}" for a in ("left", "right") for c in ("q", "dq", "tau_J") for i in (1, 2))]
 
 
-@pytest.mark.parametrize(
-    ("names", "channel", "index", "joint"),
-    [
-        ("q[0]|state.q[0]|field.position0|position.0", "q", 0, None),
-        (" q[3]|joint_positions[3]|measured_joint_state.position[3]", "q", 3, None),
-        ("joint_position_2", "q", 2, None),
-        ("q_joint1|joint1.q", "q", 1, "joint1"),
-        ("/joint_states/panda_joint1/position", "q", 1, "panda_joint1"),
-        ("shoulder_pan_joint/position", "q", None, "shoulder_pan_joint"),
-        ("dq1", "dq", 1, None),
-        ("joint1/dq", "dq", 1, "joint1"),
-        ("state.tau_J[3]|tau_J_3|effort.3|motor_torques_measured.3", "tau_J", 3, None),
-        ("tau_J_1 [Nm]", "tau_J", 1, None),
-        ("tau_J_panda_joint2", "tau_J", 2, "panda_joint2"),
-        ("cmd.tau_J_d[2]|tau_J_d_2|desired_joint_state.effort[2]", "tau_J_d", 2, None),
-        ("/joint_states_desired/panda_joint1/effort", "tau_J_d", 1, "panda_joint1"),
-        ("field.tau_ext_hat_filtered1|tau_ext_1|tau_external_1|tau_J_ext_1", "tau_ext_hat_filtered", 1, None),
-        ("tau_ext_hat_filtered.effort.0", "tau_ext_hat_filtered", 0, None),
-        ("tau_interaction_1", "tau_interaction", 1, None),
-        ("F_m", "tau_interaction", None, None),
-        ("g_2", "gravity", 2, None),
-        ("temp_1", "temperature", 1, None),
-        (
-            "MeasuredJointPosition_A1|Joint 1 Position [rad]|J1 Pos|motor_1_q|actual_position_1|current_position_1",
-            "q",
-            1,
-            None,
-        ),
-        ("qDot2|dqm2|Joint 2 Velocity [rad/s]|jointVel2", "dq", 2, None),
-        ("MeasuredTorque_A3|motor_3_tau_est|measured_tq_3|joint_effort_3|J3 Trq (Nm)", "tau_J", 3, None),
-        ("ExternalTorque_A3|external_joint_torque_3", "tau_ext_hat_filtered", 3, None),
-        ("desired_torque_1", "tau_J_d", 1, None),
-        ("- arm_1_joint_effort", "tau_J", None, "arm_1_joint"),
-        ("shoulder_pan_joint_position", "q", None, "shoulder_pan_joint"),
-        ("q1_deg|q_1 [deg]|q_deg_1", "q", 1, None),
-        ("dq_1[deg/s]|actuator_1_velocity_deg", "dq", 1, None),
-        ("q(1)|x.q (1) (rad)|lowstate.motor_state[1].q|base_feedback.actuators.1.position", "q", 1, None),
-        ("q_dot_1|qDot1|position_dot_1|iiwa.joint_velocity_estimated[1]", "dq", 1, None),
-        ("data.qpos.3|obs/joint_pos[3]|Axis3_FeedbackPosition|/friction_test/joint_states/position[3]", "q", 3, None),
-        ("Feedback trq 3|lowstate.motor_state[3].tauEst|/panda/tau_measured.3", "tau_J", 3, None),
-        ("link_position_1|q1 [rad]|actuators_1_position", "q", 1, None),
-    ],
-)
-def test_names_of_columns_in_use(names: str, channel: str, index: int | None, joint: str | None) -> None:
+NAMES = {
+    ("q", 0, None): "q[0]|state.q[0]|field.position0|position.0",
+    ("q", 3, None): (
+        " q[3]|joint_positions[3]|measured_joint_state.position[3]|data.qpos.3|obs/joint_pos[3]"
+        "|Axis3_FeedbackPosition|/friction_test/joint_states/position[3]"
+    ),
+    ("q", 2, None): "joint_position_2",
+    ("q", 1, "joint1"): "q_joint1|joint1.q",
+    ("q", 1, "panda_joint1"): "/joint_states/panda_joint1/position",
+    ("q", None, "shoulder_pan_joint"): "shoulder_pan_joint/position|shoulder_pan_joint_position",
+    ("dq", 1, None): (
+        "dq1|dq_1[deg/s]|actuator_1_velocity_deg|q_dot_1|qDot1|position_dot_1|iiwa.joint_velocity_estimated[1]"
+    ),
+    ("dq", 1, "joint1"): "joint1/dq",
+    ("tau_J", 3, None): (
+        "state.tau_J[3]|tau_J_3|effort.3|motor_torques_measured.3|MeasuredTorque_A3|motor_3_tau_est"
+        "|measured_tq_3|joint_effort_3|J3 Trq (Nm)|Feedback trq 3|lowstate.motor_state[3].tauEst"
+        "|/panda/tau_measured.3"
+    ),
+    ("tau_J", 1, None): "tau_J_1 [Nm]",
+    ("tau_J", 2, "panda_joint2"): "tau_J_panda_joint2",
+    ("tau_J_d", 2, None): "cmd.tau_J_d[2]|tau_J_d_2|desired_joint_state.effort[2]",
+    ("tau_J_d", 1, "panda_joint1"): "/joint_states_desired/panda_joint1/effort",
+    ("tau_ext_hat_filtered", 1, None): "field.tau_ext_hat_filtered1|tau_ext_1|tau_external_1|tau_J_ext_1",
+    ("tau_ext_hat_filtered", 0, None): "tau_ext_hat_filtered.effort.0",
+    ("tau_interaction", 1, None): "tau_interaction_1",
+    ("tau_interaction", None, None): "F_m",
+    ("gravity", 2, None): "g_2",
+    ("temperature", 1, None): "temp_1",
+    ("q", 1, None): (
+        "MeasuredJointPosition_A1|Joint 1 Position [rad]|J1 Pos|motor_1_q|actual_position_1"
+        "|current_position_1|q1_deg|q_1 [deg]|q_deg_1|q(1)|x.q (1) (rad)|lowstate.motor_state[1].q"
+        "|base_feedback.actuators.1.position|link_position_1|q1 [rad]|actuators_1_position"
+    ),
+    ("dq", 2, None): "qDot2|dqm2|Joint 2 Velocity [rad/s]|jointVel2",
+    ("tau_ext_hat_filtered", 3, None): "ExternalTorque_A3|external_joint_torque_3",
+    ("tau_J_d", 1, None): "desired_torque_1",
+    ("tau_J", None, "arm_1_joint"): "- arm_1_joint_effort",
+}
+
+
+@pytest.mark.parametrize(("expected", "names"), NAMES.items(), ids=list(map(str, NAMES)))
+def test_names_of_columns_in_use(expected: tuple[str, int | None, str | None], names: str) -> None:
     for name in names.split("|"):
         parsed = parse_name(name)
         assert parsed is not None
-        assert (parsed.channel, parsed.index, parsed.joint) == (channel, index, joint)
+        assert (parsed.channel, parsed.index, parsed.joint) == expected
         assert parsed.degrees is ("deg" in name)
 
 
@@ -284,18 +282,6 @@ def test_serial_numbers_before_names_before_namespaces(topic: str | None, joints
     assert arm_of_log(replace(source, serial="295341-1324"), [f"{joints}1"]) == "295341-1324"
 
 
-@pytest.mark.parametrize(
-    ("notes", "serial"),
-    [
-        ({"Serial-Number": " 295341 "}, "295341"),
-        ({"robot serial": "A1", "serial": ""}, "A1"),
-        ({"serialised": "x", "port": "serial"}, ""),
-    ],
-)
-def test_serial_numbers_among_notes(notes: dict[str, str], serial: str) -> None:
-    assert serial_in(notes) == serial
-
-
 def test_parquet_keeps_serial_number_and_start(tmp_path: Path) -> None:
     log = read_log(SAMPLES / "parquet.parquet")
     marked = replace(log, source=replace(log.source, serial="295341", start_s=1.77e9))
@@ -312,7 +298,8 @@ def test_serial_numbers_in_the_metadata_of_mcap_and_in_the_custom_data_of_a_bag(
     streams = [joint_states(ros2_store(), samples(20))]
     for chunked in (True, False):
         path = tmp_path / f"{chunked}.mcap"
-        write(path, streams, notes={"serial": "295341"}, use_chunking=chunked)
+        notes = {"Serial-Number" if chunked else "robot serial": " 295341 ", "serial": "", "port": "serial"}
+        write(path, streams, notes=notes, use_chunking=chunked)
         assert read_log(path).source.serial == "295341"
     bag = shutil.copytree(SAMPLES / "rosbag2-sqlite3", tmp_path / "run")
     assert read_log(bag).source.serial == ""

@@ -22,8 +22,7 @@ from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 
 if TYPE_CHECKING:
     from friction_audit.effects.joint_model import ArmModel
-    from friction_audit.io.readers import ReadOptions
-    from friction_audit.io.readers.read import Listen
+    from friction_audit.io.readers import Listen, ReadOptions
     from friction_audit.joint_log import JointLog
     from friction_audit.pipeline import AuditSettings, Estimate
     from friction_audit.reporting.notices import Joint, Notice

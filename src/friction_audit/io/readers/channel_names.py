@@ -62,7 +62,7 @@ _PATTERNS = tuple(
     )
 )
 _BRACKETED_UNIT = re.compile(r"\[\s*[a-zA-Z°µ][^\]]*\]|\(\s*[^\d:)][^)]*\)")
-_OTHER_UNIT = re.compile(
+OTHER_UNIT = re.compile(
     r"[\[(]\s*(?:[mµu]rad|revs?|turns?|counts?|cts|ticks?|inc|steps?|pulses?|raw|lsb|[mc]?m|k?n|"
     r"[mk]n\W?m|n\W?[cm]m|kgf?\W?c?m|oz\W?in|lbf?\W?(?:in|ft)|ft\W?lbf?|w|v)(?:/s|/sec|s-1)?\s*[\])]",
     re.IGNORECASE,
@@ -98,7 +98,7 @@ def parse_name(name: str) -> ForeignName | None:
     units = " ".join(_BRACKETED_UNIT.findall(text))
     bare = _BRACKETED_UNIT.sub(lambda unit: " " * len(unit[0]), _IN_PARENTHESES.sub(r"[\1]", text))
     match = None if _FINGER.search(text) else next((m for one in _PATTERNS if (m := one.fullmatch(bare))), None)
-    if match is None or _OTHER_UNIT.search(units):
+    if match is None or OTHER_UNIT.search(units):
         return None
     parts = match.groupdict()
     words = _words(f"{parts['words']} {parts.get('more') or ''}")
@@ -154,11 +154,6 @@ def _channel(words: Sequence[str], context: Sequence[str], last: Sequence[str]) 
     if not is_desired and len(made) == 1 and (found == {"tau_J"} or (not found and made == {"gravity"})):
         return made.pop()
     return found.pop() or None if len(found) == 1 and not made and not is_desired else None
-
-
-def has_other_unit(name: str) -> bool:
-    """Return True if a name says a unit that is not converted: ``torque_1 [mNm]`` would be one without it."""
-    return bool(_OTHER_UNIT.search(name)) and parse_name(_OTHER_UNIT.sub("", name)) is not None
 
 
 def torque_unit(name: str) -> str:

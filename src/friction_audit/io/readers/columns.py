@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 
 from friction_audit.errors import InputError, near_misses
 from friction_audit.io.readers.channel_names import (
+    OTHER_UNIT,
     QUANTITIES,
     ForeignName,
     Group,
     JointKey,
     arms_in,
     choose_arm,
-    has_other_unit,
     parse_name,
     positions_of,
     ranks,
@@ -50,12 +50,10 @@ class ColumnMap:
     # channel -> positions of its columns, one per joint; a single one in a long table
     channels: Mapping[str, tuple[int, ...]]
     joint_names: tuple[str, ...] = ()  # one name per joint; none yet of a long table
-    robot: str = "unknown"  # robot by the joints' names, or "unknown"
     mapping: Mapping[str, str]  # channel -> name in the file, for people
     degrees: frozenset[str]  # channels whose names say degrees
     findings: tuple[Finding, ...] = ()  # channels left out
     joint: int | None = None  # position of the column of joints in a table with one row per joint and time, else None
-    stated: frozenset[str] = frozenset()  # channels that the user named
 
     @property
     def cells(self) -> list[int]:
@@ -64,7 +62,12 @@ class ColumnMap:
 
 
 def map_columns(
-    table: "Table", mapping: Mapping[str, str], arm: str, *, needed: Sequence[str] = REQUIRED, is_long: bool = False
+    table: "Table",
+    mapping: Mapping[str, str],
+    arm: str,
+    *,
+    needed: Sequence[str] = REQUIRED,
+    is_long: bool = False,
 ) -> ColumnMap:
     """Find time, joints and channels among the columns of a table.
 
@@ -104,7 +107,7 @@ def map_columns(
         raise InputError(_missing_message(bare, groups, found_time=time is not None, path=path))
     if joint is not None:
         return _of_long_table(groups, time, bare, joint, stated)
-    columns = replace(_align(groups, time, bare, path, needed), stated=frozenset(stated))
+    columns = _align(groups, time, bare, path, needed)
     return replace(columns, findings=(*columns.findings, *_choices(columns, others, heads)))
 
 
@@ -154,13 +157,12 @@ def _of_long_table(
         mapping={channel: names[cell] for channel, cell in cells.items()},
         degrees=frozenset(channel for channel in degrees if not groups[channel].template.endswith(":rad")),
         joint=joint,
-        stated=frozenset(stated),
     )
 
 
-def doubt_torque(columns: ColumnMap, names: Sequence[str]) -> tuple[Finding, ...]:
-    """Doubt a ``torque`` of a single joint: a rig's may be the interaction torque."""
-    alone = len(columns.joint_names) == 1 and columns.robot == "unknown" and "tau_J" not in columns.stated
+def doubt_torque(columns: ColumnMap, names: Sequence[str], stated: Collection[str]) -> tuple[Finding, ...]:
+    """Doubt a ``torque`` of a single joint that the user did not name: a rig's may be the interaction torque."""
+    alone = len(columns.joint_names) == 1 and robot_of(columns.joint_names) == "unknown" and "tau_J" not in stated
     if not alone or columns.channels.keys() & {*TORQUE_CHANNELS, "gravity"} != {"tau_J"}:
         return ()
     name = names[columns.channels["tau_J"][0]].strip()
@@ -211,7 +213,8 @@ def _group(template: str, cells: Mapping[int, ForeignName], labels: Mapping[int,
         kept.setdefault(key, cell)  # of repeated names the first is the state, the second the command
         if (label := name.joint or labels.get(cell)) is not None:
             names.setdefault(key, label)
-    return Group(template, kept, names, degrees=next(iter(cells.values())).degrees)
+    in_order = sorted(kept, key=lambda key: (isinstance(key, str), key if isinstance(key, int) else 0))
+    return Group(template, {key: kept[key] for key in in_order}, names, degrees=next(iter(cells.values())).degrees)
 
 
 def _missing_message(names: Sequence[str], groups: Mapping[str, Group], *, found_time: bool, path: str) -> str:
@@ -221,7 +224,8 @@ def _missing_message(names: Sequence[str], groups: Mapping[str, Group], *, found
     parts = [f"{path}: no column for {' and '.join(listed)}; found {shorten(names, numbered=True) or 'none'}"]
     if near := dict.fromkeys(hint for channel in (*wanted, *torques) for hint in _near_misses(channel, names)):
         parts.append(f"close to it: {', '.join(near)}")
-    units = [name for name in names[:_COMPARED] if has_other_unit(name)]
+    # ``torque_1 [mNm]`` would be a channel without the unit, which is not converted.
+    units = [one for one in names[:_COMPARED] if OTHER_UNIT.search(one) and parse_name(OTHER_UNIT.sub("", one))]
     if units and len(wanted) + len(torques) > (not found_time):
         parts.append(
             f"{shorten(units)}: expected rad or deg, rad/s or deg/s, N m or A; convert the column, or name a torque "
@@ -256,7 +260,7 @@ def _align(
     there = [c for c in ("q", "dq") if c in groups] or list(groups)
     reference = next((groups[c] for c in there if not groups[c].in_order), groups[there[0]])
     joints = {key: name for group in reversed(list(groups.values())) for key, name in group.names.items()}
-    keys = _in_order(reference.cells)
+    keys = list(reference.cells)
     # The joints are sorted by the numbers in their names, if all of them are joints of one arm.
     key_of = {joints[key]: key for key in keys if key in joints}
     arms = list(arms_in(list(key_of)).values())
@@ -286,19 +290,14 @@ def _align(
         time=time,
         channels=channels,
         joint_names=joint_names,
-        robot=robot_of(joint_names),
         mapping={channel: groups[channel].template for channel in channels},
         degrees=frozenset(channel for channel in channels if groups[channel].degrees),
         findings=tuple(findings),
     )
 
 
-def _in_order(cells: Mapping[JointKey, int]) -> list[JointKey]:
-    return sorted(cells, key=lambda key: (isinstance(key, str), key if isinstance(key, int) else 0))
-
-
 def _joints_text(cells: Mapping[JointKey, int]) -> str:
-    keys = [str(key + 1) if isinstance(key, int) else key for key in _in_order(cells)]
+    keys = [str(key + 1) if isinstance(key, int) else key for key in cells]
     if len(keys) > _SHOWN_JOINTS:
         return f"{len(keys)} joints, more than an arm has: is the table transposed?"
     return f"{len(keys)} joint{'s' * (len(keys) != 1)}: {', '.join(keys)}"

@@ -74,13 +74,9 @@ def _with_channels(first_path: Path, first: Recording, path: Path, other: Record
             f"with --map, or leave out --join {path}"
         )
     order = _joints_in_order(first_path, first, path, other)
-    rows = np.flatnonzero(np.isfinite(stamps))
-    stamps, first_of = np.unique(stamps[rows], return_index=True)
-    longest = LONGEST_GAP * float(np.median(np.diff(stamps))) if len(stamps) > 1 else 0.0
     channels = dict(first.channels)
     for channel in new:
-        values = other.channels[channel][rows[first_of]]
-        columns = [interpolated(first.t, stamps, values[:, joint], longest) for joint in order]
+        columns = [interpolated(first.t, stamps, other.channels[channel][:, joint]) for joint in order]
         channels[channel] = np.asfortranarray(np.column_stack(columns))
     findings = [replace(one, message=f"{path.name}: {one.message}") for one in other.findings]
     if both := [channel for channel in other.channels if channel in first.channels]:
@@ -108,10 +104,13 @@ def _joints_in_order(first_path: Path, first: Recording, path: Path, other: Reco
     return list(range(len(other.joint_names)))
 
 
-def interpolated(t: Float, stamps: Float, values: Float, longest: float) -> Float:
-    """Return values at other stamps; missing in gaps and outside of the stamps."""
-    there = np.isfinite(values)
-    stamps, values = stamps[there], values[there]
+def interpolated(t: Float, stamps: Float, values: Float) -> Float:
+    """Return values at other stamps; missing in gaps and outside of the stamps; of equal stamps the first counts."""
+    rows = np.flatnonzero(np.isfinite(stamps))
+    rows = rows[np.unique(stamps[rows], return_index=True)[1]]
+    longest = LONGEST_GAP * float(np.median(np.diff(stamps[rows]))) if len(rows) > 1 else 0.0
+    rows = rows[np.isfinite(values[rows])]
+    stamps, values = stamps[rows], values[rows]
     if len(stamps) < 2:  # noqa: PLR2004 - no interval
         return np.full(len(t), np.nan)
     found: Float = np.interp(t, stamps, values, left=np.nan, right=np.nan)

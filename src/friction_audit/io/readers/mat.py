@@ -51,29 +51,26 @@ def _arrays(path: Path) -> tuple[dict[str, NDArray[Any]], tuple[Finding, ...]]:
     except _DAMAGED as error:
         text = " ".join(str(error).split())
         raise InputError(f"{path}: a damaged MATLAB file: {text}; copy or save it again") from error
+    sizes = {name: "x".join(map(str, array.shape)) for name, array in whole.items()}
     plain = {name: np.atleast_1d(np.squeeze(array)) for name, array in whole.items()}
     samples = max((max(array.shape) for array in plain.values() if array.ndim <= 2), default=0)  # noqa: PLR2004
     # Joints are columns in one half of all scripts, and rows in the other.
     turned = {name: array.T if array.shape[-1] == samples else array for name, array in plain.items()}
     found = {name: array for name, array in turned.items() if array.ndim <= 2 and len(array) == samples}  # noqa: PLR2004
     if samples < _FEWEST_SAMPLES or not found:
-        held = ", ".join(f"{name} {_size(array)}" for name, array in whole.items())
+        held = ", ".join(f"{name} {size}" for name, size in sizes.items())
         raise InputError(
             f"{path}: no array of numbers with several samples; found {held or 'none'}; expected time, q, dq and a "
             "torque as arrays or fields of a structure; save them with save('log.mat', 't', 'q', 'dq', 'tau_J'), of "
             "objects such as timeseries and table their Time and Data"
         )
     others = [name for name in plain.keys() - found.keys() if parse_name(f"{name}[0]") or find_time([name])]
-    text = ", ".join(f"{name} of {_size(whole[name])}" for name in sorted(others))
+    text = ", ".join(f"{name} of {sizes[name]}" for name in sorted(others))
     message = f"left out: {text}; expected {samples} samples in every array, one row or column per joint"
     findings = (Finding("wrong_shape", message, amount=float(len(others))),) if others else ()
     heads = {name.rpartition(".")[0] for name in found}
     head = f"{heads.pop()}." if len(heads) == 1 else ""  # a structure that holds all arrays: log.q is q
     return {name.removeprefix(head): array for name, array in found.items()}, findings
-
-
-def _size(array: NDArray[Any]) -> str:
-    return "x".join(map(str, array.shape))
 
 
 def _from_version_5(path: Path) -> Iterator[tuple[str, NDArray[Any]]]:

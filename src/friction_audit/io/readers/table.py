@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from friction_audit.errors import InputError
 from friction_audit.io.readers.channel_names import choose_arm, robot_of
 from friction_audit.io.readers.columns import MOST_JOINTS, REQUIRED, ColumnMap, absent, doubt_torque, map_columns
-from friction_audit.io.readers.join import LONGEST_GAP, interpolated
+from friction_audit.io.readers.join import interpolated
 from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, ReadOptions, refuse_bomb, refuse_too_large
 from friction_audit.io.readers.time_column import Clock, TimeColumn, stamps_of, to_clock
 from friction_audit.io.recording import Block, Blocks, Recording, WholeLogError
@@ -37,9 +37,10 @@ class Part:
 
 
 class Table(ABC):
-    """An open table; each container derives from it, and fills in what it knows."""
+    """An open table, of which the clock can be read before all else; each container fills in what it knows."""
 
     may_be_long = True  # False if a table of this container never has one row per joint and time
+    least_in_blocks = 1  # so many times IN_BLOCKS_BYTES are needed before it is read twice instead of kept
     labels: Mapping[int, str] = {}  # position of a column -> its joint, where joint names stand next to the numbers
     constant: frozenset[int] = frozenset()  # positions of columns seen not to change
     joint_names: Sequence[str] = ()  # these, the robot and the serial number as the file states them apart from columns
@@ -52,23 +53,17 @@ class Table(ABC):
         self.path = path
         self.names = names  # of the columns that hold one number per row; elements of lists as name[0], name[1]...
 
-    @abstractmethod
-    def read(self, columns: ColumnMap, options: ReadOptions) -> Part:
-        """Read the columns; of a large table the part asked for alone."""
-
     def findings(self) -> tuple[Finding, ...]:
         """Return the damage found so far."""
         return ()
 
-
-class ColumnTable(Table):
-    """A table that is stored column by column, so that the clock can be read before all else."""
-
     def read(self, columns: ColumnMap, options: ReadOptions) -> Part:
+        """Read the columns; of a large table the part asked for alone."""
         rows, packed = self.size(columns)
         row_bytes = np.float64().itemsize * (1 + sum(map(len, columns.channels.values())))
         is_part = options.reads_part(rows * row_bytes)
-        if options.in_blocks and columns.joint is None and rows * row_bytes > IN_BLOCKS_BYTES:
+        is_large = rows * row_bytes > self.least_in_blocks * IN_BLOCKS_BYTES
+        if options.in_blocks and columns.joint is None and is_large:
             refuse_bomb(self.path, rows * row_bytes, packed)
             part = self.in_blocks(columns)
             if part is not None:
@@ -76,7 +71,8 @@ class ColumnTable(Table):
         refuse_too_large(self.path, rows * (np.float64().itemsize if is_part else row_bytes), packed)
         if not is_part:
             return self.read_all(columns)
-        whole = options.hashed or options.in_blocks
+        # The joints of a long table may follow each other.
+        whole = options.hashed or options.in_blocks or columns.joint is not None
         clock = self.read_clock(columns.time) if whole else self.first_stamps(columns.time, options)
         first_s, (start, stop) = float(np.nanmin(clock.t)), options.window_of_clock()
         since = clock.t - first_s
@@ -90,7 +86,7 @@ class ColumnTable(Table):
 
     @abstractmethod
     def size(self, columns: ColumnMap) -> tuple[int, int]:
-        """Return the number of rows, and the bytes that these columns take in the file."""
+        """Return the number of rows, if need be about, and the bytes that these columns take in the file."""
 
     @abstractmethod
     def read_clock(self, time: TimeColumn) -> Clock:
@@ -173,7 +169,7 @@ def read_table(table: Table, options: ReadOptions) -> Recording:
     columns = replace(columns, findings=(*columns.findings, *table.findings()))
     if part.joint is not None:
         columns, part = _pivot(columns, part.joint, part, arm, path)
-    columns = replace(columns, findings=(*columns.findings, *doubt_torque(columns, table.names)))
+    columns = replace(columns, findings=(*columns.findings, *doubt_torque(columns, table.names, mapping)))
     recording = Recording(
         t=part.clock.t,
         channels=part.channels,
@@ -183,7 +179,7 @@ def read_table(table: Table, options: ReadOptions) -> Recording:
         origin_s=part.clock.origin_s,
         guessed_unit=part.clock.unit if columns.time.unit is None and part.clock.start_s is None else "",
         first_s=part.first_s,
-        robot=columns.robot,
+        robot=robot_of(columns.joint_names),
         serial=table.serial,
         mapping={"t": f"{columns.time.name} [{part.clock.unit}]", **columns.mapping},
         findings=columns.findings,
@@ -236,7 +232,7 @@ def _pivot(columns: ColumnMap, joint: NDArray[Any], part: Part, arm: str, path: 
     if all(map(str.isdigit, names)):
         base = 0 if any(int(name) == 0 for name in names) else 1
         names = [f"joint{int(name) - base + 1}" for name in names]
-    columns = replace(columns, joint_names=tuple(names), robot=robot_of(names), findings=(*columns.findings, *found))
+    columns = replace(columns, joint_names=tuple(names), findings=(*columns.findings, *found))
     return columns, replace(part, clock=replace(clock, t=t), channels=channels)
 
 
@@ -247,10 +243,8 @@ def _at_stamps_of_first(
     t = time[rows[0]]
     found = {channel: np.empty((len(t), len(rows)), order="F") for channel in channels}
     for place, own in enumerate(rows):
-        order = own[np.unique(time[own], return_index=True)[1]]
-        longest = LONGEST_GAP * float(np.median(np.diff(time[order]))) if len(order) > 1 else 0.0
         for channel, column in channels.items():
-            found[channel][:, place] = interpolated(t, time[order], column[order, 0], longest)
+            found[channel][:, place] = interpolated(t, time[own], column[own, 0])
     kept = np.logical_and.reduce([np.isfinite(array).all(axis=1) for array in found.values()])
     return t[kept], {channel: array[kept] for channel, array in found.items()}
 
