@@ -13,6 +13,7 @@ import pytest
 
 from friction_audit.errors import InputError, UsageError
 from friction_audit.io.readers import ReadOptions, read_log
+from friction_audit.io.readers.reader import FirstLook
 from friction_audit.io.writers.write_log import write_log
 from friction_audit.joint_log import JointLog, Source
 from tests.io.synthetic_recordings import motion, read_text, tidy_frame
@@ -142,9 +143,9 @@ def test_names_of_another_message_are_not_taken(tmp_path: Path) -> None:
     np.testing.assert_array_equal(log.q, table["q"])
 
 
-def long_frame(joints: int = 3, **names: str) -> pd.DataFrame:
-    arrays = motion(SAMPLES, joints)
-    table: dict[str, Any] = {"time": np.repeat(arrays["t"], joints), "joint": list(range(1, joints + 1)) * SAMPLES}
+def long_frame(joints: int = 3, samples: int = SAMPLES, **names: str) -> pd.DataFrame:
+    arrays = motion(samples, joints)
+    table: dict[str, Any] = {"time": np.repeat(arrays["t"], joints), "joint": list(range(1, joints + 1)) * samples}
     return pd.DataFrame(table | {names.get(c, c): arrays[c].reshape(-1) for c in ("q", "dq", "tau_J")})
 
 
@@ -193,6 +194,18 @@ def test_rows_of_several_joints_are_never_read_as_one(tmp_path: Path, late_s: fl
     frame["time"] += late_s * (frame["joint"] - 1)
     with pytest.raises(InputError, match=words):
         read_text(tmp_path, frame.rename(columns={"joint": "id"}))
+
+
+@pytest.mark.parametrize("suffix", ["csv", "parquet"])
+def test_the_beginning_of_a_table_whose_joints_follow_each_other(
+    tmp_path: Path, suffix: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("friction_audit.io.readers.parquet._BATCH_ROWS", 1000)
+    monkeypatch.setattr("friction_audit.io.readers.csv_lines._BLOCK_BYTES", 20_000)
+    frame, path = long_frame(samples=3000).sort_values("joint", kind="stable"), tmp_path / f"long.{suffix}"
+    frame.to_csv(path, index=False) if suffix == "csv" else frame.to_parquet(path)
+    log = read_log(path, FirstLook.of(ReadOptions(t_end_s=0.2)))
+    np.testing.assert_array_equal(log.q, motion(200)["q"])
 
 
 def test_joints_with_stamps_of_their_own_are_interpolated(tmp_path: Path) -> None:
