@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from friction_audit.errors import InputError, UsageError
 from friction_audit.io.readers.columns import MOST_JOINTS, ColumnMap
 from friction_audit.io.readers.reader import BY_NUMBER, ReadOptions, Topic
-from friction_audit.io.readers.table import Part, Table, read_table
+from friction_audit.io.readers.table import ColumnTable, Part, read_table
 from friction_audit.io.readers.time_column import Clock, TimeColumn, stamps_of, to_clock
 from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Finding
@@ -21,7 +21,7 @@ _PLANE = 2
 _INDEX = "__index_level_0__"  # what Arrow calls an index without a name
 
 
-class ArrayTable(Table):
+class ArrayTable(ColumnTable):
     """Arrays by name, of shape (n,) or (n, k): numbers, dates, or the joints of a long table as text."""
 
     def __init__(self, path: Path, arrays: Mapping[str, Any], findings: tuple[Finding, ...] = ()) -> None:

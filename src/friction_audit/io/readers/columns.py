@@ -62,12 +62,7 @@ class ColumnMap:
 
 
 def map_columns(
-    table: "Table",
-    mapping: Mapping[str, str],
-    arm: str,
-    *,
-    needed: Sequence[str] = REQUIRED,
-    is_long: bool = False,
+    table: "Table", mapping: Mapping[str, str], arm: str, *, needed: Sequence[str] = REQUIRED, is_long: bool = False
 ) -> ColumnMap:
     """Find time, joints and channels among the columns of a table.
 

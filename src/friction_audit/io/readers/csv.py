@@ -14,11 +14,11 @@ from friction_audit.errors import InputError
 from friction_audit.io.readers.channel_names import is_label, labels_of
 from friction_audit.io.readers.columns import ColumnMap
 from friction_audit.io.readers.csv_lines import Dialect, recognises, sniff_csv, split_line, value_of
-from friction_audit.io.readers.reader import BY_NUMBER, ReadOptions, Topic
+from friction_audit.io.readers.reader import BY_NUMBER, IN_BLOCKS_BYTES, ReadOptions, Topic, refuse_too_large
 from friction_audit.io.readers.table import Part, Table, part_in_blocks, read_table
 from friction_audit.io.readers.time_column import Clock, TimeColumn, stamps_of, to_clock
 from friction_audit.io.recording import Recording, WholeLogError
-from friction_audit.joint_log import Finding
+from friction_audit.joint_log import Finding, find_window
 
 _SHOWN_TEXT, _SHOWN_CELLS = 40, 3
 _LIST = re.compile(r": [\"'](?:array)?[\[(]")  # in one cell, as pandas writes arrays
@@ -45,8 +45,6 @@ def read(path: Path, options: ReadOptions) -> Recording:
 class CsvTable(Table):
     """A text table, parsed by Arrow in blocks of whole lines, and line by line where a block has a fault."""
 
-    least_in_blocks = 4  # so many times as long as numbers take in other files
-
     def __init__(self, dialect: Dialect) -> None:
         super().__init__(dialect.path, dialect.names[: dialect.width])
         self._dialect = dialect
@@ -60,79 +58,41 @@ class CsvTable(Table):
             whole = [row for row in dialect.rows if len(row) == dialect.width]
             self.constant = frozenset(c for c in range(dialect.width) if len({row[c] for row in whole}) == 1)
         self._kinds: dict[int, Any] = {}
-        self._unit: str | None = None
-        self._lines, self._bad_lines, self._bad = 0, 0, list[str]()
+        self._lines = self._bad_lines = 0
+        self._bad: list[str] = []
         self._cut: Finding | None = None
 
-    def size(self, columns: ColumnMap) -> tuple[int, int]:
-        dialect, time = self._dialect, columns.time
+    def read(self, columns: ColumnMap, options: ReadOptions) -> Part:
+        dialect, time, path, cells = self._dialect, columns.time, str(self.path), columns.cells
         words = [*self._labels] if columns.joint is None else [columns.joint]
-        texts = [row[cell].strip() for row in dialect.rows for cell in time.cells if cell < len(row)]
-        integers = [text for text in texts if text.lstrip("-").isdigit()]
-        kind: type = float
-        if texts and all(value_of(text, float, dialect.decimal) is None for text in texts):  # dates
-            kind = str
-        elif (len(time.cells) > 1 and integers == texts) or any(len(text) >= _LONG_INTEGER for text in integers):
-            kind = np.int64
-        self._kinds = dict.fromkeys(words, str) | dict.fromkeys(columns.cells, float) | dict.fromkeys(time.cells, kind)
-        self._unit = "ns" if len(time.cells) > 1 or kind is str else time.unit
-        row_bytes = sum(sum(map(len, row)) + len(row) for row in dialect.rows) / len(dialect.rows)
-        return int(dialect.size / row_bytes), dialect.size
-
-    def in_blocks(self, columns: ColumnMap) -> Part | None:
-        if self.is_libfranka or self._kinds[columns.time.cells[0]] is str:
-            return None  # the first row of libfranka may hold no numbers, and rows without a date are left out
-        rows = self._dialect.count_lines()
-        return part_in_blocks(columns, self._unit, rows, partial(self._pieces, rows), str(self.path))
-
-    def read_clock(self, time: TimeColumn, stop_s: float = np.inf) -> Clock:
-        """Read the stamps block by block, up to a time since the first one."""
-        found, unit, path = list[NDArray[Any]](), self._unit, str(self.path)
-        for block in self._blocks({cell: self._kinds[cell] for cell in time.cells}, time):
-            found.append(stamps_of([block[cell] for cell in time.cells]))
-            origin = found[0][np.isfinite(found[0]).argmax()].item()
-            clock = to_clock(found[-1].copy(), unit, path=path, origin=origin)
-            unit = clock.unit
-            if np.nanmin(clock.t) > stop_s:
-                break
-        return to_clock(np.concatenate(found or [np.empty(0)]), unit, path=path)
-
-    def first_stamps(self, time: TimeColumn, options: ReadOptions) -> Clock:
-        return self.read_clock(time, options.window_of_clock()[1])
-
-    def read_rows(self, columns: ColumnMap, clock: Clock, rows: NDArray[np.bool_] | None) -> Part:
-        return self._part(columns, self._cells(columns.time, rows), clock)
-
-    def read_all(self, columns: ColumnMap) -> Part:
-        found = self._cells(columns.time, None)
-        stamps = stamps_of([np.concatenate(found[cell] or [np.empty(0)]) for cell in columns.time.cells])
-        return self._part(columns, found, to_clock(stamps, self._unit, path=str(self.path)))
-
-    def _cells(self, time: TimeColumn, rows: NDArray[np.bool_] | None) -> dict[int, list[NDArray[Any]]]:
-        """Return the pieces of each column, in the rows of a mask or in all."""
-        found, first = {cell: list[NDArray[Any]]() for cell in self._kinds}, 0
-        wanted = None if rows is None else rows[: np.flatnonzero(rows)[-1] + 1]
+        kind = _time_kind(dialect, time)
+        self._kinds = dict.fromkeys(words, str) | dict.fromkeys(cells, float) | dict.fromkeys(time.cells, kind)
+        unit = "ns" if len(time.cells) > 1 or kind is str else time.unit
+        rows = dialect.size * len(dialect.rows) // sum(sum(map(len, row)) + len(row) for row in dialect.rows)
+        size = 8 * rows * (len(cells) - len(time.cells) + 1)
+        # The first row of libfranka may hold no numbers.
+        plain = columns.joint is None and kind is not str and not self.is_libfranka
+        if options.in_blocks and plain and size > _SLOWER * IN_BLOCKS_BYTES:
+            rows = dialect.count_lines()
+            return part_in_blocks(columns, unit, rows, partial(self._pieces, rows), path)
+        part = _PartOfClock(options, unit, path) if options.reads_part(8 * rows * len(self._kinds)) else None
+        if part is None:
+            refuse_too_large(self.path, size, dialect.size)
+        stamps, found = list[NDArray[Any]](), {cell: list[NDArray[Any]]() for cell in self._kinds}
         for block in self._blocks(self._kinds, time):
-            count = len(block[time.cells[0]])
-            kept = slice(None) if wanted is None else np.flatnonzero(wanted[first : first + count])
-            for cell, array in block.items():
-                found[cell].append(array[kept])
-            first += count
-            if wanted is not None and first >= len(wanted):
-                return found
-        if wanted is not None:
-            raise InputError(f"{self.path}: changed while it was read; read it again when it is finished")
-        return found
-
-    def _part(self, columns: ColumnMap, found: dict[int, list[NDArray[Any]]], clock: Clock) -> Part:
-        """Join the pieces of each column; one column at a time is in memory twice."""
-        joint = None if columns.joint is None else np.concatenate(found[columns.joint] or [np.empty(0)])
-        channels = {c: np.empty((len(clock.t), len(cells)), order="F") for c, cells in columns.channels.items()}
-        for channel, cells in columns.channels.items():
-            for place, cell in enumerate(cells):
-                np.concatenate(found[cell] or [np.empty(0)], out=channels[channel][:, place])
-                found[cell] = [channels[channel][:, place]]  # which several channels may have
-        return Part(clock=clock, channels=channels, joint=joint)
+            raw = stamps_of([block[cell] for cell in time.cells])
+            kept = part.rows_of(raw) if part else slice(None)
+            if kept is not None:
+                stamps.append(raw[kept])
+                for cell, array in block.items():
+                    found[cell].append(array[kept])
+            elif columns.joint is None:  # the joints of a long table may follow each other
+                break
+        raw = np.concatenate(stamps) if stamps else np.empty(0)
+        joint = None if columns.joint is None else np.concatenate(found[columns.joint] or [raw])
+        clock = part.clock(raw) if part else to_clock(raw, unit, path=path)
+        channels = _channels(columns, found, len(raw))
+        return Part(clock=clock, channels=channels, joint=joint, first_s=part.first_s if part else None)
 
     def findings(self) -> tuple[Finding, ...]:
         found = () if self._cut is None else (self._cut,)
@@ -143,7 +103,6 @@ class CsvTable(Table):
 
     def _blocks(self, kinds: Mapping[int, Any], time: TimeColumn | None) -> Iterator[Block]:
         """Yield columns of whole lines, dates in nanoseconds; without a clock WholeLogError if a line has a fault."""
-        self._lines, self._bad_lines, self._bad, self._cut = 0, 0, [], None
         for line, block, is_last in self._dialect.blocks():
             kept = block
             if is_last:
@@ -219,6 +178,41 @@ class CsvTable(Table):
         return {own: array[dated] for own, array in columns.items()} | {cell: stamps}
 
 
+class _PartOfClock:
+    """The part asked for of a table that is read in blocks."""
+
+    def __init__(self, options: ReadOptions, unit: str | None, path: str) -> None:
+        self._options, self._unit, self._path = options, unit, path
+        self._origin: Any = None  # the first stamp
+        self.first_s, self._last_s = np.inf, -np.inf  # of the whole table as far as it was read, since the first stamp
+
+    def rows_of(self, stamps: NDArray[Any]) -> NDArray[np.bool_] | None:
+        """Return which rows of a block are in the part; None where all come after it."""
+        clock = to_clock(stamps.copy(), self._unit, path=self._path, origin=self._origin)
+        if self._origin is None:
+            self._unit, self._origin = clock.unit, stamps[np.isfinite(stamps).argmax()]
+        t, (start, stop) = clock.t, self._options.window_of_clock()
+        self.first_s, self._last_s = min(self.first_s, float(np.nanmin(t))), max(self._last_s, float(np.nanmax(t)))
+        return None if np.nanmin(t) > stop else (t >= start) & (t < stop)
+
+    def clock(self, stamps: NDArray[Any]) -> Clock:
+        """Return the clock of the rows that were read."""
+        if len(stamps) == 0:
+            length = (self._last_s - self.first_s) * self._options.time_scale
+            find_window(np.array([0.0, length]), self._options.t_start_s, self._options.t_end_s, self._path)
+        return to_clock(stamps, self._unit, path=self._path, origin=self._origin)
+
+
+def _channels(columns: ColumnMap, found: dict[int, list[NDArray[Any]]], rows: int) -> dict[str, NDArray[np.float64]]:
+    """Join the pieces of each column; one column at a time is in memory twice."""
+    channels = {c: np.empty((rows, len(cells)), order="F") for c, cells in columns.channels.items()}
+    for channel, cells in columns.channels.items():
+        for place, cell in enumerate(cells):
+            np.concatenate(found[cell] or [np.empty(0)], out=channels[channel][:, place])
+            found[cell] = [channels[channel][:, place]]  # which several channels may have
+    return channels
+
+
 _DTYPES: dict[Any, Any] = {str: object, float: np.float64, np.int64: np.int64}
 
 
@@ -254,6 +248,16 @@ def _parse(dialect: Dialect, block: bytes, kinds: Mapping[int, Any]) -> Block | 
             return None
         found[cell] = np.from_dlpack(compute.fill_null(own, np.nan) if own.null_count else own)
     return found if table.num_columns and table.num_rows else None
+
+
+def _time_kind(dialect: Dialect, time: TimeColumn) -> type:
+    """Return how stamps are read: as integers where a float would lose digits, as text where they are dates."""
+    texts = [row[cell].strip() for row in dialect.rows for cell in time.cells if cell < len(row)]
+    if texts and all(value_of(text, float, dialect.decimal) is None for text in texts):
+        return str
+    whole = [text for text in texts if text.lstrip("-").isdigit()]
+    is_split = len(time.cells) > 1 and len(whole) == len(texts)
+    return np.int64 if is_split or any(len(text) >= _LONG_INTEGER for text in whole) else float
 
 
 def _check_libfranka(recording: Recording, path: Path, options: ReadOptions) -> Recording:

@@ -17,7 +17,7 @@ from friction_audit.io.readers import arrow
 from friction_audit.io.readers.channel_names import is_label, labels_of
 from friction_audit.io.readers.columns import ColumnMap
 from friction_audit.io.readers.reader import ReadOptions, Topic, serial_in
-from friction_audit.io.readers.table import Part, Table, part_in_blocks, read_table
+from friction_audit.io.readers.table import ColumnTable, Part, part_in_blocks, read_table
 from friction_audit.io.readers.time_column import Clock, TimeColumn, stamps_of, to_clock
 from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Finding
@@ -49,7 +49,7 @@ def _open(path: Path, metadata: FileMetaData | None = None) -> ParquetFile:
     return ParquetFile(path, metadata=metadata, **options)
 
 
-class ParquetTable(Table):
+class ParquetTable(ColumnTable):
     """A Parquet file.
 
     Column by column is as fast as all at once, and only one row group of one column per thread is in memory next to the

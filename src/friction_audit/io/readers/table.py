@@ -37,10 +37,9 @@ class Part:
 
 
 class Table(ABC):
-    """An open table, of which the clock can be read before all else; each container fills in what it knows."""
+    """An open table; each container derives from it, and fills in what it knows."""
 
     may_be_long = True  # False if a table of this container never has one row per joint and time
-    least_in_blocks = 1  # so many times IN_BLOCKS_BYTES are needed before it is read twice instead of kept
     labels: Mapping[int, str] = {}  # position of a column -> its joint, where joint names stand next to the numbers
     constant: frozenset[int] = frozenset()  # positions of columns seen not to change
     joint_names: Sequence[str] = ()  # these, the robot and the serial number as the file states them apart from columns
@@ -53,17 +52,23 @@ class Table(ABC):
         self.path = path
         self.names = names  # of the columns that hold one number per row; elements of lists as name[0], name[1]...
 
+    @abstractmethod
+    def read(self, columns: ColumnMap, options: ReadOptions) -> Part:
+        """Read the columns; of a large table the part asked for alone."""
+
     def findings(self) -> tuple[Finding, ...]:
         """Return the damage found so far."""
         return ()
 
+
+class ColumnTable(Table):
+    """A table that is stored column by column, so that the clock can be read before all else."""
+
     def read(self, columns: ColumnMap, options: ReadOptions) -> Part:
-        """Read the columns; of a large table the part asked for alone."""
         rows, packed = self.size(columns)
         row_bytes = np.float64().itemsize * (1 + sum(map(len, columns.channels.values())))
         is_part = options.reads_part(rows * row_bytes)
-        is_large = rows * row_bytes > self.least_in_blocks * IN_BLOCKS_BYTES
-        if options.in_blocks and columns.joint is None and is_large:
+        if options.in_blocks and columns.joint is None and rows * row_bytes > IN_BLOCKS_BYTES:
             refuse_bomb(self.path, rows * row_bytes, packed)
             part = self.in_blocks(columns)
             if part is not None:
@@ -86,7 +91,7 @@ class Table(ABC):
 
     @abstractmethod
     def size(self, columns: ColumnMap) -> tuple[int, int]:
-        """Return the number of rows, if need be about, and the bytes that these columns take in the file."""
+        """Return the number of rows, and the bytes that these columns take in the file."""
 
     @abstractmethod
     def read_clock(self, time: TimeColumn) -> Clock:
