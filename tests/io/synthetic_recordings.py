@@ -1,11 +1,14 @@
 """Recordings of a known motion for the tests of ingest: sines, whose velocity is their derivative."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
+import pytest
 
+from friction_audit.errors import InputError
 from friction_audit.io.readers import ReadOptions, read_log
 from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Float, JointLog
@@ -49,6 +52,12 @@ def read_text(folder: Path, content: str | bytes | pd.DataFrame, **options: Any)
     text = content.to_csv(index=False) if isinstance(content, pd.DataFrame) else content
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
     return read_log(path, ReadOptions(**options))
+
+
+def refused(words: str, read: Callable[..., object], *given: object, **options: object) -> None:
+    """What is read is refused in these words."""
+    with pytest.raises(InputError, match=words):
+        read(*given, **options)
 
 
 def write_tidy_csv(path: Path) -> Path:

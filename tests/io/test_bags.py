@@ -9,9 +9,10 @@ import pytest
 from mcap.writer import CompressionType, IndexType
 from rosbags.typesys.store import Typestore
 
-from friction_audit.errors import InputError, UsageError
+from friction_audit.errors import UsageError
 from friction_audit.io.readers import list_topics
 from tests.io import bag_writing as bags
+from tests.io.synthetic_recordings import refused
 
 
 @dataclass
@@ -64,8 +65,7 @@ def test_joint_states(tmp_path: Path, form: Form) -> None:
     assert recording.findings == ()
     found = {(topic.name, topic.type, topic.messages, topic.readable) for topic in list_topics(path)[1]}
     assert found == {("/joint_states", bags.JOINT_STATE, 1500, True), ("/note", "std_msgs/msg/String", 1, False)}
-    with pytest.raises(InputError, match="/note of type std_msgs/msg/String holds no joint state"):
-        bags.read(path, topic="/note")
+    refused("/note of type std_msgs/msg/String holds no joint state", bags.read, path, topic="/note")
 
 
 ANY = pytest.mark.parametrize("form", [Form(name, {}) for name in ("a.bag", "bag", "a.mcap")], ids=str)
@@ -165,5 +165,4 @@ SQLITE, MCAP_MAGIC, BAG = b"SQLite format 3\x00", b"\x89MCAP0\r\n", b"#ROSBAG V2
 def test_bad_files(tmp_path: Path, suffix: str, content: bytes, message: str) -> None:
     path = tmp_path / f"bad{suffix}"
     path.write_bytes(content)
-    with pytest.raises(InputError, match=f"bad{suffix}: .*({message})"):
-        bags.read(path)
+    refused(f"bad{suffix}: .*({message})", bags.read, path)

@@ -11,6 +11,7 @@ import pytest
 import friction_audit
 from friction_audit.errors import InputError, UsageError
 from friction_audit.joint_log import JointLog
+from tests.io.synthetic_recordings import refused
 
 SAMPLES = Path(__file__).parents[2] / "sample_logs"
 RIG = SAMPLES / "bench_rig.csv"
@@ -67,8 +68,7 @@ def test_an_index_of_times_is_the_clock(frame: pd.DataFrame, zone: str | None) -
 
 def test_options_are_those_of_a_file(frame: pd.DataFrame) -> None:
     renamed = frame.rename(columns={frame.columns[1]: "winkel"})
-    with pytest.raises(InputError, match=r"frame: no column for q; found"):
-        friction_audit.log_from_frame(renamed)
+    refused(r"frame: no column for q; found", friction_audit.log_from_frame, renamed)
     part = friction_audit.log_from_frame(renamed, mapping={"q": "winkel"}, t_start_s=1.0, t_end_s=3.0)
     assert part.duration_s == pytest.approx(2.0, abs=0.02)
     assert part.source.window == (1.0, 3.0)
@@ -93,8 +93,7 @@ def test_what_is_no_frame_is_refused(wrong: object) -> None:
 def test_an_empty_frame_is_refused(frame: pd.DataFrame) -> None:
     empties: tuple[Any, ...] = (frame.iloc[:0], {}, pd.DataFrame())
     for empty in empties:
-        with pytest.raises(InputError, match=r"0 samples in .* expected one row per sample"):
-            friction_audit.log_from_frame(empty)
+        refused(r"0 samples in .* expected one row per sample", friction_audit.log_from_frame, empty)
     short = {str(name): frame[name].to_numpy()[: 500 if name == frame.columns[1] else 800] for name in frame}
     with pytest.raises(InputError, match=r"has shape \(500,\), .* has 800 samples; expected one row per sample"):
         friction_audit.log_from_frame(short)

@@ -16,6 +16,7 @@ from mcap.writer import CompressionType
 from friction_audit.errors import InputError
 from friction_audit.io.readers import read_log
 from tests.io import bag_writing as bags
+from tests.io.synthetic_recordings import refused
 from tests.io.test_rosbag2 import edited, execute
 
 BOMB_BYTES = 40 << 20  # in some kB
@@ -100,8 +101,7 @@ def test_bag_that_is_a_bomb_is_refused_and_leaves_nothing(tmp_path: Path, monkey
     (tmp_path / "room").mkdir()
     path = tmp_path / "a.db3.zstd"
     path.write_bytes(zstd_bomb())
-    with pytest.raises(InputError, match="decompressed"):
-        bags.read(path)
+    refused("decompressed", bags.read, path)
     assert not list((tmp_path / "room").iterdir())
 
 
@@ -135,8 +135,7 @@ def json_log(folder: Path, *bad: tuple[int, bytes], count: int = 40) -> Path:
 def test_one_hostile_json_message_is_left_out(tmp_path: Path, payload: bytes, place: int) -> None:
     path = json_log(tmp_path, (place, payload))
     if place == 0 and b"j4999" in payload:
-        with pytest.raises(InputError, match="5000 joints"):
-            bags.read(path)
+        refused("5000 joints", bags.read, path)
         return
     recording = bags.read(path)
     assert len(recording.t) == 39
@@ -162,8 +161,7 @@ def test_definition_without_end_is_refused(tmp_path: Path, language: str, schema
     path = bags.write_payloads(tmp_path / "a.mcap", stream, {bags.JOINT_STATE: schema.encode()}, "cdr", language)
     with pytest.raises(InputError):
         bags.read(path)
-    with pytest.raises(InputError, match="definition"):
-        bags.read(path, topic="/joint_states")
+    refused("definition", bags.read, path, topic="/joint_states")
 
 
 @pytest.mark.parametrize("text", ["\n" * 400_000, "custom_data:\n" + " " * 1_000_000, "- " + "a/" * 400_000])

@@ -18,6 +18,7 @@ from friction_audit.io.readers.message_kinds import match_kind
 from friction_audit.io.writers.write_log import write_log
 from friction_audit.joint_log import Source
 from tests.io.bag_writing import joint_states, ros2_store, samples, write
+from tests.io.synthetic_recordings import refused
 
 PANDA = tuple(f"panda_joint{i}" for i in range(1, 8))
 TWO_ARMS = ["time", *(f"{a}_joint{i}/{c}" for a in ("left", "right") for c in ("q", "dq", "tau_J") for i in (1, 2))]
@@ -166,8 +167,7 @@ def test_a_torque_from_elsewhere_than_the_position_is_doubted() -> None:
     ],
 )
 def test_a_refusal_leads_to_the_right_map(names: str, words: str) -> None:
-    with pytest.raises(InputError, match=words):
-        mapped(names)
+    refused(words, mapped, names)
 
 
 @given(st.integers(1, 12), st.sampled_from([0, 1]), st.randoms())
@@ -225,10 +225,8 @@ def test_position_and_torque_are_of_one_arm_and_of_the_joints() -> None:
 
 
 def test_columns_that_are_not_there() -> None:
-    with pytest.raises(InputError, match=r"no column for --map tau_J=.*did you mean .*tau_J_1"):
-        mapped("time q_1 dq_1 tau_J_1", tau_J="tau_1")
-    with pytest.raises(InputError, match="no column for --map tau_J=tauJ_"):
-        mapped("time q_1 dq_1 tau_J_1", tau_J="tauJ_{i}")
+    refused(r"no column for --map tau_J=.*did you mean .*tau_J_1", mapped, "time q_1 dq_1 tau_J_1", tau_J="tau_1")
+    refused("no column for --map tau_J=tauJ_", mapped, "time q_1 dq_1 tau_J_1", tau_J="tauJ_{i}")
     columns = mapped("time q_1 q_2 dq_1 dq_2 tau_J_1 tau_J_2 temperature_1")
     assert "temperature" not in columns.channels
     assert [finding.code for finding in columns.findings] == ["incomplete_channel"]

@@ -12,21 +12,20 @@ import pandas as pd
 import pytest
 
 import friction_audit
-from friction_audit.errors import InputError, UsageError
+from friction_audit.errors import UsageError
 from friction_audit.io.files import sha256_of
 from friction_audit.io.readers import ReadOptions, csv as reader, read_log
 from friction_audit.io.readers.csv_lines import Dialect, sniff_csv
 from friction_audit.io.recording import Recording
 from friction_audit.io.writers.tables import Writer
 from friction_audit.io.writers.write_log import WRITERS, write_log
-from tests.io.synthetic_recordings import read_text, tidy_frame, write_tidy_csv
+from tests.io.synthetic_recordings import read_text, refused, tidy_frame, write_tidy_csv
 
 
 def test_an_unknown_format(tmp_path: Path) -> None:
     path = tmp_path / "photo.jpg"
     path.write_bytes(b"\xff\xd8\xff\xe0" + bytes(100))
-    with pytest.raises(InputError, match=r"photo.jpg: of no known format; what is read: .*csv \(.csv .tsv"):
-        read_log(path)
+    refused(r"photo.jpg: of no known format; what is read: .*csv \(.csv .tsv", read_log, path)
 
 
 def test_the_hash_is_that_of_the_content_and_of_a_directory_that_of_its_files(tmp_path: Path) -> None:
@@ -62,8 +61,7 @@ def test_an_error_of_the_disk_is_an_input_error(tmp_path: Path, monkeypatch: pyt
         raise OSError(5, "Input/output error")
 
     monkeypatch.setattr(reader, "read", fail)
-    with pytest.raises(InputError, match=r"run.csv: cannot be read: Input/output error"):
-        read_log(path)
+    refused(r"run.csv: cannot be read: Input/output error", read_log, path)
 
 
 def test_readers_and_writers_are_listed_without_their_libraries() -> None:
@@ -145,8 +143,7 @@ def test_a_velocity_is_made_from_a_position_whose_faults_are_mended(
     """KUKA's FRI gives no velocity, and many ROS drivers leave it empty, or fill it with zeros."""
     table = tidy_frame()
     if "mapping" in options:
-        with pytest.raises(InputError, match=r"velocity was not recorded: .* --map dq=derivative"):
-            read_text(tmp_path, change(table))
+        refused(r"velocity was not recorded: .* --map dq=derivative", read_text, tmp_path, change(table))
     log = read_text(tmp_path, change(table.drop(columns=["dq_1", "dq_2", "dq_3"])), **options)
     rows = np.rint(log.t * 1000.0 * (factor if "time_scale" in options else 1.0)).astype(int)
     expected = factor * table[["dq_1", "dq_2", "dq_3"]].to_numpy()[rows]
