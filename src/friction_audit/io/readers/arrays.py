@@ -26,13 +26,10 @@ class ArrayTable(ColumnTable):
 
     def __init__(self, path: Path, arrays: Mapping[str, Any], findings: tuple[Finding, ...] = ()) -> None:
         """Keep arrays, or what has the shape and type of one and is read by ``load``."""
-        self._arrays, self._findings = arrays, findings
+        self._arrays, self.damage = arrays, findings
         widths = {name: prod(array.shape[1:]) for name, array in arrays.items()}
         self._cells = [(name, cell) for name, n in widths.items() if n <= MOST_JOINTS for cell in range(n)]
         super().__init__(path, [name if widths[name] == 1 else f"{name}[{cell}]" for name, cell in self._cells])
-
-    def findings(self) -> tuple[Finding, ...]:
-        return self._findings
 
     def load(self, name: str, rows: NDArray[np.bool_] | None = None) -> NDArray[Any]:
         """Return an array as (n, k), in the rows of a mask or in all."""
@@ -49,14 +46,10 @@ class ArrayTable(ColumnTable):
         return samples, sum(int(self._arrays[name].nbytes) for name in names)
 
     def read_clock(self, time: TimeColumn) -> Clock:
-        parts, unit = [self._column(cell) for cell in time.cells], time.unit
+        parts, unit = [self.load(name)[:, at] for name, at in (self._cells[cell] for cell in time.cells)], time.unit
         if parts[0].dtype.kind in "mM":
             parts, unit = [part.astype(f"{part.dtype.kind}8[ns]").astype(np.int64) for part in parts], "ns"
         return to_clock(stamps_of(parts), unit, path=str(self.path))
-
-    def _column(self, cell: int, rows: NDArray[np.bool_] | None = None) -> NDArray[Any]:
-        name, place = self._cells[cell]
-        return self.load(name, rows)[:, place]
 
     def read_rows(self, columns: ColumnMap, clock: Clock, rows: NDArray[np.bool_] | None) -> Part:
         channels = {c: np.empty((len(clock.t), len(cells)), order="F") for c, cells in columns.channels.items()}
@@ -71,8 +64,10 @@ class ArrayTable(ColumnTable):
                     raise InputError(
                         f"{self.path}: {self.names[cell]} holds no numbers ({error}); name another column with --map"
                     ) from error
-        labels = None if columns.joint is None else self._column(columns.joint, rows).astype(object)
-        return Part(clock=clock, channels=channels, joint=labels)
+        if columns.joint is None:
+            return Part(clock=clock, channels=channels)
+        name, place = self._cells[columns.joint]
+        return Part(clock=clock, channels=channels, joint=self.load(name, rows)[:, place].astype(object))
 
 
 def arrays_of_frame(frame: Any, where: str) -> dict[str, NDArray[Any]]:  # noqa: ANN401 - a frame of any library

@@ -142,11 +142,9 @@ def _protobuf_decoder(connection: Connection) -> MessageDecoder:
         raise BrokenError(f"its protobuf descriptors cannot be used ({error})") from error
     if decode is None:
         raise BrokenError(f"its schema is of encoding {language!r}, not protobuf")
-
-    def fields_of(message: Any) -> Fields:  # noqa: ANN401
-        yield from ((field.name, field.message_type, field.is_repeated) for field in message.fields)
-
-    return MessageDecoder(tuple(_paths(decode(b"").DESCRIPTOR, fields_of)), decode, (DecodeError,))
+    kind = decode(b"").DESCRIPTOR
+    paths = _paths(kind, lambda one: ((field.name, field.message_type, field.is_repeated) for field in one.fields))
+    return MessageDecoder(tuple(paths), decode, (DecodeError,))
 
 
 def _find_definition(connection: Connection, payloads: Iterable[bytes]) -> Types | None:

@@ -139,7 +139,7 @@ class MessageStream(AbstractContextManager["MessageStream"]):
     def __init__(self, path: Path) -> None:
         """Open the file; InputError if nothing in it can be read."""
         self._path, self._bytes = path, path.stat().st_size
-        # What was found broken so far: file and place or reason -> what to say, and the byte up to which it was sound.
+        # What was found broken: file and place, or reason -> where and why, and the byte up to which it was sound.
         self.damage: dict[tuple[Path, int | str], tuple[str, int | None]] = {}
 
     def __exit__(self, *_: object) -> None:
@@ -164,7 +164,7 @@ class MessageStream(AbstractContextManager["MessageStream"]):
 
     def _note(self, byte: int | None, reason: str, whole: int | None = None) -> None:
         place = "" if byte is None else f" at byte {byte} of {whole or self._bytes}"
-        self.damage[self._path, reason if byte is None else byte] = f"damaged{place} ({reason})", byte
+        self.damage[self._path, reason if byte is None else byte] = f"{place} ({reason})", byte
 
     def _refuse_without(self, found: Collection[object], first: str) -> None:
         """Refuse a damaged file in which nothing was found."""

@@ -275,8 +275,8 @@ def _missing(stream: MessageStream, chosen: Candidate, seen: Mapping[int, int]) 
 
 
 def _losses(stream: MessageStream, decoder: JointDecoder, count: int) -> Iterator[Finding]:
-    for damage, byte in stream.damage.values():
-        text = f"the file is {damage}; the {count} messages outside the damage were read"
+    for place, byte in stream.damage.values():
+        text = f"the file is damaged{place}; the {count} messages outside the damage were read"
         yield Finding("truncated", text, amount=None if byte is None else float(byte), damaged=True)
     if lost := decoder.undecodable:
         text = f"{lost} messages do not fit their definition and were left out"

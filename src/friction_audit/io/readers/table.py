@@ -47,6 +47,7 @@ class Table(ABC):
     serial = ""
     start_s: float | None = None  # Unix time of the first row, as the file states it apart from its columns [s]
     clock: TimeColumn | None = None  # the clock as the container knows it, for the column of the same name
+    damage: tuple[Finding, ...] = ()  # found when it was opened
 
     def __init__(self, path: Path, names: Sequence[str]) -> None:
         self.path = path
@@ -58,7 +59,7 @@ class Table(ABC):
 
     def findings(self) -> tuple[Finding, ...]:
         """Return the damage found so far."""
-        return ()
+        return self.damage
 
 
 class ColumnTable(Table):
