@@ -17,7 +17,7 @@ from friction_audit.cli.console import DAMAGED, EXCEEDED
 from friction_audit.errors import AnalysisError, InputError, UsageError
 from friction_audit.io.readers import READERS, read_log
 from friction_audit.io.readers.channel_names import QUANTITIES, parse_name
-from friction_audit.io.readers.time_column import find_time
+from friction_audit.io.readers.clocks import find_time
 from friction_audit.joint_log import JOINT_CHANNELS
 from friction_audit.pipeline import AuditSettings, estimate_log
 from friction_audit.reporting.estimate import estimate_document

@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from friction_audit.io.checks.columns import Thinned
-from friction_audit.io.readers.message_samples import MessageClock, choose_clock
-from friction_audit.io.readers.time_column import find_time, to_clock
+from friction_audit.io.readers.clocks import MessageClock, choose_clock, find_time, to_clock
 
 START_NS = 1_700_000_000_000_000_123
 LOG = START_NS + np.arange(1000, dtype=np.int64) * 1_000_000

@@ -14,7 +14,7 @@ from friction_audit.io.readers import arm_of_log, read_log
 from friction_audit.io.readers.arrays import ArrayTable
 from friction_audit.io.readers.channel_names import arms_in, parse_name, robot_of, torque_unit
 from friction_audit.io.readers.columns import ColumnMap, map_columns
-from friction_audit.io.readers.message_kinds import match_kind
+from friction_audit.io.readers.joint_states import match_kind
 from friction_audit.io.writers.write_log import write_log
 from friction_audit.joint_log import Source
 from tests.io.bag_writing import joint_states, ros2_store, samples, write

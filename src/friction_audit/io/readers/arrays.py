@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError, UsageError
+from friction_audit.io.readers.clocks import Clock, TimeColumn, stamps_of, to_clock
 from friction_audit.io.readers.columns import MOST_JOINTS, ColumnMap
 from friction_audit.io.readers.reader import BY_NUMBER, ReadOptions, Topic
 from friction_audit.io.readers.table import ColumnTable, Part, read_table
-from friction_audit.io.readers.time_column import Clock, TimeColumn, stamps_of, to_clock
 from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Finding
 

@@ -23,7 +23,7 @@ from friction_audit.io.readers.channel_names import (
     shorten,
     stated_group,
 )
-from friction_audit.io.readers.time_column import UNITS, TimeColumn, find_time
+from friction_audit.io.readers.clocks import UNITS, TimeColumn, find_time
 from friction_audit.joint_log import JOINT_CHANNELS, TORQUE_CHANNELS, Finding
 
 if TYPE_CHECKING:

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers.channel_names import is_label, labels_of
+from friction_audit.io.readers.clocks import Clock, TimeColumn, stamps_of, to_clock
 from friction_audit.io.readers.columns import ColumnMap
 from friction_audit.io.readers.csv_lines import Dialect, recognises, sniff_csv, split_line, value_of
 from friction_audit.io.readers.reader import BY_NUMBER, IN_BLOCKS_BYTES, ReadOptions, Topic, refuse_too_large
 from friction_audit.io.readers.table import Part, Table, part_in_blocks, read_table
-from friction_audit.io.readers.time_column import Clock, TimeColumn, stamps_of, to_clock
 from friction_audit.io.recording import Recording, WholeLogError
 from friction_audit.joint_log import Finding, find_window
 

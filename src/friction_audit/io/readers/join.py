@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from friction_audit.errors import InputError
-from friction_audit.io.readers.time_column import UNITS
+from friction_audit.io.readers.clocks import UNITS
 from friction_audit.io.recording import Recording, take_rows
 from friction_audit.joint_log import JOINT_CHANNELS, TORQUE_CHANNELS, Finding, Float
 
@@ -73,7 +73,14 @@ def _with_channels(first_path: Path, first: Recording, path: Path, other: Record
             f"{path}: has {', '.join(other.channels)}, as {first_path}; expected channels that it lacks; name them "
             f"with --map, or leave out --join {path}"
         )
-    order = _joints_in_order(first_path, first, path, other)
+    order: Sequence[int] = range(len(other.joint_names))
+    if set(first.joint_names) == set(other.joint_names):
+        order = [other.joint_names.index(name) for name in first.joint_names]
+    elif len(first.joint_names) != len(order):
+        raise InputError(
+            f"{path}: has {len(order)} joints ({', '.join(other.joint_names)}), {first_path} has "
+            f"{len(first.joint_names)} ({', '.join(first.joint_names)}); expected the same; name columns with --map"
+        )
     channels = dict(first.channels)
     for channel in new:
         columns = [interpolated(first.t, stamps, other.channels[channel][:, joint]) for joint in order]
@@ -90,18 +97,6 @@ def _with_channels(first_path: Path, first: Recording, path: Path, other: Record
         serial=first.serial or other.serial,
         torque_unit=first.torque_unit or other.torque_unit,
     ).with_findings(*findings)
-
-
-def _joints_in_order(first_path: Path, first: Recording, path: Path, other: Recording) -> list[int]:
-    """Return the joints of another file in the order of the first: by name where both have the same names."""
-    if set(first.joint_names) == set(other.joint_names):
-        return [other.joint_names.index(name) for name in first.joint_names]
-    if len(first.joint_names) != len(other.joint_names):
-        raise InputError(
-            f"{path}: has {len(other.joint_names)} joints ({', '.join(other.joint_names)}), {first_path} has "
-            f"{len(first.joint_names)} ({', '.join(first.joint_names)}); expected the same; name columns with --map"
-        )
-    return list(range(len(other.joint_names)))
 
 
 def interpolated(t: Float, stamps: Float, values: Float) -> Float:

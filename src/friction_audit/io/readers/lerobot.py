@@ -49,7 +49,12 @@ def read(path: Path, options: ReadOptions) -> Recording:
     name = wanted or next(iter(episodes))
     if name not in episodes:
         raise InputError(f"{path}: no episode {name!r}; it has {', '.join([*episodes][:5])} ... ({len(episodes)})")
-    table = _EpisodeTable(path, _columns(episodes[name][0], name), _features(path))
+    try:
+        features = json.loads((path / DATA_SET).read_text(encoding="utf-8"))["features"]
+        features = {name: one for name, one in features.items() if isinstance(one, dict)}
+    except (ValueError, LookupError, AttributeError, TypeError, RecursionError) as error:
+        raise InputError(f"{path}: {DATA_SET} holds no features of a data set ({error}); copy it again") from error
+    table = _EpisodeTable(path, _columns(episodes[name][0], name), features)
     options = replace(options, topic=f"#{arm}" if arm else None, mapping={**table.mapping, **options.mapping})
     try:
         return replace(read_table(table, options), topic=name)
@@ -92,14 +97,6 @@ def _motors(names: Any) -> list[str]:  # noqa: ANN401 - JSON
             break
         names = inner
     return [str(name) for name in names] if isinstance(names, list) else []
-
-
-def _features(path: Path) -> dict[str, Any]:
-    try:
-        features = json.loads((path / DATA_SET).read_text(encoding="utf-8"))["features"]
-        return {name: one for name, one in features.items() if isinstance(one, dict)}
-    except (ValueError, LookupError, AttributeError, TypeError, RecursionError) as error:
-        raise InputError(f"{path}: {DATA_SET} holds no features of a data set ({error}); copy it again") from error
 
 
 def _episodes(path: Path) -> dict[str, tuple[Path, int]]:

@@ -16,9 +16,9 @@ from friction_audit.errors import InputError
 from friction_audit.io.files import starts_with
 from friction_audit.io.readers.arrays import ArrayTable, topics_of
 from friction_audit.io.readers.channel_names import parse_name
+from friction_audit.io.readers.clocks import find_time
 from friction_audit.io.readers.reader import ReadOptions, Topic, refuse_too_large
 from friction_audit.io.readers.table import read_table
-from friction_audit.io.readers.time_column import find_time
 from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Finding
 

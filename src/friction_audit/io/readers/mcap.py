@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 from zlib import crc32
 
-from friction_audit.io.readers.message_kinds import LATEST_TIME_NS
+from friction_audit.io.readers.joint_states import LATEST_TIME_NS
 from friction_audit.io.readers.message_stream import Block, BlockCollector, Connection, Heads, MessageStream, Window
 from friction_audit.io.readers.messages import read_messages, topics_of
 

@@ -14,10 +14,18 @@ import numpy as np
 from friction_audit.errors import InputError, near_misses
 from friction_audit.io.files import stamp_of
 from friction_audit.io.readers.channel_names import robot_of
+from friction_audit.io.readers.clocks import MessageClock, choose_clock
 from friction_audit.io.readers.columns import MOST_JOINTS
+from friction_audit.io.readers.joint_states import (
+    Candidate,
+    JointDecoder,
+    JointSamples,
+    MessageKind,
+    choose_topic,
+    match_kind,
+    rows_of,
+)
 from friction_audit.io.readers.message_decoder import decoder_for
-from friction_audit.io.readers.message_kinds import Candidate, MessageKind, choose_topic, match_kind, rows_of
-from friction_audit.io.readers.message_samples import JointDecoder, JointSamples, MessageClock, choose_clock
 from friction_audit.io.readers.message_stream import Block, BrokenError, Connection, MessageStream, Window, one_block
 from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, MARGIN_S, ReadOptions, Topic, refuse_too_large, serial_in
 from friction_audit.io.recording import Blocks, Recording
@@ -72,6 +80,10 @@ def _read(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
     if not channels:
         t, channels = np.empty(0), {name: np.empty((0, len(joints))) for name in names}
         blocks = Blocks(rows=samples.rows, read=partial(_blocks, stream, decoder, clock, samples.rows))
+    robot = robot_of(joints)
+    if joints[0] == "joint1" and robot == "unknown":  # the topic has no names of joints: those of the other topics
+        others = {robot_of(candidate.names) for candidate in candidates} - {"unknown"}
+        robot = others.pop() if len(others) == 1 else "unknown"
     paths = {name: chosen.kind.fields[name] for name in channels}
     units = {name: found[0] for name, text in options.mapping.items() if (found := _UNIT.search(text))}
     return Recording(
@@ -82,7 +94,7 @@ def _read(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
         clock=clock.name,
         start_s=clock.start_s,
         origin_s=clock.origin_s,
-        robot=_robot(joints, candidates),
+        robot=robot,
         topic=chosen.name,
         mapping={
             name: (path.replace("[]", "[{i}]") if "[]" in path else f"{path}[{{i}}]") + units.get(name, "")
@@ -297,12 +309,3 @@ def _joints_and_channels(decoder: JointDecoder, candidates: Sequence[Candidate])
         hint = f"; {', '.join(better)} has them: choose with --topic" if better else ""
         fields = ", ".join(chosen.kind.fields[name] for name in empty)
         yield Finding("channel_empty", f"{chosen.name} holds no values in {fields}{hint}")
-
-
-def _robot(joints: Sequence[str], candidates: Sequence[Candidate]) -> str:
-    """Return the robot by the joints' names; where the topic has none, by those of the other topics."""
-    robot = robot_of(joints)
-    if robot != "unknown" or joints[0] != "joint1":
-        return robot
-    others = {robot_of(candidate.names) for candidate in candidates} - {"unknown"}
-    return others.pop() if len(others) == 1 else "unknown"

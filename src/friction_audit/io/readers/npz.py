@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 from friction_audit.errors import InputError
 from friction_audit.io.files import starts_with
 from friction_audit.io.readers.arrays import ArrayTable, topics_of
+from friction_audit.io.readers.clocks import TimeColumn
 from friction_audit.io.readers.columns import ColumnMap
 from friction_audit.io.readers.reader import ReadOptions, Topic
 from friction_audit.io.readers.table import Part, part_in_blocks, read_table
-from friction_audit.io.readers.time_column import TimeColumn
 from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Finding
 

@@ -15,10 +15,10 @@ from pyarrow.parquet import FileMetaData, ParquetFile
 from friction_audit.errors import InputError
 from friction_audit.io.readers import arrow
 from friction_audit.io.readers.channel_names import is_label, labels_of
+from friction_audit.io.readers.clocks import Clock, TimeColumn, stamps_of, to_clock
 from friction_audit.io.readers.columns import ColumnMap
 from friction_audit.io.readers.reader import ReadOptions, Topic, serial_in
 from friction_audit.io.readers.table import ColumnTable, Part, part_in_blocks, read_table
-from friction_audit.io.readers.time_column import Clock, TimeColumn, stamps_of, to_clock
 from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Finding
 from friction_audit.parallel import per_joint

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers.channel_names import choose_arm, robot_of
+from friction_audit.io.readers.clocks import Clock, TimeColumn, stamps_of, to_clock
 from friction_audit.io.readers.columns import MOST_JOINTS, REQUIRED, ColumnMap, absent, doubt_torque, map_columns
 from friction_audit.io.readers.join import interpolated
 from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, ReadOptions, refuse_bomb, refuse_too_large
-from friction_audit.io.readers.time_column import Clock, TimeColumn, stamps_of, to_clock
 from friction_audit.io.recording import Block, Blocks, Recording, WholeLogError
 from friction_audit.joint_log import Finding, Float, find_window
 
@@ -222,8 +222,11 @@ def _pivot(columns: ColumnMap, joint: NDArray[Any], part: Part, arm: str, path: 
     if not kept:
         raise InputError(f"{path}: 0 samples; the table has a header and no rows; record the arm while it moves")
     clock, every = part.clock, [np.flatnonzero(codes == code) for code in kept]
-    rows, lost = _rows_of_joints(every, clock.t)
-    t = clock.t[rows[0]]
+    rows, t, lost = every, clock.t[every[0]], 0
+    if not all(np.array_equal(clock.t[own], t) for own in every):
+        t = reduce(np.intersect1d, (clock.t[own] for own in every))  # the times that all joints have
+        rows = [own[np.intersect1d(clock.t[own], t, return_indices=True)[1]] for own in every]
+        lost = sum(map(len, every)) - len(every) * len(t)
     channels = {channel: np.empty((len(rows[0]), len(kept)), order="F") for channel in part.channels}
     for channel, column in part.channels.items():
         for place, chosen in enumerate(rows):
@@ -253,13 +256,3 @@ def _at_stamps_of_first(
             found[channel][:, place] = interpolated(t, time[own], column[own, 0])
     kept = np.logical_and.reduce([np.isfinite(array).all(axis=1) for array in found.values()])
     return t[kept], {channel: array[kept] for channel, array in found.items()}
-
-
-def _rows_of_joints(rows: list[NDArray[np.intp]], time: Float) -> tuple[list[NDArray[np.intp]], int]:
-    """Return each joint's rows at the times that all joints have, and how many rows that leaves out."""
-    first = time[rows[0]]
-    if all(np.array_equal(time[own], first) for own in rows):
-        return rows, 0
-    common = reduce(np.intersect1d, (time[own] for own in rows))
-    matched = [own[np.intersect1d(time[own], common, return_indices=True)[1]] for own in rows]
-    return matched, sum(map(len, rows)) - len(rows) * len(common)

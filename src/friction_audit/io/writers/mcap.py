@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from friction_audit.errors import encodable
-from friction_audit.io.readers.message_kinds import JOINT_STATE
+from friction_audit.io.readers.joint_states import JOINT_STATE
 from friction_audit.io.writers import ros_messages as ros
 from friction_audit.io.writers.tables import (
     NANOSECONDS,

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.io.readers.joint_states import JOINT_STATE, ROBOT_STATE
 from friction_audit.io.readers.message_decoder import find_layout, franka_types
-from friction_audit.io.readers.message_kinds import JOINT_STATE, ROBOT_STATE
 from friction_audit.io.writers.tables import NANOSECONDS, Writer, logged_channels, stamps_ns
 from friction_audit.joint_log import JointLog
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from friction_audit.errors import UsageError, near_misses
 from friction_audit.io.files import whole_file
-from friction_audit.io.readers.message_kinds import JOINT_STATE
+from friction_audit.io.readers.joint_states import JOINT_STATE
 from friction_audit.io.writers.mcap import MCAP_DIALECTS
 from friction_audit.io.writers.ros_messages import BAGS
 from friction_audit.io.writers.tables import NANOSECONDS, ColumnOf, Writer, logged_channels, stamps_ns, tidy_columns

@@ -1,12 +1,15 @@
-"""Which message fields are which channel, by their names; the values of a message; which topic and arm to read."""
+"""Joint states in messages: which fields hold them, which topic and arm to read, their values block by block."""
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from friction_audit.errors import InputError, near_misses
 from friction_audit.io.readers.channel_names import (
@@ -19,8 +22,10 @@ from friction_audit.io.readers.channel_names import (
     parse_name,
     ranks,
 )
-from friction_audit.io.readers.message_decoder import MessageDecoder
-from friction_audit.io.readers.message_stream import Block
+from friction_audit.io.readers.clocks import CLOCKS, Times
+from friction_audit.io.readers.columns import MOST_JOINTS
+from friction_audit.io.readers.message_decoder import Layout, MessageDecoder, Records
+from friction_audit.io.readers.message_stream import Block, BrokenError
 from friction_audit.io.readers.reader import SeveralLogsError, Topic
 from friction_audit.joint_log import JOINT_CHANNELS, TORQUE_CHANNELS, Finding, Float
 
@@ -41,13 +46,8 @@ class MessageKind:
 
 
 JOINT_STATE = {"q": "position", "dq": "velocity", "tau_J": "effort"}
-ROBOT_STATE = {  # nested FrankaRobotState
-    "q": "measured_joint_state.position",
-    "dq": "measured_joint_state.velocity",
-    "tau_J": "measured_joint_state.effort",
-    "tau_J_d": "desired_joint_state.effort",
-    "tau_ext_hat_filtered": "tau_ext_hat_filtered.effort",
-}
+ROBOT_STATE = {channel: f"measured_joint_state.{field}" for channel, field in JOINT_STATE.items()}  # FrankaRobotState
+ROBOT_STATE |= {"tau_J_d": "desired_joint_state.effort", "tau_ext_hat_filtered": "tau_ext_hat_filtered.effort"}
 # Rank by the path of the position: a robot's own state, sensor_msgs/JointState and foxglove.JointStates, any other one.
 RANKS = {"q": 0, ROBOT_STATE["q"]: 0, JOINT_STATE["q"]: 1, f"joints[].{JOINT_STATE['q']}": 1}
 
@@ -177,7 +177,15 @@ def choose_topic(
     name, _, arm = (wanted or "").partition("#")
     measured = [c for c in candidates if c.choices and not _NOT_MEASURED.search(c.name.rsplit("/", 1)[-1])]
     if wanted is not None:
-        measured = [_named(path, candidates, topics, name)]
+        there = {topic.name.strip("/"): topic for topic in (*topics, *candidates)}.get(name.strip("/"))
+        if there is None:
+            near = near_misses(name, [topic.name for topic in topics])
+            raise InputError(f"{path}: no topic {name}{near}; {_listed(topics)}; choose one with --topic")
+        if not isinstance(there, Candidate):
+            what = f"of type {there.type} holds no joint state that can be read; {_EXPECTED}"
+            what = what if there.messages else "has no messages"
+            raise InputError(f"{path}: topic {there.name} {what}; {_listed(topics)}")
+        measured = [there]
     elif not measured:
         raise InputError(_nothing_to_read(path, candidates, topics))
     else:
@@ -204,17 +212,6 @@ def _refuse_several_arms(path: Path, candidates: Sequence[Candidate]) -> None:
     raise SeveralLogsError(message, [best[arm] for arm in sorted(best)])
 
 
-def _named(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic], wanted: str) -> Candidate:
-    if found := next((one for one in candidates if one.name.strip("/") == wanted.strip("/")), None):
-        return found
-    there = next((topic for topic in topics if topic.name.strip("/") == wanted.strip("/")), None)
-    if there is None:
-        near = near_misses(wanted, [topic.name for topic in topics])
-        raise InputError(f"{path}: no topic {wanted}{near}; {_listed(topics)}; choose one with --topic")
-    what = f"of type {there.type} holds no joint state that can be read; {_EXPECTED}"
-    raise InputError(f"{path}: topic {there.name} {what if there.messages else 'has no messages'}; {_listed(topics)}")
-
-
 def _nothing_to_read(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic]) -> str:
     broken = next((candidate for candidate in candidates if not candidate.is_decoded), None)
     what = f"no topic with measured joint states; {_EXPECTED}"
@@ -227,3 +224,124 @@ def _nothing_to_read(path: Path, candidates: Sequence[Candidate], topics: Sequen
 
 def _listed(topics: Sequence[Topic]) -> str:
     return f"topics are {', '.join(map(str, topics))}" if topics else "there are no topics"
+
+
+_SMALLEST_CAPACITY = 1024
+# Values of some joints in messages that follow each other: the clocks, and channel -> a column per joint.
+Piece = tuple[Times, Mapping[str, Sequence[NDArray[Any]]]]
+
+
+class JointSamples:
+    """Pieces one after the other in arrays, channels of shape (n, j) in Fortran order."""
+
+    def __init__(self, joints: int, channels: Iterable[str], expected: int, *, every: int = 1) -> None:
+        """Make room for the number of samples expected, which grows with the pieces; keep one of so many."""
+        room = max(expected // every, _SMALLEST_CAPACITY)
+        self.rows = self.count = 0  # samples so far, and those of them that are kept
+        self.channels = {name: np.empty((room, joints), order="F") for name in channels}
+        self._times = {name: np.empty(room, np.int64 if unit > 1.0 else np.float64) for name, unit in CLOCKS.items()}
+        self._every = every
+
+    def add(self, piece: Piece) -> None:
+        """Append a piece."""
+        found, channels = piece
+        count = len(found["log_time"])
+        kept = slice(-self.rows % self._every, None, self._every)
+        rows = slice(self.count, self.count + len(range(count)[kept]))
+        if rows.stop > len(self._times["log_time"]):
+            self.resize(max(rows.stop, 2 * rows.start))
+        self.rows, self.count = self.rows + count, rows.stop
+        for name, array in self.channels.items():
+            for joint, column in enumerate(channels[name]):
+                array[rows, joint] = column[kept]
+        self._times = {name: times for name, times in self._times.items() if name in found}
+        for name, times in self._times.items():
+            times[rows] = found[name][kept]
+
+    def resize(self, rows: int) -> None:
+        """Move everything, one array at a time; memory that was never written to costs nothing."""
+        for arrays in (self.channels, self._times):
+            for name, old in arrays.items():
+                new = np.empty((rows, *old.shape[1:]), old.dtype, order="F")
+                new[: self.count] = old[: self.count]
+                arrays[name] = new
+
+    @property
+    def times(self) -> Times:
+        """The clocks that all pieces have."""
+        return {name: array[: self.count] for name, array in self._times.items()}
+
+
+class JointDecoder:
+    """Decodes blocks of one topic to the values of some joints."""
+
+    def __init__(self, chosen: Candidate, joints: tuple[str, ...], channels: Sequence[str]) -> None:
+        self.undecodable = self.incomplete = 0  # messages that do not fit their definition, or lack some of the joints
+        self.chosen, self.joints, self._channels = chosen, joints, channels
+        kind = chosen.kind
+        self._stamp = [f"{path}.{part}" for path in kind.stamps[:1] for part in ("sec", "nanosec")]
+        paths = [*(kind.fields[name] for name in channels), *self._stamp, kind.robot_time]
+        self._paths = list(dict.fromkeys(path for path in paths if path))
+        self._layouts: dict[int, Layout] = {}
+
+    def decode(self, block: Block) -> Piece:
+        """Decode by the layout in use, or by that of the block's own first message; else message by message."""
+        layout, find = self._layouts.get(block.key), self.chosen.decoders[block.key].layout
+        records = layout.records(block, self._paths) if layout else None
+        if records is None and find:
+            with suppress(BrokenError):
+                layout = find(next(block.payloads()))
+                records = layout.records(block, self._paths)
+        if layout is None or records is None:
+            return self.of_messages(block)
+        self._layouts[block.key] = layout
+        return self._of_records(records, layout, block) or self.of_messages(block)
+
+    def _of_records(self, records: Records, layout: Layout, block: Block) -> Piece | None:
+        """View records of constant layout; None if their arrays do not fit their names."""
+        kind = self.chosen.kind
+        names = layout.strings.get(kind.names, ()) if kind.names else ()
+        if not any(names):
+            counts = [layout.numbers[path].count for path in kind.fields.values() if path in layout.numbers]
+            names = tuple(f"joint{k + 1}" for k in range(max(counts)))
+        columns, fields = _columns_of(names, self.joints), {name: records[kind.fields[name]] for name in self._channels}
+        if (columns < 0).any() or any(field.shape[1] != len(names) for field in fields.values()):
+            return None
+        times = {"log_time": block.log_time}
+        if self._stamp:
+            seconds, nanoseconds = (records[path][:, 0] for path in self._stamp)
+            times["header_stamp"] = seconds.astype(np.int64) * 10**9 + nanoseconds
+        if kind.robot_time:
+            times["robot_time"] = records[kind.robot_time][:, 0]
+        return times, {name: [field[:, column] for column in columns] for name, field in fields.items()}
+
+    def of_messages(self, block: Block) -> Piece:
+        """Decode message by message, with the library's decoder; one that holds none of the joints is passed over."""
+        found = list[tuple[int, Row, NDArray[np.intp]]]()
+        rows = rows_of(block, self.chosen.decoders[block.key], self.chosen.kind)
+        for log_time, row in zip(block.log_time.tolist(), rows, strict=True):
+            if row is None or len(row.names) > MOST_JOINTS:
+                self.undecodable += 1
+                continue
+            columns = _columns_of(row.names, self.joints)
+            self.incomplete += bool((columns < 0).any() and (columns >= 0).any())
+            if (columns >= 0).any():
+                found.append((log_time, row, columns))
+        arrays = {name: np.full((len(self.joints), len(found)), np.nan) for name in self._channels}
+        for at, (_, row, columns) in enumerate(found):
+            for name, array in arrays.items():
+                values = row.channels.get(name, np.empty(0))
+                there = (columns >= 0) & (columns < len(values))
+                array[there, at] = values[columns[there]]
+        stamps, readings = [row.stamp for _, row, _ in found], [row.robot_time for _, row, _ in found]
+        own: dict[str, list[Any]] = {"header_stamp": stamps, "robot_time": readings}
+        own["log_time"] = [log_time for log_time, *_ in found]
+        times = {name: np.array(values) for name, values in own.items() if None not in values}
+        return times, {name: list(array) for name, array in arrays.items()}
+
+
+@lru_cache(maxsize=64)
+def _columns_of(names: tuple[str, ...], joints: tuple[str, ...]) -> NDArray[np.intp]:
+    """Return, for each joint, its index in a message with these names, or -1 where it lacks the joint."""
+    place = {name: index for index, name in reversed(list(enumerate(names)))}
+    return np.array([place.get(joint, -1) for joint in joints], np.intp)

@@ -1,7 +1,7 @@
-"""The clock of a table: which column it is, in which unit, and the exact way from there to seconds."""
+"""The clock of a table, and that of messages: which it is, in which unit, and the exact way from there to seconds."""
 
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Finding, Float
 
 UNITS = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}  # units per second
 # Name, unit if the name says it, clock; the better clock first: robot, header, log.
@@ -121,3 +121,72 @@ def _unit_from_values(origin: float, elapsed: Float) -> str:
     steps = next((steps for lot in lots if len(steps := np.diff(np.unique(lot[np.isfinite(lot)])))), np.zeros(1))
     step = float(np.median(steps))
     return next((unit for unit, longest in (("s", 0.2), ("ms", 200.0), ("us", 2e5)) if step < longest), "ns")
+
+
+_NANOSECONDS = 10**9
+# Clocks of messages and their units per second, the best first: of the robot, of the source, of the recorder.
+CLOCKS = {"robot_time": 1.0, "header_stamp": 1e9, "log_time": 1e9}
+Times = Mapping[str, NDArray[Any]]  # clock that all messages have -> its readings, nanoseconds as integers
+_FIRST_UNIX_TIME_S = 1e9  # September 2001: below it, a clock counts from something else than 1970
+_DISAGREEMENT_SD_S, _DISAGREEMENT_STEPS, _DISAGREEMENT_DRIFT = 5e-3, 2.0, 2e-4
+_ROBOT_TIME_UNITS = ((1e3, "milliseconds"), (1e6, "microseconds"), (1e9, "nanoseconds"))
+_UNIT_TOLERANCE = 0.2
+_TITLES = {"robot_time": "the robot's own time", "header_stamp": "the header stamp", "log_time": "the log time"}
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class MessageClock:
+    """The clock chosen for the messages."""
+
+    name: str
+    t: Float  # time from its smallest value [s]
+    origin_s: float  # its reading at t = 0 [s]
+    start_s: float | None  # that, if it is Unix time [s]
+    findings: tuple[Finding, ...]
+    first: Any  # its smallest reading
+    per_second: float  # of its units
+
+
+def choose_clock(times: Times) -> MessageClock:
+    """Choose the best clock that runs."""
+    units, findings = dict(CLOCKS), list[Finding]()
+    logged_s = float(np.ptp(times["log_time"])) / _NANOSECONDS
+    if "robot_time" in times and logged_s > 0.0:  # one in milli-, micro- or nanoseconds is so much faster than the log
+        ratio = float(np.ptp(times["robot_time"])) / logged_s
+        for factor, unit in _ROBOT_TIME_UNITS:
+            if abs(ratio / factor - 1.0) < _UNIT_TOLERANCE:
+                units["robot_time"] = factor
+                text = f"the robot's own time counts in {unit} by the log time; it was divided by {factor:g}"
+                findings.append(Finding("robot_time_unit", text, amount=factor))
+    # Differences are taken in integers: 1.7e18 ns has no room for nanoseconds in a float64.
+    first = {name: times[name].min() for name in units if name in times}
+    clocks: dict[str, Float] = {name: (times[name] - low) / units[name] for name, low in first.items()}
+    # A single message cannot show that a clock runs.
+    running = [n for n, t in clocks.items() if np.isfinite(t).all() and (len(t) == 1 or t.max() > 0.0)]
+    chosen = next(iter(running), "log_time")
+    for name in (name for name in clocks if name not in (*running, chosen)):
+        text = f"{_TITLES[name]} is the same (or not a number) in all messages; {_TITLES[chosen]} was used"
+        findings.append(Finding("clock_stopped", text))
+    if chosen != "log_time":
+        findings += _disagreement(clocks[chosen], clocks["log_time"], chosen)
+    # The robot's clock counts from its start, so the log time stands in for it.
+    start_s = float(first["log_time" if chosen == "robot_time" else chosen]) / _NANOSECONDS
+    unix_s = start_s if start_s > _FIRST_UNIX_TIME_S else None
+    return MessageClock(chosen, clocks[chosen], start_s, unix_s, tuple(findings), first[chosen], units[chosen])
+
+
+def _disagreement(t: Float, log_t: Float, chosen: str) -> list[Finding]:
+    """Compare the clock chosen with the log time: a drift, and what is left after it."""
+    if len(t) < 3 or not log_t.max() > 0.0:  # noqa: PLR2004
+        return []
+    difference = log_t - t
+    centred = t - t.mean()
+    drift = float(centred @ difference / (centred @ centred))
+    sd_s = float(np.std(difference - drift * centred))
+    limit_s = max(_DISAGREEMENT_SD_S, _DISAGREEMENT_STEPS * float(t.max()) / (len(t) - 1))
+    texts = {}
+    if sd_s > limit_s:
+        texts[f"{_TITLES[chosen]} and the log time differ irregularly, standard deviation {sd_s * 1e3:.3g} ms"] = sd_s
+    if abs(drift) > _DISAGREEMENT_DRIFT and abs(drift) * t.max() > limit_s:
+        texts[f"the log time runs {drift * 100:+.3g} % against {_TITLES[chosen]}"] = drift
+    return [Finding("clock_disagreement", f"{text}; {chosen} was used", amount=one) for text, one in texts.items()]
