@@ -49,7 +49,7 @@ class ColumnMap:
     time: TimeColumn  # the clock
     # channel -> positions of its columns, one per joint; a single one in a long table
     channels: Mapping[str, tuple[int, ...]]
-    joint_names: tuple[str, ...] = ()  # one name per joint; none yet of a long table
+    joint_names: tuple[str, ...]  # one name per joint; of a long table not yet those in its rows
     mapping: Mapping[str, str]  # channel -> name in the file, for people
     degrees: frozenset[str]  # channels whose names say degrees
     findings: tuple[Finding, ...] = ()  # channels left out
@@ -101,7 +101,7 @@ def map_columns(
     if time is None or lacks:
         raise InputError(_missing_message(bare, groups, found_time=time is not None, path=path))
     if joint is not None:
-        return _of_long_table(groups, time, bare, joint, stated)
+        return replace(_align(_one_column_each(groups, bare, stated), time, bare, path, needed), joint=joint)
     columns = _align(groups, time, bare, path, needed)
     return replace(columns, findings=(*columns.findings, *_choices(columns, others, heads)))
 
@@ -140,19 +140,15 @@ def _stated_time(value: str, names: Sequence[str]) -> TimeColumn:
     return TimeColumn(cells=(cell,), name=name, unit=unit or (known.unit if known else None), clock=clock)
 
 
-def _of_long_table(
-    groups: Mapping[str, Group], time: TimeColumn, names: Sequence[str], joint: int, stated: Collection[str]
-) -> ColumnMap:
-    cells = {channel: next(iter(group.cells.values())) for channel, group in groups.items()}
-    degrees = {channel for channel, group in groups.items() if group.degrees}
-    degrees |= {c for c in stated if (name := parse_name(names[cells[c]])) and name.degrees and name.channel == c}
-    return ColumnMap(
-        time=time,
-        channels={channel: (cell,) for channel, cell in cells.items()},
-        mapping={channel: names[cell] for channel, cell in cells.items()},
-        degrees=frozenset(channel for channel in degrees if not groups[channel].template.endswith(":rad")),
-        joint=joint,
-    )
+def _one_column_each(groups: Mapping[str, Group], names: Sequence[str], stated: Collection[str]) -> dict[str, Group]:
+    """Return the first column of each channel, as a long table has them."""
+    found = {}
+    for channel, group in groups.items():
+        cell = next(iter(group.cells.values()))
+        name = parse_name(names[cell]) if channel in stated else None
+        degrees = group.degrees or bool(name and name.degrees and name.channel == channel)
+        found[channel] = Group(names[cell], {0: cell}, degrees=degrees and not group.template.endswith(":rad"))
+    return found
 
 
 def doubt_torque(columns: ColumnMap, names: Sequence[str], stated: Collection[str]) -> tuple[Finding, ...]:

@@ -174,7 +174,7 @@ def read_table(table: Table, options: ReadOptions) -> Recording:
     part = table.read(columns, options)
     columns = replace(columns, findings=(*columns.findings, *table.findings()))
     if part.joint is not None:
-        columns, part = _pivot(columns, part.joint, part, arm, path)
+        columns, part = _pivot(columns, part, arm, path)
     columns = replace(columns, findings=(*columns.findings, *doubt_torque(columns, table.names, mapping)))
     recording = Recording(
         t=part.clock.t,
@@ -209,11 +209,11 @@ def _with_stated(recording: Recording, table: Table) -> Recording:
     return replace(recording, joint_names=tuple(table.joint_names), robot=robot)
 
 
-def _pivot(columns: ColumnMap, joint: NDArray[Any], part: Part, arm: str, path: str) -> tuple[ColumnMap, Part]:
+def _pivot(columns: ColumnMap, part: Part, arm: str, path: str) -> tuple[ColumnMap, Part]:
     """Bring a long table to one row per time; rows of times that some joint lacks are left out."""
     import pyarrow as pa
 
-    coded = pa.array(joint, from_pandas=True).dictionary_encode()
+    coded = pa.array(part.joint, from_pandas=True).dictionary_encode()
     codes, labels = coded.indices.fill_null(-1).to_numpy(), coded.dictionary.to_pylist()
     if len(labels) > MOST_JOINTS:
         raise InputError(f"{path}: {len(labels)} names of joints; expected at most {MOST_JOINTS}; name another column")
