@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers.channel_names import is_label, labels_of
-from friction_audit.io.readers.clocks import Clock, TimeColumn, stamps_of, to_clock
+from friction_audit.io.readers.clocks import TimeColumn, stamps_of, to_clock
 from friction_audit.io.readers.columns import ColumnMap
 from friction_audit.io.readers.csv_lines import Dialect, recognises, sniff_csv, split_line, value_of
 from friction_audit.io.readers.reader import BY_NUMBER, IN_BLOCKS_BYTES, ReadOptions, Topic, refuse_too_large
@@ -63,7 +63,7 @@ class CsvTable(Table):
         self._cut: Finding | None = None
 
     def read(self, columns: ColumnMap, options: ReadOptions) -> Part:
-        dialect, time, path, cells = self._dialect, columns.time, str(self.path), columns.cells
+        dialect, time, cells = self._dialect, columns.time, columns.cells
         words = [*self._labels] if columns.joint is None else [columns.joint]
         kind = _time_kind(dialect, time)
         self._kinds = dict.fromkeys(words, str) | dict.fromkeys(cells, float) | dict.fromkeys(time.cells, kind)
@@ -74,25 +74,37 @@ class CsvTable(Table):
         plain = columns.joint is None and kind is not str and not self.is_libfranka
         if options.in_blocks and plain and size > _SLOWER * IN_BLOCKS_BYTES:
             rows = dialect.count_lines()
-            return part_in_blocks(columns, unit, rows, partial(self._pieces, rows), path)
-        part = _PartOfClock(options, unit, path) if options.reads_part(8 * rows * len(self._kinds)) else None
-        if part is None:
-            refuse_too_large(self.path, size, dialect.size)
+            return part_in_blocks(columns, unit, rows, partial(self._pieces, rows), str(self.path))
+        if options.reads_part(8 * rows * len(self._kinds)):
+            return self._gather(columns, unit, options)
+        refuse_too_large(self.path, size, dialect.size)
+        return self._gather(columns, unit, None)
+
+    def _gather(self, columns: ColumnMap, unit: str | None, options: ReadOptions | None) -> Part:
+        """Read all rows, or those of the part that is asked for, as far as these go."""
+        path, origin, first_s, last_s = str(self.path), None, np.inf, -np.inf
         stamps, found = list[NDArray[Any]](), {cell: list[NDArray[Any]]() for cell in self._kinds}
-        for block in self._blocks(self._kinds, time):
-            raw = stamps_of([block[cell] for cell in time.cells])
-            kept = part.rows_of(raw) if part else slice(None)
-            if kept is not None:
-                stamps.append(raw[kept])
-                for cell, array in block.items():
-                    found[cell].append(array[kept])
-            elif columns.joint is None:  # the joints of a long table may follow each other
-                break
+        for block in self._blocks(self._kinds, columns.time):
+            raw = stamps_of([block[cell] for cell in columns.time.cells])
+            kept: Any = slice(None)
+            if options:
+                clock, (start, stop) = to_clock(raw.copy(), unit, path=path, origin=origin), options.window_of_clock()
+                unit, origin = clock.unit, raw[np.isfinite(raw).argmax()] if origin is None else origin
+                first_s, last_s = min(first_s, float(np.nanmin(clock.t))), max(last_s, float(np.nanmax(clock.t)))
+                if np.nanmin(clock.t) > stop and columns.joint is None:  # joints of a long table may follow each other
+                    break
+                kept = (clock.t >= start) & (clock.t < stop)
+            stamps.append(raw[kept])
+            for cell, array in block.items():
+                found[cell].append(array[kept])
         raw = np.concatenate(stamps) if stamps else np.empty(0)
+        if options and not len(raw):
+            length = (last_s - first_s) * options.time_scale
+            find_window(np.array([0.0, length]), options.t_start_s, options.t_end_s, path)
         joint = None if columns.joint is None else np.concatenate(found[columns.joint] or [raw])
-        clock = part.clock(raw) if part else to_clock(raw, unit, path=path)
+        clock = to_clock(raw, unit, path=path, origin=origin)
         channels = _channels(columns, found, len(raw))
-        return Part(clock=clock, channels=channels, joint=joint, first_s=part.first_s if part else None)
+        return Part(clock=clock, channels=channels, joint=joint, first_s=first_s if options else None)
 
     def findings(self) -> tuple[Finding, ...]:
         found = () if self._cut is None else (self._cut,)
@@ -176,31 +188,6 @@ class CsvTable(Table):
             self._complain(int(np.count_nonzero(~dated)), what)
         stamps = dates[dated].dt.tz_convert(None).dt.as_unit("ns").to_numpy().astype(np.int64)
         return {own: array[dated] for own, array in columns.items()} | {cell: stamps}
-
-
-class _PartOfClock:
-    """The part asked for of a table that is read in blocks."""
-
-    def __init__(self, options: ReadOptions, unit: str | None, path: str) -> None:
-        self._options, self._unit, self._path = options, unit, path
-        self._origin: Any = None  # the first stamp
-        self.first_s, self._last_s = np.inf, -np.inf  # of the whole table as far as it was read, since the first stamp
-
-    def rows_of(self, stamps: NDArray[Any]) -> NDArray[np.bool_] | None:
-        """Return which rows of a block are in the part; None where all come after it."""
-        clock = to_clock(stamps.copy(), self._unit, path=self._path, origin=self._origin)
-        if self._origin is None:
-            self._unit, self._origin = clock.unit, stamps[np.isfinite(stamps).argmax()]
-        t, (start, stop) = clock.t, self._options.window_of_clock()
-        self.first_s, self._last_s = min(self.first_s, float(np.nanmin(t))), max(self._last_s, float(np.nanmax(t)))
-        return None if np.nanmin(t) > stop else (t >= start) & (t < stop)
-
-    def clock(self, stamps: NDArray[Any]) -> Clock:
-        """Return the clock of the rows that were read."""
-        if len(stamps) == 0:
-            length = (self._last_s - self.first_s) * self._options.time_scale
-            find_window(np.array([0.0, length]), self._options.t_start_s, self._options.t_end_s, self._path)
-        return to_clock(stamps, self._unit, path=self._path, origin=self._origin)
 
 
 def _channels(columns: ColumnMap, found: dict[int, list[NDArray[Any]]], rows: int) -> dict[str, NDArray[np.float64]]:
