@@ -4,19 +4,13 @@ import json
 import re
 import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
-from friction_audit.cli import NAMES, choices, command_of, module_of
+from friction_audit.cli import NAMES, choices, command_of
 from tests.cli.conftest import Run
 
-if TYPE_CHECKING:
-    from types import ModuleType
-
-NAME = dict(zip(map(module_of, NAMES), NAMES, strict=True))
-
-EACH = pytest.mark.parametrize("module", [*map(module_of, NAMES)], ids=NAMES)
+EACH = pytest.mark.parametrize("name", NAMES)
 SHORTEST = 4
 """Letters of an option from which on a slip still tells what was meant."""
 READ_AT_ONCE = (".urdf", "panda.xml", "model.toml", "sessions.csv")
@@ -25,10 +19,10 @@ EAGER = {"--list-dialects"}
 """Options that answer before any other is looked at."""
 
 
-def examples(module: "ModuleType") -> list[list[str]]:
+def examples(name: str) -> list[list[str]]:
     """Return the words of each example of a command, without what it is piped into."""
-    lines = module.EXAMPLES.splitlines()[1:]
-    return [shlex.split(line.partition(" | ")[0]) for line in lines if line.strip()]
+    lines = command_of(name).epilog.splitlines()[2:]
+    return [shlex.split(line.partition(" | ")[0]) for line in lines]
 
 
 def options(name: str) -> list[str]:
@@ -41,48 +35,47 @@ def slip(word: str) -> str:
 
 
 @EACH
-def test_help_shows_examples_that_are_the_command_s(module: "ModuleType", run: Run) -> None:
-    name, shown = NAME[module], run(NAME[module], "--help").out
-    assert len(examples(module)) > 1
-    for line in module.EXAMPLES.splitlines():
+def test_help_shows_examples_that_are_the_command_s(name: str, run: Run) -> None:
+    shown = run(name, "--help").out
+    assert len(examples(name)) > 1
+    for line in command_of(name).epilog.splitlines()[1:]:
         assert line in shown
-    for words in examples(module):
+    for words in examples(name):
         assert words[:2] == ["friction-audit", name]
         named = {word.partition("=")[0] for word in words if re.match(r"--[a-z]", word)}
         assert named <= set(options(name))
 
 
 @EACH
-def test_a_misspelt_command_suggests_the_near_one(module: "ModuleType", run: Run) -> None:
-    answer = run(slip(NAME[module]))
+def test_a_misspelt_command_suggests_the_near_one(name: str, run: Run) -> None:
+    answer = run(slip(name))
     assert answer.code == 2
-    assert f"'{NAME[module]}'" in answer.err.partition("Did you mean")[2]
+    assert f"'{name}'" in answer.err.partition("Did you mean")[2]
 
 
 @EACH
-def test_a_misspelt_option_suggests_the_near_one(module: "ModuleType") -> None:
-    command = command_of(NAME[module])
-    for option in options(NAME[module]):
+def test_a_misspelt_option_suggests_the_near_one(name: str) -> None:
+    for option in options(name):
         if len(option) < SHORTEST + len("--"):
             continue
         with pytest.raises(Exception, match="No such option") as refused:
-            command.make_context(NAME[module], [slip(option)])
+            command_of(name).make_context(name, [slip(option)])
         assert option in refused.value.possibilities, option  # type: ignore[attr-defined]
 
 
 @EACH
-def test_what_is_dumped_can_be_read_back(module: "ModuleType", run: Run, tmp_path: Path) -> None:
+def test_what_is_dumped_can_be_read_back(name: str, run: Run, tmp_path: Path) -> None:
     """Every example of the command's help, with the options in a file instead."""
     there, path = tmp_path / "model.toml", tmp_path / "dumped.toml"
     there.write_text("")
-    arguments = ["x" for p in command_of(NAME[module]).params if p.param_type_name == "argument" and p.required]
-    for words in examples(module):
+    arguments = ["x" for p in command_of(name).params if p.param_type_name == "argument" and p.required]
+    for words in examples(name):
         if EAGER & set(words):
             continue
         first = run(*(there if word.endswith(READ_AT_ONCE) else word for word in words[1:]), "--dump-config")
         assert first.code == 0, first.err
         path.write_text(first.out, encoding="utf-8")
-        assert run(NAME[module], *arguments, "--config", path, "--dump-config").out == first.out
+        assert run(name, *arguments, "--config", path, "--dump-config").out == first.out
 
 
 PAGES = Path(__file__).parents[2] / "docs" / "commands"
@@ -92,8 +85,8 @@ OPTION = re.compile(r"(?<![\w-])(--[a-z][a-z-]+|-[a-z])(?![\w-])")
 
 
 @EACH
-def test_its_page_names_the_options_that_it_does_not_share_with_estimate(module: "ModuleType") -> None:
-    name, every = NAME[module], {*options(NAME[module]), "--help", "--help-all"}
+def test_its_page_names_the_options_that_it_does_not_share_with_estimate(name: str) -> None:
+    every = {*options(name), "--help", "--help-all"}
     prose = CONSOLE.sub("", (PAGES / f"{name}.md").read_text())
     named = {SHORT.get(word, word) for word in OPTION.findall(prose)}
     shared = {"--help", "--help-all", *(options("estimate") if name != "estimate" else ())}

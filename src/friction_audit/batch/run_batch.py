@@ -1,7 +1,6 @@
 """A batch: work on what the ledger does not know, gather all sessions, find the drift of their arms."""
 
 import fcntl
-import hashlib
 import os
 import re
 from collections import Counter
@@ -66,11 +65,6 @@ class Standing:
     new: int  # how many logs were worked on in this run
     known: int  # how many were known before
     warnings: tuple[str, ...]  # which logs are copies, one sentence each
-
-    def digest(self) -> str:
-        """Return a fingerprint of all that the sessions depend on, apart from the settings."""
-        every = [(log.path, log.folders, log.row, self.hashes.get(log.place)) for log in self.logs]
-        return hashlib.sha256(repr((every, self.passing, self.warnings)).encode()).hexdigest()
 
 
 def catch_up(

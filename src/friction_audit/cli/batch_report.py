@@ -115,7 +115,8 @@ def command(
         if not (shared.overwrite or running.rebuild or ledger.older):
             batch.check_results()
         standing = _catch_up(found, batch, cluster or processes, alone=alone)
-        request = (standing.digest(), settings.text(), tested, limits, formats, __version__)
+        held = [(log.path, log.folders, log.row, standing.hashes.get(log.place)) for log in standing.logs]
+        request = (held, standing.passing, standing.warnings, settings.text(), tested, limits, formats, __version__)
         answer = None if shared.overwrite or voice.verbose else batch.recall(request)
         if answer is None:
             from friction_audit.cli.batch_files import write_results

@@ -6,7 +6,7 @@ from typing import Any
 
 from friction_audit.cli import options as opt
 from friction_audit.cli.choices import group, option
-from friction_audit.cli.grouped_help import COMPARISON, GENERAL
+from friction_audit.cli.grouped_help import COMPARISON
 from friction_audit.cli.outputs import ResultFolder, show
 from friction_audit.cli.simulate import changed
 
@@ -43,9 +43,8 @@ def command(
     comparison: ComparisonOptions,
     change: opt.ChangeOptions,
     general: opt.GeneralOptions,
+    drawing: opt.FigureOptions,
     figures: list[str] = opt.figures_option(FIGURES),
-    formats: opt.FigureFormats = ["png"],
-    style: str = opt.style_option(GENERAL),  # noqa: ARG001 - its callback acts on it
     folder: Path = opt.folder_option("Folder of the figures.", Path("compared")),
     overwrite: opt.Overwrite = False,
 ) -> None:
@@ -58,7 +57,7 @@ def command(
     from friction_audit.simulation.hide import hidden_effects
 
     voice = general.voice
-    out = ResultFolder(folder=folder, figures=figures, formats=formats, overwrite=overwrite)
+    out = ResultFolder(folder=folder, figures=figures, formats=drawing.formats, overwrite=overwrite)
     out.check()
     (scene,) = (one for one in SCENES if one.name == comparison.arm)
     settings: Any = changed(scene.settings, change, duration_s=comparison.duration)

@@ -76,7 +76,7 @@ class Voice:
 
     quiet: bool  # no warnings and no progress
     verbose: bool  # every step and how long it took
-    course: "Course | None" = None  # the bar that steps move on, or None where each is shown alone
+    course: "Course | None" = None  # the bar that steps move on, shown once the work takes long; None: each alone
 
     def warn(self, messages: Iterable[str], total: str = "") -> None:
         """Say warnings, one per line, under a line with their total if there is one."""
@@ -104,8 +104,16 @@ class Voice:
         if self.quiet or not sys.stderr.isatty():
             yield self
             return
-        with _course([1.0] * lengths if isinstance(lengths, int) else lengths) as course:
-            yield replace(self, course=course)
+        bar = _bar()
+        timer = threading.Timer(PATIENCE_S, bar.start)
+        timer.daemon = True
+        timer.start()
+        try:
+            yield replace(self, course=Course(bar, [1.0] * lengths if isinstance(lengths, int) else lengths))
+        finally:
+            timer.cancel()
+            timer.join()
+            bar.stop()
 
     @contextmanager
     def count(self, name: str) -> Iterator[Count | None]:
@@ -149,9 +157,8 @@ class Course:
         self._bar.update(self._task, completed=done, end_s=end_s, description=description)
 
 
-@contextmanager
-def _course(lengths: Sequence[float]) -> Iterator[Course]:
-    """Show a bar on standard error as soon as the work takes long; it vanishes when it is done."""
+def _bar() -> "Progress":
+    """Return a bar on standard error that vanishes when the work is done."""
     from rich import progress
     from rich.console import Console
     from rich.text import Text
@@ -164,13 +171,4 @@ def _course(lengths: Sequence[float]) -> Iterator[Course]:
     columns = (progress.BarColumn, progress.TaskProgressColumn, progress.TimeElapsedColumn, TimeLeft)
     name = progress.TextColumn("{task.description}", markup=False)
     made = (progress.SpinnerColumn(), name, *(column() for column in columns))
-    bar = progress.Progress(*made, console=Console(stderr=True), transient=True)
-    timer = threading.Timer(PATIENCE_S, bar.start)
-    timer.daemon = True
-    timer.start()
-    try:
-        yield Course(bar, lengths)
-    finally:
-        timer.cancel()
-        timer.join()
-        bar.stop()
+    return progress.Progress(*made, console=Console(stderr=True), transient=True)

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator
 from math import isfinite
 
-from friction_audit.drift.covariates import Condition
+from friction_audit.drift.covariates import INVALID, Condition
 from friction_audit.drift.session import COEFFICIENTS
 from friction_audit.drift.two_sides import CoefficientChange, JointChange, TwoSides
 from friction_audit.friction.history import Coefficient
@@ -107,7 +107,7 @@ def diff_notices(sides: TwoSides) -> Iterator[Notice]:
         joints = [one.joint for one in same if one.joint is not None]
         words = {"where": f"{joints_label(joints)}: " if joints else "", "name": name}
         words |= {"before": before or "none", "after": after or "none"}
-        invalid = same[0].invalid
+        invalid = name in INVALID
         yield notice("not_comparable" if invalid else "conditions_differ", None if invalid else same[0].joint, **words)
     for number, first in sides.one_sided:
         yield notice("joint_on_one_side", number, side="before" if first else "after")
