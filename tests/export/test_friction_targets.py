@@ -19,7 +19,7 @@ from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_mo
 from friction_audit.effects.registry import terms
 from friction_audit.errors import InputError, UsageError
 from friction_audit.export import export as made
-from friction_audit.export.export import TARGETS, Export, ExportSettings, Target
+from friction_audit.export.export import TARGETS, Export, Target
 from friction_audit.export.friction_law import FrictionLaw, even_speeds, friction_law
 from friction_audit.export.robot_xml import XmlText
 from friction_audit.export.source import Joints
@@ -55,12 +55,9 @@ def law(model: JointModel) -> FrictionLaw:
     return friction_law(1, "joint1", model, even_speeds(0.0, 2.0), armature=True)
 
 
-def export(source: Joints, out: Path, into: Path | None = None, settings: ExportSettings | None = None) -> Export:
-    target = made.choose_target(out)
-    chosen = settings or ExportSettings(speeds=(0.0, 2.0))
-    return made.export_friction(
-        source, target, out, chosen, into=None if into is None else made.read_into(target, into)
-    )
+def export(source: Joints, out: Path, into: Path | None = None) -> Export:
+    xml = None if into is None else made.read_into(made.choose_target(out), into)
+    return made.export_friction(source, out, into=xml, speeds=(0.0, 2.0))
 
 
 def friction_in(model: mujoco.MjModel, name: str, dq: np.ndarray) -> np.ndarray:

@@ -95,7 +95,7 @@ def moving_speeds(dq: Float, slowest: float) -> Float:
     return np.quantile(moving, (np.arange(SPEEDS) + 0.5) / SPEEDS)
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+@dataclass(frozen=True, eq=False, slots=True)
 class ExportedJoint:
     """One joint as it is written."""
 
