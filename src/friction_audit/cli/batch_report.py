@@ -65,7 +65,7 @@ class DriftOptions:
     """How drift is tested."""
 
     baseline: str = option("Reference: the first K sessions of each arm, or 3-8,10.", default="5", metavar="K|LIST")
-    fail_on: list[str] | None = opt.fail_on_option("coulomb=15%", "drifted", "sessions")
+    fail_on: opt.FailOn = None
 
 
 @group(RUNNING)

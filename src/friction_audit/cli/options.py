@@ -31,18 +31,13 @@ EXPORT = "Also write every table to DIR: mcap as topics on the log's clock, csv 
 Exports = Annotated[list[str], described(EXPORT, some_of=choices.EXPORTS, panel=panel.OUTPUT)]
 MIN_EFFECT = "Effects of a smaller rms torque [N m] are negligible: listed separately, and not in the verdict."
 MinEffect = Annotated[float, described(MIN_EFFECT, metavar="NM", min=0.0, panel=panel.DIAGNOSIS)]
+FAIL_ON = "Exit with 5 if a coefficient has changed more, e.g. coulomb=15%, with 7 if that is untestable. Repeatable."
+FailOn = Annotated[list[str] | None, described(FAIL_ON, metavar="COEFFICIENT=LIMIT", panel=panel.DRIFT)]
 JUNIT = "Write the limits as JUnit, a case per joint and limit: failure if exceeded, error if it cannot be tested."
 JUnit = Annotated[Path | None, described(JUNIT, metavar="FILE.xml", panel=panel.DRIFT)]
 
 
-def fail_on_option(example: str, changed: str, tested: str) -> Any:  # noqa: ANN401 - of any parameter, as those below
-    """Return the option that sets limits to coefficients."""
-    more = f"with 7 if the {tested} cannot test this limit. Repeatable."
-    text = f"Exit with 5 if a coefficient has {changed} further, e.g. {example}; {more}"
-    return option(text, metavar="COEFFICIENT=LIMIT", panel=panel.DRIFT)
-
-
-def figures_option(names: Sequence[str], default: str = choices.ALL) -> Any:  # noqa: ANN401
+def figures_option(names: Sequence[str], default: str = choices.ALL) -> Any:  # noqa: ANN401 - of any parameter
     """Return the option that says which of some figures are drawn."""
     text, known = f"Figures to draw: {choices.ALL}, or some of {', '.join(names)}.", (*names, choices.ALL)
     check = choices.check_known(known)
