@@ -18,7 +18,7 @@ import numpy as np
 import friction_audit
 from friction_audit import estimate_log, read_log, simulate_log
 from friction_audit.export.export import TARGETS, export_friction, read_into
-from friction_audit.export.source import Joints, of_estimate
+from friction_audit.export.friction_law import Joints, of_estimate
 from friction_audit.pipeline import Estimate
 
 sysid: Any = import_module("mujoco.sysid")  # an extra of mujoco-core that this project does not install

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from scipy.signal import butter, lfilter, sosfiltfilt
 
-from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import DERIVATIVE, Float, JointLog
@@ -23,12 +22,12 @@ def recorded(*effects: str, scenario: str = "joint", duration_s: float = 60.0, s
     return simulate(hide(replace(settings, duration_s=duration_s), effects), seed).log
 
 
-def diagnosed(log: JointLog, **asked: object) -> JointDiagnosis:
-    (found,) = diagnose_log(log, AuditSettings(), DiagnosisSettings(**asked)).discrepancy.joints  # type: ignore[arg-type]
+def diagnosed(log: JointLog, **asked: Any) -> Any:
+    (found,) = diagnose_log(log, AuditSettings(), DiagnosisSettings(**asked)).discrepancy.joints
     return found
 
 
-def names(found: JointDiagnosis) -> tuple[set[str], ...]:
+def names(found: Any) -> tuple[set[str], ...]:
     """Of each effect all names that it may have."""
     return tuple({effect.name, *effect.alternatives} for effect in found.effects)
 
@@ -50,7 +49,6 @@ def test_an_effect_is_named(name: str, scenario: str) -> None:
     assert found.verdict in ("named", "ambiguous")
     assert len(found.effects) == 1
     assert name in names(found)[0]
-    assert found.gap is not None
     assert found.gap.shrink > 0.8
     assert found.omnibus_p < 0.01
 
@@ -68,7 +66,6 @@ def test_nothing_hidden_has_no_name_in_noise_of_any_colour(memory: float, noise_
     noise = coloured(memory, noise_nm, len(clean.t))
     found = diagnosed(replace(clean, tau_interaction=clean.tau_interaction + noise[:, None]))
     assert (found.verdict, found.effects) == ("adequate", ())
-    assert found.gap is not None
     assert found.gap.before == pytest.approx(found.gap.floor, rel=0.03)
     truth = {"coulomb_nm": 0.30, "viscous_nms_per_rad": 0.07, "inertia_kg_m2": 0.30}
     for name, one in found.nominal.items():

@@ -20,9 +20,8 @@ from friction_audit.effects.registry import terms
 from friction_audit.errors import InputError, UsageError
 from friction_audit.export import export as made
 from friction_audit.export.export import TARGETS, Export, Target
-from friction_audit.export.friction_law import FrictionLaw, even_speeds, friction_law
+from friction_audit.export.friction_law import FrictionLaw, Joints, even_speeds, friction_law
 from friction_audit.export.robot_xml import XmlText
-from friction_audit.export.source import Joints
 
 PANDA_URDF = Path(friction_audit.__file__).parent / "robot" / "panda.urdf"
 SIMPLE = simple_model(inertia_kg_m2=0.2, coulomb_nm=0.5, viscous_nms_per_rad=0.3)
@@ -48,7 +47,7 @@ ARM = """<?xml version="1.0"?>
 
 
 def joints(*models: JointModel, names: tuple[str, ...] = ("shoulder", "elbow")) -> Joints:
-    return Joints(models=tuple(zip(range(1, len(models) + 1), names, models, strict=False)), reflected=True)
+    return Joints(tuple(zip(range(1, len(models) + 1), names, models, strict=False)), reflected=True)
 
 
 def law(model: JointModel) -> FrictionLaw:

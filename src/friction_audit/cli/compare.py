@@ -6,7 +6,7 @@ from typing import Any
 
 from friction_audit.cli import options as opt
 from friction_audit.cli.choices import group, option
-from friction_audit.cli.grouped_help import COMPARISON
+from friction_audit.cli.grouped_help import COMPARISON, GENERAL
 from friction_audit.cli.outputs import ResultFolder, show
 from friction_audit.cli.simulate import changed
 
@@ -34,7 +34,7 @@ class ComparisonOptions:
     persons: int = option("Simulated persons.", default=20, metavar="INT", min=2, max=1000)
     margin_persons: int | None = option(
         "Simulated persons for the stability margin, about eight trials each. Default: 20 for the joint, 6 for the "
-        "arm; 0: no margin.", metavar="INT", min=0, max=1000,
+        "arm; 0: no margin.", metavar="INT", min=0, max=1000, panel=GENERAL,
     )  # fmt: skip
     duration: float | None = option("Of a trial. Default: joint 40 s, arm 30 s.", metavar="SECONDS", min=1.0)
 

@@ -49,7 +49,7 @@ def command(
 ) -> None:
     """Export friction to a file of a simulator or a controller."""
     from friction_audit.export.export import choose_target, export_friction, read_into
-    from friction_audit.export.source import of_estimate, read_result, result_file
+    from friction_audit.export.friction_law import of_estimate, read_result, result_file
 
     voice = shared.general.voice
     target = choose_target(out)

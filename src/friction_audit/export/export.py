@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from friction_audit.effects.joint_model import JointModel
 from friction_audit.errors import InputError, UsageError
-from friction_audit.export import friction_law as law, plain_text as text, robot_xml as xml
-from friction_audit.export.friction_law import ExportedJoint, FrictionLaw
+from friction_audit.export import friction_law, plain_text as text, robot_xml as xml
+from friction_audit.export.friction_law import ExportedJoint, FrictionLaw, Joints
 from friction_audit.export.robot_xml import Edit, Tag, XmlText
-from friction_audit.export.source import SPEEDS, Joints, laws_of
 from friction_audit.io.files import whole_file
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Estimate
@@ -120,19 +120,19 @@ def export_friction(
     An estimate gives motion and, without a range of ``speeds``, speeds; ``armature`` None: the inertia is written where
     it is without that of the links.
     """
-    target, seen = choose_target(out), None if estimate is None else estimate.interaction
-    over: dict[int, Float] = {}
-    if speeds is not None:
-        over = dict.fromkeys((number for number, *_ in joints.models), law.even_speeds(*speeds))
-    elif seen is not None:
-        over = {n: law.moving_speeds(dq, SPEEDS[0]) for n, dq in zip(seen.joint_numbers, seen.dq.T, strict=True)}
+    target = choose_target(out)
     with_inertia = target.armature and bool(joints.reflected if armature is None else armature)
-    laws, lacking = laws_of(joints, over, wanted=wanted, armature=with_inertia)
+    own: dict[int, Float] = {}
+    if estimate is not None and speeds is None:
+        numbers, columns = estimate.interaction.joint_numbers, estimate.interaction.dq.T
+        own = dict(zip(numbers, map(friction_law.moving_speeds, columns), strict=True))
+    usual = friction_law.even_speeds(*speeds or friction_law.SPEEDS)
+    laws, lacking = friction_law.laws_of(joints, own, usual, wanted=wanted, armature=with_inertia)
     names, by_order, tags = [one.name for one in laws], False, dict[str, Tag]()
     if into is not None and target.joints_of is not None:
         found = [(tag.attributes.get("name", ""), tag) for tag in target.joints_of(into)]
-        count = len(joints.models) + len(joints.lacking)
-        names, by_order = law.match_names(laws, count, [name for name, _ in found], into.where)
+        known = [name for name, _ in found]
+        names, by_order = friction_law.match_names(laws, len(joints.every), known, into.where)
         tags = dict(found)
     fitted = [one.fit(target.highest_power or 1) for one in laws]
     written = tuple(ExportedJoint(*one) for one in zip(names, laws, fitted, strict=True))
@@ -147,7 +147,7 @@ def export_friction(
         path=str(out),
         into="" if into is None else into.where,
         joints=written,
-        lacking=lacking,
+        lacking=tuple(lacking),
         by_order=by_order,
         armature_unknown=armature is None and joints.reflected is None and target.armature,
         simulated=tuple(sorted(_simulated(laws, joints, estimate), key=attrgetter("joint"))) if estimate else (),
@@ -167,8 +167,8 @@ def _simulated(laws: Sequence[FrictionLaw], joints: Joints, estimate: Estimate) 
             signals = (arm.to_model(signal) for signal in (log.q, log.dq, log.tau_J))
             yield from _gaps(arm.model, [column + 1 for column in arm.columns], friction, log.t, *signals)
         return
-    for number, _, model in joints.models:
-        if number in friction and model.inertia_kg_m2 > 0.0:
+    for number, _, model in joints.every:
+        if number in friction and isinstance(model, JointModel) and model.inertia_kg_m2 > 0.0:
             k = [seen.joint_numbers.index(number)]
             hinge = mujoco.MjModel.from_xml_string(HINGE.format(model.inertia_kg_m2))
             signals = (signal[:, k] for signal in (seen.q, seen.dq, seen.torque))
