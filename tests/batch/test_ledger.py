@@ -203,7 +203,7 @@ logs, folder = find_logs([sys.argv[1]], {}), Path(sys.argv[2])
 folder.mkdir(exist_ok=True)
 with run_lock(folder) as alone, Ledger(folder / "ledger.sqlite") as ledger, LocalExecutor(workers=1) as executor:
     standing = catch_up(logs, BatchSettings(), ledger, executor, lambda *_: None, backwards=not alone)
-    print(standing.new, len(gather(standing, BatchSettings(), ledger).sessions))
+    print(standing.new, len(gather(standing, BatchSettings(), ledger)[0]))
 """
 
 

@@ -11,7 +11,7 @@ from threading import Thread
 import numpy as np
 import pytest
 
-from friction_audit.batch import run_batch, work
+from friction_audit.batch import ledger, work
 from friction_audit.batch.find_logs import find_logs
 from friction_audit.batch.ledger import BatchSettings
 from friction_audit.batch.work import bin_torque, session_of
@@ -65,7 +65,7 @@ def test_only_logs_of_one_size_are_hashed_before_they_are_read(
         hashed.append(path.name)
         return hash_file(path)
 
-    monkeypatch.setattr(run_batch, "sha256_of", sha256_of)
+    monkeypatch.setattr(ledger, "sha256_of", sha256_of)
     (rig / "copy.csv").write_bytes((rig / "2026-03-02.csv").read_bytes())
     result = batch(rig)
     assert sorted(hashed) == ["2026-03-02.csv", "copy.csv"]

@@ -159,3 +159,40 @@ def test_damage_is_a_warning_unless_quiet_and_an_exit_code(command: str, run: Ru
     assert (loud.code, quiet.code, quiet.err) == (6, 6, "")
     assert any(line.startswith("warning: ") for line in loud.err.splitlines())
     assert quiet.out == loud.out
+
+
+def test_values_come_from_the_file_and_the_command_line_wins(run: Run, logs: Path, tmp_path: Path) -> None:
+    (tmp_path / "settings.toml").write_text(
+        'model = "coulomb"\nwindow = 7\njoints = [1, 2]\nmin_path = 0.2\njson = true\n'
+        '[map]\ndq = "dq_{i}"\nq = "q_{i}"\n'
+    )
+    words = ("--config", "settings.toml", "--window", 9)
+    settings = run("estimate", logs / "moved2.csv", *words).document()["settings"]
+    assert settings["friction"]["model"] == "coulomb"
+    assert settings["friction"]["window"] == 9
+    assert settings["joints"] == [1, 2]
+    assert settings["cycles"]["minimum_path_rad"] == 0.2
+    assert settings["reading"]["mapping"] == {"dq": "dq_{i}", "q": "q_{i}"}
+
+
+@pytest.mark.parametrize(("text", "message"), [
+    ("modle = 1", "no option modle; did you mean model?"),
+    ("window = [", "not TOML"),
+    ('model = "combind"', "did you mean combined?"),
+    ('window = "many"', "'--window'"),
+    ("log = 1", "no option log"),
+    pytest.param("window = " + "1" * 5000, "digits", id="a number of 5000 digits"),
+    pytest.param("map = " + "[" * 20000 + "]" * 20000, "nested too deeply", id="deep arrays"),
+    pytest.param(".".join("k" * 20000) + " = 1", "dots in line 1", id="a key of many parts"),
+    pytest.param("".join(f"k{i} = 1\n" for i in range(300_000)), "bytes", id="a large file"),
+    pytest.param("".join(f"k{i} = 1\n" for i in range(50_000)), "and 49995 more", id="many keys"),
+    pytest.param("k" * 900_000 + " = 1", "no option kkkkk", id="a long key"),
+    pytest.param('"\\u001b[2J\\u202e" = 1', "no option \ufffd[2J\ufffd (", id="a key that a terminal obeys"),
+    pytest.param('model = "\\u001b[2J"', "\ufffd[2J: expected", id="a value that a terminal obeys"),
+    pytest.param('joints = "1-99999999999"', "'1-99999999999' is no joint", id="many joints"),
+    pytest.param("joints = " + "9" * 4000, "is no joint", id="a large joint"),
+])  # fmt: skip
+def test_mistakes_in_the_file_are_usage_errors(text: str, message: str, run: Run, logs: Path, tmp_path: Path) -> None:
+    (tmp_path / "settings.toml").write_text(text)
+    answer = run("estimate", logs / "moved1.csv", "--config", "settings.toml")
+    assert (answer.code, message in answer.err) == (2, True), answer

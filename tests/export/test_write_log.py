@@ -61,20 +61,6 @@ def test_ending_chooses_the_writer() -> None:
     assert chosen == {name: name.lower() for name in chosen} | {"bag": "rosbag1-joint-state"}
 
 
-@pytest.mark.parametrize(
-    ("name", "dialect", "words"),
-    [
-        ("a.xyz", None, "ending .xyz: expected one of .parquet, .csv, .npz, .bag, .db3, .mcap"),
-        ("a", None, "ending missing"),
-        ("a.csv", "cvs", "--dialect cvs: expected one of parquet, "),
-        ("a.csv", "mcap-json", "the dialect mcap-json writes .mcap"),
-    ],
-)
-def test_unclear_requests_are_refused(name: str, dialect: str | None, words: str) -> None:
-    with pytest.raises(UsageError, match=words):
-        choose_writer(Path(name), dialect)
-
-
 INTERACTION, SIX = make_log(channels=("q", "dq", "tau_interaction"), samples=10), make_log(joints=6, samples=10)
 TAU_J = r"needs tau_J \(the log has q, dq, tau_interaction\).* parquet, parquet-lists, csv"
 SEVEN = r"made.bag: .* needs 7 joints \(the log has 6\)"

@@ -75,18 +75,12 @@ class TwoSides:
     @property
     def report(self) -> DriftReport:
         """The same as the drift of an arm, for limits that hold for both."""
+        robot = ", ".join(dict.fromkeys(one.session.robot or one.session.path for one in self.after))
         joints = tuple(
             JointDrift(joint=one.joint, name=one.name, coefficients=tuple(change.found for change in one.coefficients))
             for one in self.joints
         )
-        sessions = tuple(one.session for one in (*self.before, *self.after))
-        every = tuple(range(len(sessions)))
-        arm = ArmDrift(
-            robot=", ".join(dict.fromkeys(one.session.robot or one.session.path for one in self.after)),
-            sessions=sessions, compared=every, reference=every[: len(self.before)], left_out=(), joints=joints,
-            ordered_by="name", autocorrelation=NAN,
-        )  # fmt: skip
-        return DriftReport(arms=(arm,))
+        return DriftReport(arms=(ArmDrift(robot=robot, joints=joints),))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
