@@ -279,9 +279,8 @@ TABLES |= {Diagnosis: diagnose_tables, LogReport: report_tables}
 
 
 def _of_kind(result: object, call: str, kinds: Mapping[type, Any]) -> Any:  # noqa: ANN401 - of any kind
-    for kind, found in kinds.items():
-        if isinstance(result, kind):
-            return found
+    if type(result) in kinds:
+        return kinds[type(result)]
     calls = f"estimate_log, replay_log{', diagnose_log or report_log' if LogReport in kinds else ' or diagnose_log'}"
     raise UsageError(f"{call}: {type(result).__name__}: expected the result of {calls}; call one of them first")
 

@@ -263,11 +263,11 @@ def _catch_up(found: "Sequence[LogFile]", batch: Batch, executor: "Executor", *,
         finished = f"{done} of {total} new logs are"
         if done == 1 < total:
             loading.enter_context(chain.loading(*FOR_RESULTS))  # there is time while others read logs
-        if count is not None:
-            count(done, total, failed)
+        if report is not None:
+            report(done / max(total, 1), f"{done}/{total}{f', {failed} failed' if failed else ''}")
 
     try:
-        with ExitStack() as loading, batch.voice.count("estimate friction") as count:
+        with ExitStack() as loading, batch.voice.step("estimate friction") as report:
             return catch_up(found, batch.settings, batch.ledger, executor, watch, backwards=not alone)
     except KeyboardInterrupt as stop:
         remark(f"stopped: {finished} finished; {batch.ledger.path} keeps them; the same command goes on from there")

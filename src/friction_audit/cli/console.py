@@ -7,7 +7,6 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import TYPE_CHECKING, TextIO
 
 import typer
@@ -17,8 +16,7 @@ from friction_audit.errors import UsageError, printable
 if TYPE_CHECKING:
     from rich.progress import Progress
 
-Report = Callable[[float], None]  # takes the share of the work that is done, 0 to 1
-Count = Callable[[int, int, int], None]  # takes how many pieces of work are done, are there, and failed
+Report = Callable[..., None]  # takes the share of the work that is done, 0 to 1, and, if there is more to say, a note
 
 PATIENCE_S = 1.0  # work shorter than this shows no progress
 EXCEEDED = 5  # exit code: done, but beyond a limit that the user set
@@ -88,12 +86,14 @@ class Voice:
     @contextmanager
     def step(self, name: str) -> Iterator[Report | None]:
         """Show that a step is under way, on a terminal and only if it takes long; yield what takes the share done."""
+        begin = time.perf_counter()
         with (
             nullcontext(self) if self.course else self.stages(1) as voice,
-            self._timed(name),
             voice.course.stage(name) if voice.course else nullcontext() as report,
         ):
             yield report
+        if self.verbose:
+            remark(f"{name}: {time.perf_counter() - begin:.2f} s")
 
     @contextmanager
     def stages(self, lengths: int | Sequence[float]) -> "Iterator[Voice]":
@@ -115,19 +115,6 @@ class Voice:
             timer.join()
             bar.stop()
 
-    @contextmanager
-    def count(self, name: str) -> Iterator[Count | None]:
-        """Show how many pieces of work are done and how long the others will take; yield what takes the counts."""
-        with self._timed(name), self.stages(1) as voice:
-            yield partial(voice.course.count, name) if voice.course else None
-
-    @contextmanager
-    def _timed(self, name: str) -> Iterator[None]:
-        begin = time.perf_counter()
-        yield
-        if self.verbose:
-            remark(f"{name}: {time.perf_counter() - begin:.2f} s")
-
 
 class Course:
     """Stages on the way to a result, on one bar."""
@@ -139,16 +126,11 @@ class Course:
     @contextmanager
     def stage(self, name: str) -> Iterator[Report]:
         """Name the stage that is under way; yield what takes the share of it that is done."""
-        length = next(self._lengths, 0.0)
-        self._reach(self._done, f"{printable(name)} ...")
-        yield lambda share: self._reach(self._done + share * length)
+        length, name = next(self._lengths, 0.0), f"{printable(name)} ..."
+        self._reach(self._done, name)
+        yield lambda share, note="": self._reach(self._done + share * length, f"{name} {note}")
         self._done += length
         self._reach(self._done)
-
-    def count(self, name: str, done: int, total: int, failed: int) -> None:
-        """Show how many pieces of the work are done and failed."""
-        failures = f", {failed} failed" if failed else ""
-        self._reach(done / total if total else 0.0, f"{printable(name)} ... {done}/{total}{failures}")
 
     def _reach(self, done: float, description: str | None = None) -> None:
         """Move the bar on; the work will end when the rest has taken as long as what is done, length for length."""

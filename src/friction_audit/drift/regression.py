@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.drift.session import NORMAL_95, Series, Session
 from friction_audit.friction.history import UNDETERMINED, Coefficient
@@ -126,7 +125,7 @@ def ends_model(series: Series, reference: Collection[int]) -> Model:
     """Return a level for the reference, for as many last sessions, and for the others."""
     segment = np.where(np.isin(series.session, list(reference)), 0, 1)
     segment[np.flatnonzero(segment)[-max(int(np.count_nonzero(segment == 0)), 1) :]] = 2
-    return make_model(series, segment[:, None] == np.unique(segment), reference, free=0)
+    return make_model(series, (segment[:, None] == np.unique(segment)).astype(float), reference, free=0)
 
 
 def ramp_model(series: Series, reference: Collection[int]) -> Model:
@@ -136,9 +135,9 @@ def ramp_model(series: Series, reference: Collection[int]) -> Model:
     return min(models, key=lambda model: criterion(series, model))
 
 
-def make_model(series: Series, columns: Float | NDArray[np.bool_], reference: Collection[int], free: int) -> Model:
-    """Return the model of some columns, or of a level per segment, with the temperature last where it is used."""
-    columns, inside = columns.astype(float), np.isin(series.session, list(reference))
+def make_model(series: Series, columns: Float, reference: Collection[int], free: int) -> Model:
+    """Return the model of some columns, such as a level per segment, with the temperature last where it is used."""
+    inside = np.isin(series.session, list(reference))
     level = np.mean(columns[inside], axis=0) if np.any(inside) else columns[0]
     change = columns[-1] - level
     if series.temperature is not None:
