@@ -139,11 +139,9 @@ def make_model(series: Series, columns: Float, reference: Collection[int], free:
     """Return the model of some columns, such as a level per segment, with the temperature last where it is used."""
     inside = np.isin(series.session, list(reference))
     level = np.mean(columns[inside], axis=0) if np.any(inside) else columns[0]
-    change = columns[-1] - level
-    if series.temperature is not None:
-        columns = np.column_stack([columns, series.temperature - np.mean(series.temperature)])
-        level, change = np.append(level, 0.0), np.append(change, 0.0)
-    return Model(columns=columns, level=level, change=change, free=free)
+    change, warmth = columns[-1] - level, baseline_columns(series)[:, 1:]
+    level, change = (np.append(one, np.zeros(warmth.shape[1])) for one in (level, change))
+    return Model(columns=np.column_stack([columns, warmth]), level=level, change=change, free=free)
 
 
 def criterion(series: Series, model: Model) -> float:
