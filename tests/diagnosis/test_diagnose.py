@@ -60,8 +60,7 @@ THOROUGH = ((0.0, 0.02), (0.9, 0.02), (0.0, 0.005))
 )
 def test_nothing_hidden_has_no_name_in_noise_of_any_colour(memory: float, noise_nm: float) -> None:
     settings = next(one.settings for one in SCENARIOS if one.name == "joint")
-    clean = simulate(replace(settings, duration_s=40.0, sensors=(IDEAL_SENSORS,)), SEED).log
-    assert clean.tau_interaction is not None
+    clean: Any = simulate(replace(settings, duration_s=40.0, sensors=(IDEAL_SENSORS,)), SEED).log
     noise = coloured(memory, noise_nm, len(clean.t))
     found = diagnosed(replace(clean, tau_interaction=clean.tau_interaction + noise[:, None]))
     assert (found.verdict, found.effects) == ("adequate", ())

@@ -31,7 +31,7 @@ EXPORT = "Also write every table to DIR: mcap as topics on the log's clock, csv 
 Exports = Annotated[list[str], described(EXPORT, some_of=choices.EXPORTS, panel=panel.OUTPUT)]
 MIN_EFFECT = "Effects of a smaller rms torque [N m] are negligible: listed separately, and not in the verdict."
 MinEffect = Annotated[float, described(MIN_EFFECT, metavar="NM", min=0.0, panel=panel.DIAGNOSIS)]
-FAIL_ON = "Exit with 5 if a coefficient has changed more, e.g. coulomb=15%, with 7 if that is untestable. Repeatable."
+FAIL_ON = "Exit with 5 if a coefficient has changed by more, e.g. coulomb=15%, with 7 if it is untestable. Repeatable."
 FailOn = Annotated[list[str] | None, described(FAIL_ON, metavar="COEFFICIENT=LIMIT", panel=panel.DRIFT)]
 JUNIT = "Write the limits as JUnit, a case per joint and limit: failure if exceeded, error if it cannot be tested."
 JUnit = Annotated[Path | None, described(JUNIT, metavar="FILE.xml", panel=panel.DRIFT)]
