@@ -17,8 +17,8 @@ import numpy as np
 
 import friction_audit
 from friction_audit import estimate_log, read_log, simulate_log
-from friction_audit.export.export import TARGETS, ExportSettings, export_friction, read_into
-from friction_audit.export.source import Joints, of_estimate
+from friction_audit.export.export import TARGETS, export_friction, read_into
+from friction_audit.export.friction_law import Joints, of_estimate
 from friction_audit.pipeline import Estimate
 
 sysid: Any = import_module("mujoco.sysid")  # an extra of mujoco-core that this project does not install
@@ -105,7 +105,7 @@ def in_mujoco(joints: Joints, estimate: Estimate, into: Path | None) -> float:
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / f"out{suffix}"
         given = None if into is None else read_into(target, into)
-        export = export_friction(joints, target, out, ExportSettings(), into=given, estimate=estimate)
+        export = export_friction(joints, out, into=given, estimate=estimate)
         path = out
         if into is None:
             bodies = "".join(
@@ -182,10 +182,9 @@ def export_gaps(logs: list[tuple[str, Estimate]]) -> list[str]:
         "",
     ]
     for name, estimate in logs:
-        target = next(target for target in TARGETS if target.name == "csv")
         with tempfile.TemporaryDirectory() as folder:
             out = Path(folder) / "out.csv"
-            export = export_friction(of_estimate(estimate), target, out, ExportSettings(), estimate=estimate)
+            export = export_friction(of_estimate(estimate), out, estimate=estimate)
         cells = [f"joint {g.joint}: {1e3 * g.without_rad:.3g} / {1e3 * g.with_rad:.3g}" for g in export.simulated]
         lines.append(f"- {name}: {', '.join(cells)}")
     return lines

@@ -11,6 +11,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import numpy as np
 import pytest
 from matplotlib import rc_context
 from matplotlib.figure import Figure
@@ -104,6 +105,8 @@ def test_a_replay_counts_the_cycles_that_the_hand_ended(estimated: Estimate) -> 
         ("estimate_log", {"dirve": "hand"}, "estimate_log: no option dirve; .* did you mean drive"),
         ("replay_log", {"asume": "same-motion"}, "did you mean assume"),
         ("diagnose_log", {"sed": 1}, "did you mean seed"),
+        ("diagnose_log", {"candidates": ("friktion",)}, "candidates: friktion: expected some of stribeck, "),
+        *(("diagnose_log", {"min_effect_nm": one}, "expected a torque of zero or more") for one in (-0.1, np.nan)),
         ("estimate_log", {"drive": "hnad"}, "--drive hnad: expected one of"),
         ("to_frames", {}, "to_frames: JointLog: expected the result of estimate_log"),
         ("plot", {}, "plot: JointLog: expected the result of estimate_log"),

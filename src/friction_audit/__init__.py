@@ -11,29 +11,18 @@ from importlib import import_module
 
 __version__ = "0.1.0"
 
-_PLACES = {
-    "read_log": "api",
-    "log_from_frame": "api",
-    "write_log": "api",
-    "simulate_log": "api",
-    "estimate_log": "api",
-    "replay_log": "api",
-    "diagnose_log": "api",
-    "report_log": "api",
-    "to_frames": "api",
-    "plot": "api",
-    "FrictionAuditError": "errors",
-}
+_NAMES = ("read_log", "log_from_frame", "write_log", "simulate_log", "estimate_log", "replay_log", "diagnose_log")
+_NAMES += ("report_log", "to_frames", "plot", "FrictionAuditError")
 
-__all__ = list(_PLACES)
+__all__ = list(_NAMES)
 
 
 def __getattr__(name: str) -> object:
     """Load a public name when it is first used."""
-    if name not in _PLACES:
+    if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value: object = getattr(import_module(f"{__name__}.{_PLACES[name]}"), name)
-    globals()[name] = value
+    module = import_module(f"{__name__}.{'errors' if name == 'FrictionAuditError' else 'api'}")
+    globals()[name] = value = getattr(module, name)
     return value
 
 

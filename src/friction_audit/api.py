@@ -11,14 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 from friction_audit import pipeline as audit
+from friction_audit.compensation import settings as replaying
 from friction_audit.compensation.compensators import Compensator
-from friction_audit.compensation.settings import (
-    Competitor,
-    ModelFile,
-    OperatorImpedance,
-    ReplaySettings,
-    energy_compensator as energy,
-)
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_model import ArmModel
 from friction_audit.errors import UsageError, near_misses
@@ -97,9 +91,9 @@ class ReplayOptions(TypedDict, total=False):
 
     assume: str
     compensator: Compensator
-    competitor: Competitor | None
-    joint_model: ModelFile | None
-    operator: OperatorImpedance | None
+    competitor: replaying.Competitor | None
+    joint_model: replaying.ModelFile | None
+    operator: replaying.OperatorImpedance | None
     max_torque_nm: float | None
     max_torque_rate_nm_s: float | None
 
@@ -136,18 +130,11 @@ def _check_names(call: str, given: Mapping[str, Any], known: type) -> None:
 
 
 def read_log(path: str | Path, **options: Unpack[ReadingOptions]) -> JointLog:
-    """Read a recorded joint log of any format, and check it.
+    """Read a recorded joint log of any format, a file or the directory of a ROS 2 bag, into SI units, and check it.
 
-    Args:
-        path: A file, or the directory of a ROS 2 bag.
-        options: How it is read: ``topic``, ``mapping`` of channels to names in the file, ``join`` of further files,
-            ``robot``, ``time_scale``, ``allow_short``, and the part from ``t_start_s`` to ``t_end_s``.
-
-    Returns:
-        The log, in SI units; what was noticed about it is in ``log.source.findings``.
-
-    Raises:
-        InputError: If it cannot be read as a joint log; the message says what was found and what to do.
+    Options: ``topic``, ``mapping`` of channels to names in the file, ``join`` of further files, ``robot``,
+    ``time_scale``, ``allow_short``, and the part from ``t_start_s`` to ``t_end_s``. What was noticed about the log is
+    in ``log.source.findings``; what cannot be read as one raises ``InputError``, which says what was found.
     """
     _check_names("read_log", options, ReadingOptions)
     if not isinstance(path, str | PathLike):
@@ -157,12 +144,10 @@ def read_log(path: str | Path, **options: Unpack[ReadingOptions]) -> JointLog:
 
 
 def log_from_frame(frame: Any, *, name: str = "frame", **options: Unpack[ReadingOptions]) -> JointLog:  # noqa: ANN401
-    """Read a log from memory, with the names, units and checks of ``read_log``.
+    """Read a log from memory, with the names, units, options, checks and errors of ``read_log``.
 
-    Args:
-        frame: A pandas or polars DataFrame, or a dict of arrays by name, of shape (n,) or (n, joints).
-        name: What messages and results call it.
-        options: Those of ``read_log``, whose errors it has too.
+    ``frame``: a pandas or polars DataFrame, or a dict of arrays by name, of shape (n,) or (n, joints); ``name``: what
+    messages and results call it.
     """
     _check_names("log_from_frame", options, ReadingOptions)
     return ingest.log_from_frame(frame, ingest.ReadOptions(**options), name=name)
@@ -171,26 +156,17 @@ def log_from_frame(frame: Any, *, name: str = "frame", **options: Unpack[Reading
 def write_log(log: JointLog, path: str | Path, *, dialect: str | None = None, overwrite: bool = False) -> None:
     """Write a log whole or not at all, in the format that the ending of the name or the dialect says.
 
-    Args:
-        log: The log.
-        path: Where to; a directory for ROS 2 bags.
-        dialect: One of ``friction-audit convert --list-dialects``, or None for the first one of the ending.
-        overwrite: Replace what is there.
+    ``path``: a file, or a directory for ROS 2 bags; ``dialect``: one of ``friction-audit convert --list-dialects``.
     """
     export.write_log(log, Path(path), dialect=dialect, overwrite=overwrite)
 
 
 def simulate_log(scenario: str, *, seed: int = 0, effects: Sequence[str] = (), **changes: object) -> Simulation:
-    """Simulate a recording whose friction and hidden effects are known.
+    """Simulate a recording whose friction and hidden effects are known: ``log``, and the rest in ``truth``.
 
-    Args:
-        scenario: One of ``friction-audit simulate --list``, e.g. ``"panda-joint"``.
-        seed: Seed of everything that is drawn; the same gives the same log to the bit.
-        effects: Hidden effects as on the command line, e.g. ``"stribeck:excess_nm=0.1@1"``.
-        changes: Settings of the scenario, e.g. ``duration_s=60.0``.
-
-    Returns:
-        ``log``, and in ``truth`` what the log does not say.
+    ``scenario``: one of ``friction-audit simulate --list``, e.g. ``"panda-joint"``; ``changes``: its settings, e.g.
+    ``duration_s=60.0``; ``effects``: as on the command line, e.g. ``"stribeck:excess_nm=0.1@1"``. The same ``seed``
+    gives the same log to the bit.
     """
     named: dict[str, Any] = {one.name: one.settings for one in SCENARIOS}
     if scenario not in named:
@@ -203,18 +179,11 @@ def simulate_log(scenario: str, *, seed: int = 0, effects: Sequence[str] = (), *
 def estimate_log(log: JointLog, **options: Unpack[EstimateOptions]) -> Estimate:
     """Estimate the friction of the joints of a log over time, with its uncertainty.
 
-    Args:
-        log: The log.
-        options: ``joints`` by number from 1, ``t_start_s`` and ``t_stop_s``, and the settings of the torque (``drive``,
-            ``gravity``, ``payload``, ...), the cycles (``thresholds``, ``cycles_from``, ...) and the estimate
-            (``estimator``, ``model``, ``window``).
-
-    Returns:
-        The result of every step: ``interaction``, ``cycles``, ``friction``. A joint without an estimate is no error:
-        its coefficients are NaN and ``reason`` says why.
-
-    Raises:
-        InputError: If the log lacks a channel that the options ask for.
+    Options: ``joints`` by number from 1, ``t_start_s`` and ``t_stop_s``, and the settings of the torque (``drive``,
+    ``gravity``, ``payload``, ...), the cycles (``thresholds``, ``cycles_from``, ...) and the estimate (``estimator``,
+    ``model``, ``window``). The result holds that of every step: ``interaction``, ``cycles``, ``friction``. A joint
+    without an estimate is no error: its coefficients are NaN and ``reason`` says why. A log that lacks a channel that
+    the options ask for raises ``InputError``.
     """
     if not isinstance(log, JointLog):
         how = "pass its .log" if isinstance(log, Simulation) else "read a file with read_log first"
@@ -225,13 +194,9 @@ def estimate_log(log: JointLog, **options: Unpack[EstimateOptions]) -> Estimate:
 def replay_log(log: JointLog | Estimate, **options: Unpack[ReplayOptions]) -> LogReplay:
     """Run a friction compensator with a passivity controller on a log, as a controller would have.
 
-    Args:
-        log: A log, or what ``estimate_log`` made of it.
-        options: ``assume``, ``compensator``, ``competitor``, ``joint_model``, ``operator``, ``max_torque_nm``,
-            ``max_torque_rate_nm_s``.
-
-    Raises:
-        AnalysisError: If the log cannot be replayed.
+    ``log``: a log, or what ``estimate_log`` made of it. Options: ``assume``, ``compensator``, ``competitor``,
+    ``joint_model``, ``operator``, ``max_torque_nm``, ``max_torque_rate_nm_s``. Raises ``AnalysisError`` where the log
+    cannot be replayed.
     """
     _check_names("replay_log", options, ReplayOptions)
     estimate = _estimated(log)
@@ -241,12 +206,8 @@ def replay_log(log: JointLog | Estimate, **options: Unpack[ReplayOptions]) -> Lo
 def diagnose_log(log: JointLog | Estimate, **options: Unpack[DiagnosisOptions]) -> Diagnosis:
     """Find what the model of each joint misses, name it, and measure how far the gap closes.
 
-    Args:
-        log: A log, or what ``estimate_log`` made of it.
-        options: ``candidates``, ``min_effect_nm``, ``seed``, ``at_most_s``, ``model``.
-
-    Raises:
-        AnalysisError: If the log cannot be diagnosed.
+    ``log``: a log, or what ``estimate_log`` made of it. Options: ``candidates``, ``min_effect_nm``, ``seed``,
+    ``at_most_s``, ``model``. Raises ``AnalysisError`` where the log cannot be diagnosed.
     """
     _check_names("diagnose_log", options, DiagnosisOptions)
     return audit.diagnose_estimate(_estimated(log), DiagnosisSettings(**options))
@@ -255,13 +216,8 @@ def diagnose_log(log: JointLog | Estimate, **options: Unpack[DiagnosisOptions]) 
 def report_log(log: JointLog | Estimate, path: str | Path | None = None, *, overwrite: bool = False) -> LogReport:
     """Put together all that a log says: friction, compensator, what the model misses.
 
-    Args:
-        log: A log, or what ``estimate_log`` made of it.
-        path: Where to write it, or None; the ending says how: ``.html``, ``.pdf``, ``.md`` or ``.json``.
-        overwrite: Replace what is there.
-
-    Returns:
-        The parts; one that the log gives no answer to is None, and ``unanswered`` says why.
+    ``log``: a log, or what ``estimate_log`` made of it; ``path``: where to write it, or None; the ending says how:
+    ``.html``, ``.pdf``, ``.md`` or ``.json``. A part that the log gives no answer to is None; ``unanswered`` says why.
     """
     from friction_audit.reporting.html.log_page import REPORT_FORMATS
 
@@ -277,12 +233,13 @@ def report_log(log: JointLog | Estimate, path: str | Path | None = None, *, over
     return report
 
 
-def replay_settings(estimate: Estimate, options: ReplayOptions) -> ReplaySettings:
+def replay_settings(estimate: Estimate, options: ReplayOptions) -> replaying.ReplaySettings:
     """Return how an estimate is replayed: where the hand ends cycles, the compensator counts those that it does."""
     cycles = estimate.settings.cycles
     if "compensator" not in options and cycles.cycles_from == "hand":
-        options = {**options, "compensator": energy(minimum_path_rad=cycles.minimum_path_rad)}
-    return ReplaySettings(**options)
+        own = replaying.energy_compensator(minimum_path_rad=cycles.minimum_path_rad)
+        options = {**options, "compensator": own}
+    return replaying.ReplaySettings(**options)
 
 
 def _estimated(log: JointLog | Estimate) -> Estimate:
@@ -296,9 +253,6 @@ def to_frames(result: Estimate | LogReplay | Diagnosis | LogReport) -> "dict[str
     ``coefficient_history``, ``cycles`` and ``interaction``; of a replay ``replay_joints``, ``replay_cycles`` and
     ``replay_signals``; of a diagnosis ``verdicts``, ``effects``, ``effect_parameters``, ``gap_ladder``,
     ``residual_profiles``, ``residual`` and ``simulated_motion``; of a report all of them.
-
-    Args:
-        result: What ``estimate_log``, ``replay_log``, ``diagnose_log`` or ``report_log`` returned.
     """
     return {table.name: to_frame(table) for table in _of_kind(result, "to_frames", TABLES)(result)}
 
@@ -312,15 +266,9 @@ def plot(
 ) -> "Figure | Axes":
     """Draw a result, as ``friction-audit plot`` does, or one joint of it into axes of yours.
 
-    Args:
-        result: What ``estimate_log``, ``replay_log`` or ``diagnose_log`` returned.
-        kind: ``"velocity-torque"``, ``"replay-velocity-torque"`` or ``"ladder"``; without ``ax`` any of
-            ``friction-audit plot --help``. None takes the one of these three that fits the result.
-        joint: Number of the joint (1..n), or None for all; with ``ax`` one joint.
-        ax: Axes to draw into; None for a figure of its own. Your rcParams hold in both.
-
-    Returns:
-        The axes, or a figure that is unknown to pyplot.
+    ``kind``: ``"velocity-torque"``, ``"replay-velocity-torque"`` or ``"ladder"``, None for the one that fits the
+    result; without ``ax`` any of ``friction-audit plot --help``. ``joint``: its number (1..n), None for all; with
+    ``ax`` one joint. Your rcParams hold in the axes, and in the figure without them, which is unknown to pyplot.
     """
     return draw_result(result, _of_kind(result, "plot", DRAWN), kind, joint, ax)
 
@@ -331,9 +279,8 @@ TABLES |= {Diagnosis: diagnose_tables, LogReport: report_tables}
 
 
 def _of_kind(result: object, call: str, kinds: Mapping[type, Any]) -> Any:  # noqa: ANN401 - of any kind
-    for kind, found in kinds.items():
-        if isinstance(result, kind):
-            return found
+    if type(result) in kinds:
+        return kinds[type(result)]
     calls = f"estimate_log, replay_log{', diagnose_log or report_log' if LogReport in kinds else ' or diagnose_log'}"
     raise UsageError(f"{call}: {type(result).__name__}: expected the result of {calls}; call one of them first")
 

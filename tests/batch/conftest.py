@@ -4,13 +4,15 @@ import shutil
 from collections.abc import Callable, Generator, Iterable
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 from friction_audit.batch.executor import Asked, Done, Executor, Lost
 from friction_audit.batch.find_logs import LogFile, find_logs
 from friction_audit.batch.ledger import BatchSettings, Ledger
-from friction_audit.batch.run_batch import BatchResult, catch_up, gather
+from friction_audit.batch.run_batch import catch_up, gather
 from friction_audit.io.writers.write_log import write_log
 from friction_audit.joint_log import JointLog
 from friction_audit.simulation import BenchSettings, JointParameters, simulate
@@ -62,7 +64,7 @@ def rig(written: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return Path(shutil.copytree(written, "rig"))
 
 
-Batch = Callable[..., BatchResult]
+Batch = Callable[..., Any]
 
 
 @pytest.fixture
@@ -71,10 +73,13 @@ def batch(tmp_path: Path) -> Batch:
 
     def run(
         *names: object, executor: Executor | None = None, settings: BatchSettings | None = None, ledger: str = "out"
-    ) -> BatchResult:
+    ) -> SimpleNamespace:
         with Ledger(tmp_path / ledger / "ledger.sqlite") as opened:
             logs = find_logs([str(name) for name in names], {})
             chosen = settings or BatchSettings()
-            return gather(catch_up(logs, chosen, opened, executor or Inline(), lambda *_: None), chosen, opened)
+            standing = catch_up(logs, chosen, opened, executor or Inline(), lambda *_: None)
+            sessions, failed, warnings = gather(standing, chosen, opened)
+            found = {"sessions": sessions, "failed": failed, "warnings": warnings}
+            return SimpleNamespace(new=standing.new, known=standing.known, **found)
 
     return run

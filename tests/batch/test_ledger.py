@@ -11,6 +11,7 @@ from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -203,7 +204,7 @@ logs, folder = find_logs([sys.argv[1]], {}), Path(sys.argv[2])
 folder.mkdir(exist_ok=True)
 with run_lock(folder) as alone, Ledger(folder / "ledger.sqlite") as ledger, LocalExecutor(workers=1) as executor:
     standing = catch_up(logs, BatchSettings(), ledger, executor, lambda *_: None, backwards=not alone)
-    print(standing.new, len(gather(standing, BatchSettings(), ledger).sessions))
+    print(standing.new, len(gather(standing, BatchSettings(), ledger)[0]))
 """
 
 
@@ -231,8 +232,7 @@ def finished(output: Path) -> int:
 def many(recordings: tuple[JointLog, ...], tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder of many logs."""
     folder = tmp_path_factory.mktemp("many")
-    log = recordings[0]
-    assert log.tau_interaction is not None
+    log: Any = recordings[0]
     for number in range(LOGS):
         torque = log.tau_interaction * (1.0 + 0.01 * number)
         write_log(replace(log, tau_interaction=np.asfortranarray(torque)), folder / f"run{number}.npz")

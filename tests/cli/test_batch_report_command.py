@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -33,8 +34,7 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("days")
     for rig, days, seconds, prefix in (("rig", DAYS, 20.0, ""), ("few", FEW, 15.0, "rig-")):
         for day in range(days):
-            log = simulate(BenchSettings(duration_s=seconds, rate_hz=200.0), seed=day).log
-            assert log.tau_interaction is not None
+            log: Any = simulate(BenchSettings(duration_s=seconds, rate_hz=200.0), seed=day).log
             torque = np.asfortranarray(log.tau_interaction * (1.3 if day >= STEP else 1.0))
             write_log(replace(log, tau_interaction=torque), folder / rig / f"{prefix}2026-03-{day + 1:02d}.npz")
     return folder

@@ -25,8 +25,7 @@ FEW = ("--candidates", "stribeck,torque_ripple")
 
 @pytest.mark.usefixtures("sketched")
 def test_a_hidden_effect_is_named_sized_and_added_to_the_model(run: Run, tmp_path: Path) -> None:
-    clean = build_estimate(1, count=40, rate=500.0).log
-    assert clean.tau_interaction is not None
+    clean: Any = build_estimate(1, count=40, rate=500.0).log
     hidden = 0.2 * np.sign(clean.dq) * np.exp(-np.abs(clean.dq) / 0.15)
     log = replace(clean, tau_interaction=clean.tau_interaction + hidden)
     write_log(log, tmp_path / "hidden.parquet")
@@ -146,8 +145,8 @@ def test_without_an_estimate_the_page_says_what_to_record(run: Run, logs: Path, 
 @pytest.mark.parametrize("rate", [30.0, 50.0, 119.0, 2000.0])
 def test_a_vibration_at_a_low_rate_is_no_error(rate: float, share: float, run: Run, tmp_path: Path) -> None:
     """Noise of the motion lowers the corner of the filter; a vibration above it is filtered away."""
-    log, rng = build_estimate(1, count=24, rate=rate).log, np.random.default_rng(0)
-    assert log.tau_interaction is not None
+    log: Any = build_estimate(1, count=24, rate=rate).log
+    rng = np.random.default_rng(0)
     vibration = 0.1 * np.sin(2.0 * np.pi * share * rate * log.t)
     q, dq = (signal + size * rng.standard_normal(signal.shape) for signal, size in ((log.q, 1e-3), (log.dq, 1e-2)))
     write_log(replace(log, q=q, dq=dq, tau_interaction=log.tau_interaction + vibration[:, None]), tmp_path / "low.npz")

@@ -4,19 +4,13 @@ import json
 import re
 import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
-from friction_audit.cli import NAMES, choices, command_of, module_of
+from friction_audit.cli import NAMES, choices, command_of
 from tests.cli.conftest import Run
 
-if TYPE_CHECKING:
-    from types import ModuleType
-
-NAME = dict(zip(map(module_of, NAMES), NAMES, strict=True))
-
-EACH = pytest.mark.parametrize("module", [*map(module_of, NAMES)], ids=NAMES)
+EACH = pytest.mark.parametrize("name", NAMES)
 SHORTEST = 4
 """Letters of an option from which on a slip still tells what was meant."""
 READ_AT_ONCE = (".urdf", "panda.xml", "model.toml", "sessions.csv")
@@ -25,10 +19,10 @@ EAGER = {"--list-dialects"}
 """Options that answer before any other is looked at."""
 
 
-def examples(module: "ModuleType") -> list[list[str]]:
+def examples(name: str) -> list[list[str]]:
     """Return the words of each example of a command, without what it is piped into."""
-    lines = module.EXAMPLES.splitlines()[1:]
-    return [shlex.split(line.partition(" | ")[0]) for line in lines if line.strip()]
+    lines = command_of(name).epilog.splitlines()[2:]
+    return [shlex.split(line.partition(" | ")[0]) for line in lines]
 
 
 def options(name: str) -> list[str]:
@@ -41,48 +35,47 @@ def slip(word: str) -> str:
 
 
 @EACH
-def test_help_shows_examples_that_are_the_command_s(module: "ModuleType", run: Run) -> None:
-    name, shown = NAME[module], run(NAME[module], "--help").out
-    assert len(examples(module)) > 1
-    for line in module.EXAMPLES.splitlines():
+def test_help_shows_examples_that_are_the_command_s(name: str, run: Run) -> None:
+    shown = run(name, "--help").out
+    assert len(examples(name)) > 1
+    for line in command_of(name).epilog.splitlines()[1:]:
         assert line in shown
-    for words in examples(module):
+    for words in examples(name):
         assert words[:2] == ["friction-audit", name]
         named = {word.partition("=")[0] for word in words if re.match(r"--[a-z]", word)}
         assert named <= set(options(name))
 
 
 @EACH
-def test_a_misspelt_command_suggests_the_near_one(module: "ModuleType", run: Run) -> None:
-    answer = run(slip(NAME[module]))
+def test_a_misspelt_command_suggests_the_near_one(name: str, run: Run) -> None:
+    answer = run(slip(name))
     assert answer.code == 2
-    assert f"'{NAME[module]}'" in answer.err.partition("Did you mean")[2]
+    assert f"'{name}'" in answer.err.partition("Did you mean")[2]
 
 
 @EACH
-def test_a_misspelt_option_suggests_the_near_one(module: "ModuleType") -> None:
-    command = command_of(NAME[module])
-    for option in options(NAME[module]):
+def test_a_misspelt_option_suggests_the_near_one(name: str) -> None:
+    for option in options(name):
         if len(option) < SHORTEST + len("--"):
             continue
         with pytest.raises(Exception, match="No such option") as refused:
-            command.make_context(NAME[module], [slip(option)])
+            command_of(name).make_context(name, [slip(option)])
         assert option in refused.value.possibilities, option  # type: ignore[attr-defined]
 
 
 @EACH
-def test_what_is_dumped_can_be_read_back(module: "ModuleType", run: Run, tmp_path: Path) -> None:
+def test_what_is_dumped_can_be_read_back(name: str, run: Run, tmp_path: Path) -> None:
     """Every example of the command's help, with the options in a file instead."""
     there, path = tmp_path / "model.toml", tmp_path / "dumped.toml"
     there.write_text("")
-    arguments = ["x" for p in command_of(NAME[module]).params if p.param_type_name == "argument" and p.required]
-    for words in examples(module):
+    arguments = ["x" for p in command_of(name).params if p.param_type_name == "argument" and p.required]
+    for words in examples(name):
         if EAGER & set(words):
             continue
         first = run(*(there if word.endswith(READ_AT_ONCE) else word for word in words[1:]), "--dump-config")
         assert first.code == 0, first.err
         path.write_text(first.out, encoding="utf-8")
-        assert run(NAME[module], *arguments, "--config", path, "--dump-config").out == first.out
+        assert run(name, *arguments, "--config", path, "--dump-config").out == first.out
 
 
 PAGES = Path(__file__).parents[2] / "docs" / "commands"
@@ -92,8 +85,8 @@ OPTION = re.compile(r"(?<![\w-])(--[a-z][a-z-]+|-[a-z])(?![\w-])")
 
 
 @EACH
-def test_its_page_names_the_options_that_it_does_not_share_with_estimate(module: "ModuleType") -> None:
-    name, every = NAME[module], {*options(NAME[module]), "--help", "--help-all"}
+def test_its_page_names_the_options_that_it_does_not_share_with_estimate(name: str) -> None:
+    every = {*options(name), "--help", "--help-all"}
     prose = CONSOLE.sub("", (PAGES / f"{name}.md").read_text())
     named = {SHORT.get(word, word) for word in OPTION.findall(prose)}
     shared = {"--help", "--help-all", *(options("estimate") if name != "estimate" else ())}
@@ -166,3 +159,40 @@ def test_damage_is_a_warning_unless_quiet_and_an_exit_code(command: str, run: Ru
     assert (loud.code, quiet.code, quiet.err) == (6, 6, "")
     assert any(line.startswith("warning: ") for line in loud.err.splitlines())
     assert quiet.out == loud.out
+
+
+def test_values_come_from_the_file_and_the_command_line_wins(run: Run, logs: Path, tmp_path: Path) -> None:
+    (tmp_path / "settings.toml").write_text(
+        'model = "coulomb"\nwindow = 7\njoints = [1, 2]\nmin_path = 0.2\njson = true\n'
+        '[map]\ndq = "dq_{i}"\nq = "q_{i}"\n'
+    )
+    words = ("--config", "settings.toml", "--window", 9)
+    settings = run("estimate", logs / "moved2.csv", *words).document()["settings"]
+    assert settings["friction"]["model"] == "coulomb"
+    assert settings["friction"]["window"] == 9
+    assert settings["joints"] == [1, 2]
+    assert settings["cycles"]["minimum_path_rad"] == 0.2
+    assert settings["reading"]["mapping"] == {"dq": "dq_{i}", "q": "q_{i}"}
+
+
+@pytest.mark.parametrize(("text", "message"), [
+    ("modle = 1", "no option modle; did you mean model?"),
+    ("window = [", "not TOML"),
+    ('model = "combind"', "did you mean combined?"),
+    ('window = "many"', "'--window'"),
+    ("log = 1", "no option log"),
+    pytest.param("window = " + "1" * 5000, "digits", id="a number of 5000 digits"),
+    pytest.param("map = " + "[" * 20000 + "]" * 20000, "nested too deeply", id="deep arrays"),
+    pytest.param(".".join("k" * 20000) + " = 1", "dots in line 1", id="a key of many parts"),
+    pytest.param("".join(f"k{i} = 1\n" for i in range(300_000)), "bytes", id="a large file"),
+    pytest.param("".join(f"k{i} = 1\n" for i in range(50_000)), "and 49995 more", id="many keys"),
+    pytest.param("k" * 900_000 + " = 1", "no option kkkkk", id="a long key"),
+    pytest.param('"\\u001b[2J\\u202e" = 1', "no option \ufffd[2J\ufffd (", id="a key that a terminal obeys"),
+    pytest.param('model = "\\u001b[2J"', "\ufffd[2J: expected", id="a value that a terminal obeys"),
+    pytest.param('joints = "1-99999999999"', "'1-99999999999' is no joint", id="many joints"),
+    pytest.param("joints = " + "9" * 4000, "is no joint", id="a large joint"),
+])  # fmt: skip
+def test_mistakes_in_the_file_are_usage_errors(text: str, message: str, run: Run, logs: Path, tmp_path: Path) -> None:
+    (tmp_path / "settings.toml").write_text(text)
+    answer = run("estimate", logs / "moved1.csv", "--config", "settings.toml")
+    assert (answer.code, message in answer.err) == (2, True), answer

@@ -3,6 +3,7 @@
 import json
 import shutil
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import pandas as pd
@@ -109,8 +110,7 @@ def test_every_table_is_written(command: str, run: Run, logs: Path) -> None:
         csv = pd.read_csv(f"out/{before}{name}.csv")
         assert list(csv.columns) == list(pd.read_parquet(f"out/{before}{name}.parquet").columns)
     with Path(f"out/{before or f'{command}.'}mcap").open("rb") as stream:
-        summary = make_reader(stream).get_summary()
-    assert summary is not None
+        summary: Any = make_reader(stream).get_summary()
     topics = {channel.topic.rpartition("/")[2] for channel in summary.channels.values()}
     filled = {name for name in TABLES[command] if len(pd.read_csv(f"out/{before}{name}.csv"))}
     assert topics == filled

@@ -3,6 +3,7 @@
 import hashlib
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -10,7 +11,6 @@ import pytest
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers import ReadOptions, read_log
-from friction_audit.joint_log import JointLog
 from tests.cli.conftest import Run
 
 EPOCH = 1.7e9
@@ -46,8 +46,8 @@ def saved(path: Path, columns: Mapping[str, np.ndarray]) -> Path:
     return path
 
 
-def joined(first: Path, *others: Path, **more: object) -> JointLog:
-    return read_log(first, ReadOptions(join=tuple(map(str, others)), **more))  # type: ignore[arg-type]
+def joined(first: Path, *others: Path, **more: Any) -> Any:
+    return read_log(first, ReadOptions(join=tuple(map(str, others)), **more))
 
 
 @pytest.mark.parametrize("endings", [(".csv", ".parquet", ".npz"), (".npz", ".csv", ".csv.gz"), (".parquet",) * 3])
@@ -59,7 +59,6 @@ def test_three_files_are_one_log(tmp_path: Path, endings: tuple[str, ...], start
     files = [saved(tmp_path / f"{k}{ending}", one) for k, (ending, one) in enumerate(zip(endings, tables, strict=True))]
     log = joined(*files)
     assert len(log.t) == 12000 - 1  # the last stamp of the torque is 10 ms before the end
-    assert log.temperature is not None
     assert log.temperature[:, 0] == pytest.approx(30.0 + 0.1 * log.t, abs=1e-6)
     assert log.q[:, 0] == pytest.approx(q_of(log.t), abs=1e-6)
     assert (log.source.start_s is not None) == (start == EPOCH)
@@ -70,7 +69,6 @@ def test_three_files_are_one_log(tmp_path: Path, endings: tuple[str, ...], start
 
 def test_between_samples_the_joined_channel_is_linear(tmp_path: Path) -> None:
     log = joined(saved(tmp_path / "a.csv", motion()), saved(tmp_path / "b.csv", torque(rate=50.0, shift=0.0037)))
-    assert log.tau_interaction is not None
     knots = torque(rate=50.0, shift=0.0037)
     first = float(motion()["time"][1])  # the first stamp after the torque's first
     expected = np.interp(log.t + first, knots["time"], knots["tau_interaction_1"])
@@ -96,7 +94,6 @@ def test_joints_are_joined_by_name(tmp_path: Path) -> None:
         first |= {f"{name}.position": (1 + place) * q_of(t), f"{name}.velocity": (1 + place) * 0.6 * np.sin(0.6 * t)}
     second = {"time": t} | {f"{name}.effort": np.sin(t) + place for place, name in reversed(list(enumerate(names)))}
     log = joined(saved(tmp_path / "a.csv", first), saved(tmp_path / "b.csv", second))
-    assert log.tau_J is not None
     assert (log.tau_J[:, 1] - log.tau_J[:, 0]) == pytest.approx(1.0)
 
 
@@ -135,7 +132,6 @@ def test_map_names_columns_of_either_file(tmp_path: Path) -> None:
     first = saved(tmp_path / "a.csv", {"clock": t, "winkel": q_of(t), "tempo": 0.6 * np.sin(0.6 * t)})
     second = saved(tmp_path / "b.csv", {"clock": t, "strom": np.sin(t)})
     log = joined(first, second, mapping={"q": "winkel", "dq": "tempo", "tau_J": "strom:A"}, torque_constant=(0.5,))
-    assert log.tau_J is not None
     assert log.tau_J[:, 0] == pytest.approx(0.5 * np.sin(t))
 
 

@@ -37,11 +37,11 @@ def test_a_quiet_command_and_one_without_a_terminal_report_to_nobody(monkeypatch
 
 def test_a_terminal_shows_how_many_are_done_and_failed(monkeypatch: pytest.MonkeyPatch) -> None:
     terminal = watch(monkeypatch)
-    with Voice(quiet=False, verbose=False).count("estimate") as count:
-        assert count is not None
+    with Voice(quiet=False, verbose=False).step("estimate") as report:
+        assert report is not None
         time.sleep(0.05)
         for done in range(3):
-            count(done, 4, done // 2)
+            report(done / 4, f"{done}/4, {done // 2} failed")
             time.sleep(0.06)
         time.sleep(0.1)
     assert "2/4" in terminal.getvalue()

@@ -5,7 +5,7 @@ import shlex
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import jsonschema
 import pytest
@@ -164,8 +164,7 @@ def test_a_grown_model_is_simulated_and_misses_nothing(run: Run, tmp_path: Path)
     few = ("--candidates", "stribeck,presliding,torque_bias", "--json")
     first = run("diagnose", "first.parquet", "-o", "first", *few).document()
     assert [effect["name"] for effect in first["joints"][0]["effects"]] == ["stribeck"]
-    joint = load_model(tmp_path / "first" / "model.toml").joints[0]
-    assert joint is not None
+    joint: Any = load_model(tmp_path / "first" / "model.toml").joints[0]
     assert joint.provenance.method == "diagnose"
     assert [term.name for term in joint.terms] == ["coulomb", "viscous", "stribeck"]
     model = ("--joint-model", "first/model.toml")

@@ -41,12 +41,6 @@ def test_a_missing_effect_is_a_term_the_rest_is_as_fitted_with_it_and_its_origin
     assert joint.provenance == Provenance(method="diagnose", log="run 1.csv", sha256="0" * 64, cycles=30)
 
 
-def test_there_is_one_entry_per_joint_of_the_log() -> None:
-    model = augmented(NONE)
-    assert model.names == LOG.joint_names
-    assert [joint is not None for joint in model.joints] == [False, False, True]
-
-
 def test_a_joint_that_was_not_fitted_keeps_its_nominal_model() -> None:
     arm = nominal_arm()
     assert augmented(replace(DATA_FAULT, joint=2), nominal=arm).joints == arm.joints

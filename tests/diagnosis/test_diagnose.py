@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 from scipy.signal import butter, lfilter, sosfiltfilt
 
-from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings
-from friction_audit.errors import UsageError
 from friction_audit.joint_log import DERIVATIVE, Float, JointLog
 from friction_audit.pipeline import AuditSettings, diagnose_log
 from friction_audit.simulation import IDEAL_SENSORS, SCENARIOS, simulate
@@ -23,12 +21,12 @@ def recorded(*effects: str, scenario: str = "joint", duration_s: float = 60.0, s
     return simulate(hide(replace(settings, duration_s=duration_s), effects), seed).log
 
 
-def diagnosed(log: JointLog, **asked: object) -> JointDiagnosis:
-    (found,) = diagnose_log(log, AuditSettings(), DiagnosisSettings(**asked)).discrepancy.joints  # type: ignore[arg-type]
+def diagnosed(log: JointLog, **asked: Any) -> Any:
+    (found,) = diagnose_log(log, AuditSettings(), DiagnosisSettings(**asked)).discrepancy.joints
     return found
 
 
-def names(found: JointDiagnosis) -> tuple[set[str], ...]:
+def names(found: Any) -> tuple[set[str], ...]:
     """Of each effect all names that it may have."""
     return tuple({effect.name, *effect.alternatives} for effect in found.effects)
 
@@ -50,7 +48,6 @@ def test_an_effect_is_named(name: str, scenario: str) -> None:
     assert found.verdict in ("named", "ambiguous")
     assert len(found.effects) == 1
     assert name in names(found)[0]
-    assert found.gap is not None
     assert found.gap.shrink > 0.8
     assert found.omnibus_p < 0.01
 
@@ -63,12 +60,10 @@ THOROUGH = ((0.0, 0.02), (0.9, 0.02), (0.0, 0.005))
 )
 def test_nothing_hidden_has_no_name_in_noise_of_any_colour(memory: float, noise_nm: float) -> None:
     settings = next(one.settings for one in SCENARIOS if one.name == "joint")
-    clean = simulate(replace(settings, duration_s=40.0, sensors=(IDEAL_SENSORS,)), SEED).log
-    assert clean.tau_interaction is not None
+    clean: Any = simulate(replace(settings, duration_s=40.0, sensors=(IDEAL_SENSORS,)), SEED).log
     noise = coloured(memory, noise_nm, len(clean.t))
     found = diagnosed(replace(clean, tau_interaction=clean.tau_interaction + noise[:, None]))
     assert (found.verdict, found.effects) == ("adequate", ())
-    assert found.gap is not None
     assert found.gap.before == pytest.approx(found.gap.floor, rel=0.03)
     truth = {"coulomb_nm": 0.30, "viscous_nms_per_rad": 0.07, "inertia_kg_m2": 0.30}
     for name, one in found.nominal.items():
@@ -126,18 +121,6 @@ def test_nothing_is_named_on_wrong_data(factor: float, fault: str) -> None:
     found = diagnosed(replace(log, dq=factor * log.dq))
     assert (found.verdict, found.effects) == ("data_fault", ())
     assert fault in found.reason
-
-
-@pytest.mark.parametrize(
-    ("asked", "said"),
-    [
-        ({"candidates": ("stribeck", "friktion")}, "candidates: friktion: expected some of stribeck, "),
-        *(({"min_effect_nm": torque}, "expected a torque of zero or more") for torque in (-0.1, np.inf, np.nan)),
-    ],
-)
-def test_settings_that_cannot_be_are_refused(asked: Any, said: str) -> None:
-    with pytest.raises(UsageError, match=said):
-        DiagnosisSettings(**asked)
 
 
 @pytest.mark.parametrize("scenario", ["joint-sine", "joint-loaded"])

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from functools import cache, partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -64,9 +65,8 @@ def by_the_wall_clock(log: Columns) -> Columns:
     return {**log, "t": log["t"] + 1.7e9}
 
 
-def numbers(found: JointDiagnosis, factor: float) -> dict[str, float]:
+def numbers(found: Any, factor: float) -> dict[str, float]:
     """All numbers told of a joint, those that are torques as if they were those of the joint as written."""
-    assert found.gap is not None
     told = {name: one.value for effect in found.effects for name, one in effect.parameters.items()}
     told |= {name: one.value for name, one in found.nominal.items()}
     told |= {"gap_before_nm": found.gap.before, "gap_after_nm": found.gap.after}

@@ -61,11 +61,6 @@ def test_a_heavier_tip_pulls_by_its_weight_and_where_motors_move_it_by_its_inert
         assert np.abs(extra - weight)[:, joint].max() > 0.01
 
 
-def test_no_weight_pulls_at_an_upright_axis() -> None:
-    rigid: Any = know_load(ROBOT, ARM, T, MOTION, None).rigid
-    assert not rigid[0].weight.any()
-
-
 def test_inertia_that_a_model_removed_is_the_mean_diagonal_of_the_mass_matrix() -> None:
     q = np.tile(POSE, (10, 1))
     q[5:] += 0.4

@@ -56,15 +56,6 @@ def test_velocity_comes_from_the_quieter_of_position_and_velocity() -> None:
     assert source == {"q": "dq", "dq": "q"}
 
 
-def test_cycles_are_those_of_the_segmentation() -> None:
-    estimate = bench()
-    data = prepared(estimate)
-    for number, (start, stop) in enumerate(zip(estimate.cycles.start_s, estimate.cycles.stop_s, strict=True)):
-        inside = data.t[data.cycle == number]
-        assert start <= inside[0]
-        assert inside[-1] < stop
-
-
 @pytest.mark.parametrize("corner_hz", [30.0, 2.0])
 def test_a_filtered_difference_gives_way_to_the_position(corner_hz: float) -> None:
     estimate = bench()

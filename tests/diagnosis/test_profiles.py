@@ -76,12 +76,6 @@ def test_means_and_errors_are_those_of_cluster_robust_least_squares() -> None:
     assert found.centre[3] == pytest.approx(VALUES[(found.edges[3] <= VALUES) & (found.edges[4] > VALUES)].mean())
 
 
-def test_an_empty_side_has_no_mean() -> None:
-    forwards = profile(NOISE, np.ones(N))
-    assert np.isnan(forwards.backwards).all()
-    assert np.isfinite(forwards.forwards).all()
-
-
 def test_share_is_that_of_cycles_not_seen_and_never_below_zero() -> None:
     line = 0.1 * DQ * (VALUES - 0.6)
     explained = float(np.mean(line**2))
@@ -144,30 +138,16 @@ def effect(name: str, **parameters: float) -> NamedEffect:
     return replace(STRIBECK, name=name, parameters=numbers, torque=TORQUE)
 
 
-def test_a_curve_over_the_joint_s_own_motion_needs_no_axis_of_its_own() -> None:
-    assert own_axis(effect("stribeck", stribeck_excess_nm=0.1), TRACES) is None
-    assert own_axis(effect("gravity_error", gravity_error_source=0.0), TRACES) is None
-
-
 def test_waves_are_laid_over_each_other() -> None:
     own: Any = own_axis(effect("torque_ripple", ripple_order=100.0), replace(TRACES, q=TRACES.q * 0.0 + 0.0125 * np.pi))
     assert own.label == "Position within a wave [waves]"
     assert own.values == pytest.approx(0.625)
 
 
-@pytest.mark.parametrize(
-    "one",
-    [
-        effect("inertial_coupling", coupling_source=3.0),
-        effect("torque_crosstalk", crosstalk_after=0.1),
-        effect("gravity_error", gravity_error_source=-1.0),
-    ],
-    ids=lambda one: one.name,
-)
-def test_an_effect_of_other_joints_is_drawn_along_its_torque(one: NamedEffect) -> None:
-    own: Any = own_axis(one, TRACES)
-    assert own.label == f"Fitted torque of {one.name} [N m]"
-    assert own.values is TORQUE
+def test_an_effect_of_other_joints_is_drawn_along_its_torque_and_a_curve_over_the_joint_s_own_motion_is_not() -> None:
+    own: Any = own_axis(effect("gravity_error", gravity_error_source=-1.0), TRACES)
+    assert (own.label, own.values is TORQUE) == ("Fitted torque of gravity_error [N m]", True)
+    assert own_axis(effect("gravity_error", gravity_error_source=0.0), TRACES) is None
 
 
 def test_ringing_is_drawn_along_its_torque_and_its_means_are_those_of_the_samples() -> None:

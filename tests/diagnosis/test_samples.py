@@ -31,15 +31,6 @@ def test_a_sine_passes_without_delay_up_to_the_corner(frequency: float, gain: fl
     assert samples.of(sine) == pytest.approx(gain * np.sin(2 * np.pi * frequency * samples.t), abs=0.01)
 
 
-def test_torque_and_columns_go_the_same_way() -> None:
-    samples = make_samples(DATA)
-    assert samples.y == pytest.approx(samples.of(DATA.torque))
-    assert samples.of(np.column_stack([DATA.torque, DATA.dq]))[:, 1] == pytest.approx(samples.of(DATA.dq))
-    assert samples.every == 4
-    assert np.diff(samples.t).min() == pytest.approx(0.01)
-    assert np.array_equal(samples.cycle, DATA.cycle[samples.place * 4])
-
-
 def test_no_sample_sees_a_sample_that_is_not_valid() -> None:
     valid = DATA.valid.copy()
     valid[4001:4003] = False
@@ -87,10 +78,6 @@ def test_the_corner_is_where_the_noise_of_inertia_is_half_of_that_of_the_torque(
     # The difference quotient passes only three quarters at 80 Hz, so that the acceleration seems quieter than it is.
     expected = np.clip(crossing_hz, s.LOWEST_CORNER_HZ, CORNER_HZ)
     assert s.corner_for(noisy, 0.2 * (1.0 - removed))[0] == pytest.approx(expected, rel=0.15 if source == "q" else 0.1)
-
-
-def test_without_inertia_the_corner_is_the_highest() -> None:
-    assert s.corner_for(DATA, 0.0)[0] == CORNER_HZ
 
 
 def test_a_joint_that_breaks_away_has_a_sample_for_it_beside_those_of_its_motion() -> None:
@@ -141,17 +128,6 @@ def test_exact_data_give_the_exact_coefficients() -> None:
         (0.3, 0.07, 0.2)
     )
     assert baseline.declared == frozenset()
-
-
-def test_a_stated_inertia_is_taken_and_friction_is_fitted_all_the_same() -> None:
-    model = JointModel(inertia_kg_m2=0.5 * INERTIA_KG_M2, terms=SIMPLE)
-    nominal = nominal_model(EXACT, SAMPLES, model)
-    assert nominal.names == ("coulomb_nm", "viscous_nms_per_rad")
-    assert nominal.stated == pytest.approx(0.1 * EXACT.ddq)
-    assert nominal.y == pytest.approx(SAMPLES.y - SAMPLES.of(0.1 * EXACT.ddq))
-    baseline = nominal.baseline(np.array([0.3, 0.07]))
-    assert baseline.inertia_kg_m2 == 0.1
-    assert baseline.declared == {"inertia_kg_m2"}
 
 
 def test_a_term_that_is_held_is_stated_and_no_column() -> None:

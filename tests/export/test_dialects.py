@@ -152,8 +152,8 @@ def test_mcap(dialect: str, log: JointLog, tmp_path: Path) -> None:
 def test_mcap_json(log: JointLog, tmp_path: Path) -> None:
     write_log(log.take_joints([1]), tmp_path / "a.mcap", dialect="mcap-json")
     with (tmp_path / "a.mcap").open("rb") as stream:
-        schema, channel, message = list(make_reader(stream).iter_messages())[1]
-    assert schema is not None
+        messages: list[Any] = list(make_reader(stream).iter_messages())
+    schema, channel, message = messages[1]
     assert (schema.name, schema.encoding, channel.message_encoding) == ("foxglove.JointStates", "jsonschema", "json")
     assert json.loads(message.data) == {
         "timestamp": {"sec": 1_700_000_000, "nsec": 501_000_000},

@@ -19,10 +19,9 @@ from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_mo
 from friction_audit.effects.registry import terms
 from friction_audit.errors import InputError, UsageError
 from friction_audit.export import export as made
-from friction_audit.export.export import TARGETS, Export, ExportSettings, Target
-from friction_audit.export.friction_law import FrictionLaw, even_speeds, friction_law
+from friction_audit.export.export import TARGETS, Export, Target
+from friction_audit.export.friction_law import FrictionLaw, Joints, even_speeds, friction_law
 from friction_audit.export.robot_xml import XmlText
-from friction_audit.export.source import Joints
 
 PANDA_URDF = Path(friction_audit.__file__).parent / "robot" / "panda.urdf"
 SIMPLE = simple_model(inertia_kg_m2=0.2, coulomb_nm=0.5, viscous_nms_per_rad=0.3)
@@ -48,19 +47,16 @@ ARM = """<?xml version="1.0"?>
 
 
 def joints(*models: JointModel, names: tuple[str, ...] = ("shoulder", "elbow")) -> Joints:
-    return Joints(models=tuple(zip(range(1, len(models) + 1), names, models, strict=False)), reflected=True)
+    return Joints(tuple(zip(range(1, len(models) + 1), names, models, strict=False)), reflected=True)
 
 
 def law(model: JointModel) -> FrictionLaw:
     return friction_law(1, "joint1", model, even_speeds(0.0, 2.0), armature=True)
 
 
-def export(source: Joints, out: Path, into: Path | None = None, settings: ExportSettings | None = None) -> Export:
-    target = made.choose_target(out)
-    chosen = settings or ExportSettings(speeds=(0.0, 2.0))
-    return made.export_friction(
-        source, target, out, chosen, into=None if into is None else made.read_into(target, into)
-    )
+def export(source: Joints, out: Path, into: Path | None = None) -> Export:
+    xml = None if into is None else made.read_into(made.choose_target(out), into)
+    return made.export_friction(source, out, into=xml, speeds=(0.0, 2.0))
 
 
 def friction_in(model: mujoco.MjModel, name: str, dq: np.ndarray) -> np.ndarray:

@@ -36,14 +36,10 @@ class Lost(NamedTuple):
 
 
 class Executor(Protocol):
-    """Runs work on tasks side by side."""
+    """Runs work on tasks side by side; work, tasks and what comes of them can be pickled."""
 
     def run(self, work: Callable[[Asked], Done], tasks: Iterable[Asked]) -> Generator[tuple[Asked, Done | Lost]]:
-        """Yield what came of each task as soon as it is known, in any order.
-
-        Work, tasks and what comes of them can be pickled. Tasks are taken only as workers become free, so that none
-        pile up. When the iterator is closed, work under way is given up.
-        """
+        """Yield what came of each task, in any order; take tasks as workers become free; when closed, give up."""
         ...
 
 
@@ -51,16 +47,13 @@ def feed(
     submit: "Callable[[Asked], Future[Done]]", room: Callable[[], int], tasks: Iterable[Asked]
 ) -> "Generator[tuple[Asked, Future[Done]]]":
     """Yield each task with its future when that is done; there is room for so many tasks at a time."""
-    waiting, pending = iter(tasks), dict["Future[Done]", Asked]()
-
-    def take() -> None:
+    waiting, pending, done = iter(tasks), dict["Future[Done]", Asked](), list[tuple[Asked, "Future[Done]"]]()
+    while True:  # tasks are given out before the caller looks at what came of the last one: no worker waits for that
         pending.update((submit(task), task) for task in islice(waiting, max(room() - len(pending), 0)))
-
-    take()
-    while pending:
-        done = [(pending.pop(future), future) for future in wait(pending, return_when=FIRST_COMPLETED).done]
-        take()  # before the caller looks at what came of the last task: no worker waits for that
         yield from done
+        if not pending:
+            return
+        done = [(pending.pop(future), future) for future in wait(pending, return_when=FIRST_COMPLETED).done]
 
 
 @dataclass(eq=False, kw_only=True, slots=True)
@@ -83,17 +76,19 @@ class LocalExecutor(AbstractContextManager["LocalExecutor"]):
         again, submit = list[Asked](), partial(self._submit, work)
         try:
             for task, future in feed(submit, lambda: self.workers, tasks):
-                if _is_broken(future):
+                if isinstance(future.exception(), BrokenProcessPool):
                     again.append(task)
                 else:
                     yield task, future.result()
             for task in again:
                 for _ in range(2):  # it may not have been the one that broke the pool
                     self._close()  # what the processes hold is free for this one
-                    ((_, future),) = feed(submit, lambda: 1, [task])
-                    if not _is_broken(future):
+                    future = submit(task)
+                    if not isinstance(future.exception(), BrokenProcessPool):
+                        yield task, future.result()
                         break
-                yield task, self._loss() if _is_broken(future) else future.result()
+                else:
+                    yield task, self._loss()
         except BaseException:  # also where the iterator is closed before its end
             self._close()
             raise
@@ -111,9 +106,9 @@ class LocalExecutor(AbstractContextManager["LocalExecutor"]):
 
     def _loss(self) -> Lost:
         """Say how the process ended that worked on a task."""
-        team = [] if self._pool is None else team_of(self._pool)
-        if self._pool is not None:
-            self._pool.shutdown()  # until then its own thread asks for the exit codes
+        assert self._pool is not None
+        team = team_of(self._pool)
+        self._pool.shutdown()  # until then its own thread asks for the exit codes
         code = next((code for one in team if (code := one.exitcode)), 1)
         how, more = f"ended with code {code} twice", "report it with the log"
         if code < 0:
@@ -125,10 +120,6 @@ class LocalExecutor(AbstractContextManager["LocalExecutor"]):
     def _close(self) -> None:
         self._pool = None
         self._open.close()
-
-
-def _is_broken(future: "Future[Any]") -> bool:
-    return isinstance(future.exception(), BrokenProcessPool)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -95,7 +95,7 @@ def _logs_of(name: str, closed: set[str]) -> list[LogFile]:
     if path.is_dir():
         return list(_logs_in(path, closed))
     if os.path.lexists(path):  # a link that leads nowhere is listed as failed
-        return [_local(name, ())]
+        return [local_log(name)]
     matches = glob.glob(name, recursive=True) if glob.has_magic(name) else ()  # noqa: PTH207 - of absolute patterns too
     return [log for match in sorted(matches, key=natural) for log in _logs_of(match, closed)]
 
@@ -112,9 +112,9 @@ def _logs_in(top: Path, closed: set[str]) -> Iterator[LogFile]:
                 yield folder, inside, files
 
     whole = top.resolve().name
-    yield from _below(str(top), whole, listed(), _local, lambda folder: (Path(folder) / DATA_SET).is_file())
+    yield from _below(str(top), whole, listed(), local_log, lambda folder: (Path(folder) / DATA_SET).is_file())
     for error in unread:  # a folder that cannot be listed: its reader says why
-        yield _local(error.filename, (*reversed(Path(error.filename).relative_to(top).parts), whole))
+        yield local_log(error.filename, (*reversed(Path(error.filename).relative_to(top).parts), whole))
 
 
 def _below(
@@ -147,7 +147,8 @@ def is_bag(folder: str, files: Sequence[str]) -> bool:
     return bool(storage) and (METADATA in files or all(head == folder and tail.isdecimal() for head, _, tail in parts))
 
 
-def _local(name: str, folders: tuple[str, ...]) -> LogFile:
+def local_log(name: str, folders: tuple[str, ...] = ()) -> LogFile:
+    """Return a log of this machine as it is now."""
     place, stamp = Path(name).absolute(), Stamp(size=-1, changed_ns=0)
     with suppress(OSError):  # the worker says why
         stamp = stamp_of(place)

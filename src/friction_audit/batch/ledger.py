@@ -7,8 +7,10 @@ by side on one ledger only find each other's work done.
 import hashlib
 import json
 import sqlite3
-from collections.abc import Iterable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import asdict, dataclass, field, replace
 from itertools import count
 from pathlib import Path
@@ -120,14 +122,19 @@ class Ledger(AbstractContextManager["Ledger"]):
         found = {log.place: self._ask(query, (encodable(log.place), log.size, log.changed)) for log in logs}
         return {place: str(rows[0][0]) for place, rows in found.items() if rows}
 
-    def known_sizes(self) -> set[int]:
-        """Return the sizes of all logs that were looked at; content of another size is new."""
-        return {row["size"] for row in self._ask("SELECT DISTINCT size FROM files")}
-
-    def remember(self, log: LogFile, sha256: str) -> None:
-        """Keep the hash of a log's content."""
-        with self._whole():
-            self._database.execute(REMEMBER, (encodable(log.place), log.size, log.changed, sha256))
+    def hashes(self, logs: Sequence[LogFile]) -> dict[str, str]:
+        """Return the hash of each log that is known or as large as another, by its place; workers hash the others."""
+        known = self.known_hashes(logs)
+        strange = [log for log in logs if log.place not in known and not log.is_remote]
+        sizes = {row["size"] for row in self._ask("SELECT DISTINCT size FROM files")}
+        of_size = Counter(log.size for log in strange)
+        familiar = [log for log in strange if log.size in sizes or of_size[log.size] > 1]
+        with ThreadPoolExecutor(thread_name_prefix="sha256") as pool:
+            for log, hashed in [(log, pool.submit(sha256_of, Path(log.place))) for log in familiar]:
+                with suppress(OSError):  # the worker will say why
+                    known[log.place] = hashed.result()
+                    self._ask(REMEMBER, (encodable(log.place), log.size, log.changed, known[log.place]))
+        return known
 
     def is_done(self, sha256: str, settings: str) -> bool:
         """Return True if nothing new would come of a log."""
@@ -191,8 +198,7 @@ class Ledger(AbstractContextManager["Ledger"]):
 
     def write_note(self, key: str, value: str) -> None:
         """Keep a note about the ledger as a whole."""
-        with self._whole():
-            self._database.execute("INSERT OR REPLACE INTO meta VALUES (?, ?)", (key, value))
+        self._ask("INSERT OR REPLACE INTO meta VALUES (?, ?)", (key, value))
 
     def _set_up(self, *, unclean: bool) -> None:
         """Make the tables of an empty file; refuse a file that is something else, or in which SQLite finds faults."""

@@ -1,19 +1,16 @@
 """A batch: work on what the ledger does not know, gather all sessions, find the drift of their arms."""
 
 import fcntl
-import hashlib
 import os
 import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import closing, contextmanager, suppress
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from itertools import groupby
 from operator import attrgetter
 from pathlib import Path
-from typing import NamedTuple
 
 from friction_audit.batch.executor import Executor, Lost
 from friction_audit.batch.find_logs import LogFile
@@ -24,7 +21,6 @@ from friction_audit.drift.analyse import analyse_arm
 from friction_audit.drift.report import ArmDrift, DriftReport, DriftSettings
 from friction_audit.drift.session import Session
 from friction_audit.errors import AnalysisError, few
-from friction_audit.io.files import sha256_of
 
 
 def drift_of_arms(sessions: Sequence[Session], settings: DriftSettings, executor: Executor) -> DriftReport:
@@ -46,16 +42,6 @@ MOST_NAMED = 3  # copies that a warning names; more are counted
 Watch = Callable[[int, int, int], None]
 
 
-class BatchResult(NamedTuple):
-    """What came of a batch."""
-
-    sessions: tuple[Session, ...]  # by robot, in order
-    failed: tuple[FailedLog, ...]  # logs without a session, in the order of their names
-    new: int  # how many logs were worked on in this run
-    known: int  # how many were known before
-    warnings: tuple[str, ...]  # what was noticed about the logs as a whole, one sentence each
-
-
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Standing:
     """How a batch stands once nothing new is left to be worked on."""
@@ -66,11 +52,6 @@ class Standing:
     new: int  # how many logs were worked on in this run
     known: int  # how many were known before
     warnings: tuple[str, ...]  # which logs are copies, one sentence each
-
-    def digest(self) -> str:
-        """Return a fingerprint of all that the sessions depend on, apart from the settings."""
-        every = [(log.path, log.folders, log.row, self.hashes.get(log.place)) for log in self.logs]
-        return hashlib.sha256(repr((every, self.passing, self.warnings)).encode()).hexdigest()
 
 
 def catch_up(
@@ -84,7 +65,7 @@ def catch_up(
 ) -> Standing:
     """Work on all logs that the ledger does not know; ``backwards``, so that another run is met halfway."""
     key = settings.key()
-    hashes = _hashes(logs, ledger)
+    hashes = ledger.hashes(logs)
     first, copies = _one_of_each(logs, hashes)
     broken = ledger.forget_broken(hashes.values(), key)
     warnings = [
@@ -109,8 +90,10 @@ def catch_up(
     )
 
 
-def gather(standing: Standing, settings: BatchSettings, ledger: Ledger) -> BatchResult:
-    """Return the sessions of a batch, each of its arm and with its start."""
+def gather(
+    standing: Standing, settings: BatchSettings, ledger: Ledger
+) -> tuple[tuple[Session, ...], tuple[FailedLog, ...], tuple[str, ...]]:
+    """Return the sessions of a batch, each of its arm and with its start; logs without any; warnings about them all."""
     key, hashes = settings.key(), standing.hashes
     known, nothing = ledger.known(hashes.values(), key), Worked(sha256="")
     found = [(log, known.get(hashes.get(log.place, ""), nothing)) for log in standing.logs]
@@ -118,22 +101,7 @@ def gather(standing: Standing, settings: BatchSettings, ledger: Ledger) -> Batch
     failed = tuple(FailedLog(name_of(log, one.topic), one.message) for log, one in faults)
     sessions, warnings = identify([(log, one) for log, worked in found for one in worked.sessions])
     ledger.name_sessions(sessions, key)
-    return BatchResult(sessions, failed, standing.new, standing.known, (*standing.warnings, *warnings))
-
-
-def _hashes(logs: Sequence[LogFile], ledger: Ledger) -> dict[str, str]:
-    """Return the hash of each log that is known or as large as another, by its place; others are hashed when read."""
-    known = ledger.known_hashes(logs)
-    strange = [log for log in logs if log.place not in known and not log.is_remote]
-    seen = ledger.known_sizes()
-    of_size = Counter(log.size for log in strange)
-    familiar = [log for log in strange if log.size in seen or of_size[log.size] > 1]
-    with ThreadPoolExecutor(thread_name_prefix="sha256") as pool:
-        for log, hashed in [(log, pool.submit(sha256_of, Path(log.place))) for log in familiar]:
-            with suppress(OSError):  # the worker will say why
-                known[log.place] = hashed.result()
-                ledger.remember(log, known[log.place])
-    return known
+    return sessions, failed, (*standing.warnings, *warnings)
 
 
 def _one_of_each(logs: Sequence[LogFile], hashes: Mapping[str, str]) -> tuple[list[LogFile], dict[str, str]]:

@@ -3,8 +3,8 @@
 import math
 import socket
 import traceback
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from collections.abc import Mapping
+from contextlib import nullcontext, suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from friction_audit.batch.find_logs import LogFile, fetched
+from friction_audit.batch.find_logs import LogFile, fetched, local_log
 from friction_audit.batch.identity import Fault, Worked
 from friction_audit.batch.ledger import BatchSettings
 from friction_audit.drift.covariates import Recording
@@ -22,7 +22,7 @@ from friction_audit.errors import FrictionAuditError, InputError, encodable
 from friction_audit.friction.history import NAN, UNDETERMINED, Coefficient, JointFriction
 from friction_audit.friction.settings import FEWEST_CYCLES
 from friction_audit.friction.weighted import fit_windows, set_up
-from friction_audit.io.files import Stamp, sha256_of, stamp_of
+from friction_audit.io.files import sha256_of
 from friction_audit.io.readers import SeveralLogsError, arm_of_log, read_log
 from friction_audit.joint_log import Float
 from friction_audit.parallel import one_joint_at_a_time
@@ -43,44 +43,26 @@ OUTERMOST = 0.002  # share of the samples beyond each end of the curve: single g
 def work_on(settings: BatchSettings, log: LogFile) -> Worked:
     """Estimate every arm of a log; a fault of the log, or of the program, is part of the result."""
     try:
-        with _at_hand(log) as path, one_joint_at_a_time():
-            return _renamed(_work_on(settings, path), str(path), log.path)
+        with fetched(log.place) if log.is_remote else nullcontext(_at_hand(log.place)) as path, one_joint_at_a_time():
+            for _ in range(READINGS):  # what comes of a log is kept by its content, which has to stay what it is
+                before, worked = local_log(str(path)), _arms(settings, path)
+                if local_log(str(path)) == before:
+                    return _renamed(worked, str(path), log.path)
+        raise InputError("the file changed while it was read; run the same command again when it is finished")
     except FrictionAuditError as error:
         message = encodable(str(error).replace(log.place, log.path)).removeprefix(f"{log.path}: ")
         return Worked(sha256="", faults=(Fault(message=message, lasting=False),))
 
 
-@contextmanager
-def _at_hand(log: LogFile) -> Iterator[Path]:
-    """Yield the log as a file of this machine; refuse what cannot be seen from here."""
-    if log.is_remote:
-        with fetched(log.place) as path:
-            yield path
-        return
-    path = Path(log.place)
+def _at_hand(place: str) -> Path:
+    """Return the place of a log on this machine; refuse what cannot be seen from here."""
+    path = Path(place)
     if path.is_symlink() and not path.exists():
         raise InputError(f"{path}: a link to {path.readlink()}, where there is nothing to be read; repair or remove it")
     if not path.exists():
-        raise InputError(
-            f"{path}: not to be found on {socket.gethostname()}, where it should be read; give a path that every "
-            "worker sees"
-        )
-    yield path
-
-
-def _work_on(settings: BatchSettings, path: Path) -> Worked:
-    """Work on a log that stays what it is meanwhile: what comes of it is kept under the hash of its content."""
-    for _ in range(READINGS):
-        before, worked, after = _stamp(path), _arms(settings, path), _stamp(path)
-        if after == before:
-            return worked
-    raise InputError("the file changed while it was read; run the same command again when it is finished")
-
-
-def _stamp(path: Path) -> Stamp | None:
-    with suppress(OSError):
-        return stamp_of(path)
-    return None
+        here = f"not to be found on {socket.gethostname()}, where it should be read"
+        raise InputError(f"{path}: {here}; give a path that every worker sees")
+    return path
 
 
 def _arms(settings: BatchSettings, path: Path, topic: str = "") -> Worked:

@@ -9,7 +9,6 @@ import warnings
 from contextlib import nullcontext
 from functools import cache
 from importlib import import_module
-from types import ModuleType
 from typing import Annotated, Any
 
 import typer
@@ -32,15 +31,11 @@ LONGEST_COMMAND = 200
 """Characters of a command that a message repeats."""
 
 
-def module_of(name: str) -> ModuleType:
-    """Return the module of a command, which holds ``command`` and EXAMPLES."""
-    return import_module(f"friction_audit.cli.{name.replace('-', '_')}")
-
-
 @cache
 def command_of(name: str) -> Any:  # noqa: ANN401 - types of Typer's private copy of click
-    """Return a command, loaded when it is asked for."""
-    module, alone = module_of(name), typer.Typer(rich_markup_mode=None, add_completion=False)
+    """Return a command, loaded when it is asked for: ``command`` of its module, with its EXAMPLES."""
+    module = import_module(f"friction_audit.cli.{name.replace('-', '_')}")
+    alone = typer.Typer(rich_markup_mode=None, add_completion=False)
     alone.command(name, cls=GroupedCommand, epilog=f"\b\n{module.EXAMPLES}")(with_option_groups(module.command))
     return typer.main.get_command(alone)
 

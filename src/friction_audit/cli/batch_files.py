@@ -48,21 +48,21 @@ def write_results(batch: Batch, standing: Standing, command: str) -> tuple[Batch
 
 
 def _summarise(batch: Batch, standing: Standing, command: str) -> BatchSummary:
-    result = gather(standing, batch.settings, batch.ledger)
-    if not result.sessions:
-        lines = [f"{failed.path}: {failed.message}" for failed in result.failed]
+    sessions, failed, warnings = gather(standing, batch.settings, batch.ledger)
+    if not sessions:
+        lines = [f"{one.path}: {one.message}" for one in failed]
         raise InputError("\n  ".join([f"none of {len(lines)} logs can be used:", *few(lines)]))
-    if all(joint.reason for session in result.sessions for joint in session.joints):
-        lines = [f"{session.path}: {'; '.join(reason_lines(session.joints))}" for session in result.sessions]
+    if all(joint.reason for session in sessions for joint in session.joints):
+        lines = [f"{session.path}: {'; '.join(reason_lines(session.joints))}" for session in sessions]
         raise AnalysisError("\n  ".join(["no joint of any session has an estimate:", *few(lines)]))
-    report = drift_of_arms(result.sessions, batch.drift, batch.processes)
+    report = drift_of_arms(sessions, batch.drift, batch.processes)
     asked = batch.settings
     every = {"reading": chain.reading_settings(asked.reading), **asdict(asked.audit), "drift": asdict(batch.drift)}
     every["diagnosis"] = None if asked.diagnosis is None else asdict(asked.diagnosis)
     beyond, unknown = limit_sentences(report, batch.limits)
     return BatchSummary(
-        report=report, failed=result.failed, exceeded=beyond, cannot_tell=unknown, warnings=result.warnings,
-        settings=to_json(every), command=command, computed=result.new, known=result.known,
+        report=report, failed=failed, exceeded=beyond, cannot_tell=unknown, warnings=warnings,
+        settings=to_json(every), command=command, computed=standing.new, known=standing.known,
     )  # fmt: skip
 
 

@@ -65,7 +65,7 @@ class DriftOptions:
     """How drift is tested."""
 
     baseline: str = option("Reference: the first K sessions of each arm, or 3-8,10.", default="5", metavar="K|LIST")
-    fail_on: list[str] | None = opt.fail_on_option("coulomb=15%", "drifted", "sessions")
+    fail_on: opt.FailOn = None
 
 
 @group(RUNNING)
@@ -115,7 +115,8 @@ def command(
         if not (shared.overwrite or running.rebuild or ledger.older):
             batch.check_results()
         standing = _catch_up(found, batch, cluster or processes, alone=alone)
-        request = (standing.digest(), settings.text(), tested, limits, formats, __version__)
+        held = [(log.path, log.folders, log.row, standing.hashes.get(log.place)) for log in standing.logs]
+        request = (held, standing.passing, standing.warnings, settings.text(), tested, limits, formats, __version__)
         answer = None if shared.overwrite or voice.verbose else batch.recall(request)
         if answer is None:
             from friction_audit.cli.batch_files import write_results
@@ -262,11 +263,11 @@ def _catch_up(found: "Sequence[LogFile]", batch: Batch, executor: "Executor", *,
         finished = f"{done} of {total} new logs are"
         if done == 1 < total:
             loading.enter_context(chain.loading(*FOR_RESULTS))  # there is time while others read logs
-        if count is not None:
-            count(done, total, failed)
+        if report is not None:
+            report(done / max(total, 1), f"{done}/{total}{f', {failed} failed' if failed else ''}")
 
     try:
-        with ExitStack() as loading, batch.voice.count("estimate friction") as count:
+        with ExitStack() as loading, batch.voice.step("estimate friction") as report:
             return catch_up(found, batch.settings, batch.ledger, executor, watch, backwards=not alone)
     except KeyboardInterrupt as stop:
         remark(f"stopped: {finished} finished; {batch.ledger.path} keeps them; the same command goes on from there")

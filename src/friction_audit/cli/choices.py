@@ -87,11 +87,13 @@ def described(
     if known := tuple(one_of or some_of):
         shown = f"{'|'.join(known)}{',...' if some_of else ''}"
         offer = completed_by(lambda: known, several=bool(some_of))
-        settings = {"metavar": shown, "callback": _known(known), "autocompletion": offer, **settings}
+        settings = {"metavar": shown, "callback": check_known(known), "autocompletion": offer, **settings}
     return typer.Option(*names, help=text, rich_help_panel=panel, **settings)
 
 
-def _known(names: Sequence[str]) -> Callable[[Any], Any]:
+def check_known(names: Sequence[str]) -> Callable[[Any], Any]:
+    """Return what refuses a value that is, or holds, none of the names, and leaves repetitions out."""
+
     def check(value: Any) -> Any:  # noqa: ANN401 - a name, several of them, or None
         several = isinstance(value, list | tuple)
         chosen = [name.strip() for one in value for name in one.split(",")] if several else [value]
@@ -108,12 +110,6 @@ def style(name: str) -> str:
     """Draw the figures of this command in a style."""
     figure_style.STYLE.set(figure_style.load_style(name))
     return name
-
-
-def some_of_figures(names: Sequence[str]) -> Callable[[Any], list[str]]:
-    """Return what checks the value of ``--figures`` and puts the figures in their order."""
-    check = _known((*names, ALL))
-    return lambda value: [name for name in names if {name, ALL} & {*check(value)}]
 
 
 def parse_joints(text: str | None) -> tuple[int, ...] | None:

@@ -34,7 +34,7 @@ class ComparisonOptions:
     persons: int = option("Simulated persons.", default=20, metavar="INT", min=2, max=1000)
     margin_persons: int | None = option(
         "Simulated persons for the stability margin, about eight trials each. Default: 20 for the joint, 6 for the "
-        "arm; 0: no margin.", metavar="INT", min=0, max=1000,
+        "arm; 0: no margin.", metavar="INT", min=0, max=1000, panel=GENERAL,
     )  # fmt: skip
     duration: float | None = option("Of a trial. Default: joint 40 s, arm 30 s.", metavar="SECONDS", min=1.0)
 
@@ -43,9 +43,8 @@ def command(
     comparison: ComparisonOptions,
     change: opt.ChangeOptions,
     general: opt.GeneralOptions,
+    drawing: opt.FigureOptions,
     figures: list[str] = opt.figures_option(FIGURES),
-    formats: opt.FigureFormats = ["png"],
-    style: str = opt.style_option(GENERAL),  # noqa: ARG001 - its callback acts on it
     folder: Path = opt.folder_option("Folder of the figures.", Path("compared")),
     overwrite: opt.Overwrite = False,
 ) -> None:
@@ -58,7 +57,7 @@ def command(
     from friction_audit.simulation.hide import hidden_effects
 
     voice = general.voice
-    out = ResultFolder(folder=folder, figures=figures, formats=formats, overwrite=overwrite)
+    out = ResultFolder(folder=folder, figures=figures, formats=drawing.formats, overwrite=overwrite)
     out.check()
     (scene,) = (one for one in SCENES if one.name == comparison.arm)
     settings: Any = changed(scene.settings, change, duration_s=comparison.duration)

@@ -7,7 +7,6 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import TYPE_CHECKING, TextIO
 
 import typer
@@ -17,8 +16,7 @@ from friction_audit.errors import UsageError, printable
 if TYPE_CHECKING:
     from rich.progress import Progress
 
-Report = Callable[[float], None]  # takes the share of the work that is done, 0 to 1
-Count = Callable[[int, int, int], None]  # takes how many pieces of work are done, are there, and failed
+Report = Callable[..., None]  # takes the share of the work that is done, 0 to 1, and, if there is more to say, a note
 
 PATIENCE_S = 1.0  # work shorter than this shows no progress
 EXCEEDED = 5  # exit code: done, but beyond a limit that the user set
@@ -76,7 +74,7 @@ class Voice:
 
     quiet: bool  # no warnings and no progress
     verbose: bool  # every step and how long it took
-    course: "Course | None" = None  # the bar that steps move on, or None where each is shown alone
+    course: "Course | None" = None  # the bar that steps move on, shown once the work takes long; None: each alone
 
     def warn(self, messages: Iterable[str], total: str = "") -> None:
         """Say warnings, one per line, under a line with their total if there is one."""
@@ -88,12 +86,14 @@ class Voice:
     @contextmanager
     def step(self, name: str) -> Iterator[Report | None]:
         """Show that a step is under way, on a terminal and only if it takes long; yield what takes the share done."""
+        begin = time.perf_counter()
         with (
             nullcontext(self) if self.course else self.stages(1) as voice,
-            self._timed(name),
             voice.course.stage(name) if voice.course else nullcontext() as report,
         ):
             yield report
+        if self.verbose:
+            remark(f"{name}: {time.perf_counter() - begin:.2f} s")
 
     @contextmanager
     def stages(self, lengths: int | Sequence[float]) -> "Iterator[Voice]":
@@ -104,21 +104,16 @@ class Voice:
         if self.quiet or not sys.stderr.isatty():
             yield self
             return
-        with _course([1.0] * lengths if isinstance(lengths, int) else lengths) as course:
-            yield replace(self, course=course)
-
-    @contextmanager
-    def count(self, name: str) -> Iterator[Count | None]:
-        """Show how many pieces of work are done and how long the others will take; yield what takes the counts."""
-        with self._timed(name), self.stages(1) as voice:
-            yield partial(voice.course.count, name) if voice.course else None
-
-    @contextmanager
-    def _timed(self, name: str) -> Iterator[None]:
-        begin = time.perf_counter()
-        yield
-        if self.verbose:
-            remark(f"{name}: {time.perf_counter() - begin:.2f} s")
+        bar = _bar()
+        timer = threading.Timer(PATIENCE_S, bar.start)
+        timer.daemon = True
+        timer.start()
+        try:
+            yield replace(self, course=Course(bar, [1.0] * lengths if isinstance(lengths, int) else lengths))
+        finally:
+            timer.cancel()
+            timer.join()
+            bar.stop()
 
 
 class Course:
@@ -131,16 +126,11 @@ class Course:
     @contextmanager
     def stage(self, name: str) -> Iterator[Report]:
         """Name the stage that is under way; yield what takes the share of it that is done."""
-        length = next(self._lengths, 0.0)
-        self._reach(self._done, f"{printable(name)} ...")
-        yield lambda share: self._reach(self._done + share * length)
+        length, name = next(self._lengths, 0.0), f"{printable(name)} ..."
+        self._reach(self._done, name)
+        yield lambda share, note="": self._reach(self._done + share * length, f"{name} {note}")
         self._done += length
         self._reach(self._done)
-
-    def count(self, name: str, done: int, total: int, failed: int) -> None:
-        """Show how many pieces of the work are done and failed."""
-        failures = f", {failed} failed" if failed else ""
-        self._reach(done / total if total else 0.0, f"{printable(name)} ... {done}/{total}{failures}")
 
     def _reach(self, done: float, description: str | None = None) -> None:
         """Move the bar on; the work will end when the rest has taken as long as what is done, length for length."""
@@ -149,9 +139,8 @@ class Course:
         self._bar.update(self._task, completed=done, end_s=end_s, description=description)
 
 
-@contextmanager
-def _course(lengths: Sequence[float]) -> Iterator[Course]:
-    """Show a bar on standard error as soon as the work takes long; it vanishes when it is done."""
+def _bar() -> "Progress":
+    """Return a bar on standard error that vanishes when the work is done."""
     from rich import progress
     from rich.console import Console
     from rich.text import Text
@@ -164,13 +153,4 @@ def _course(lengths: Sequence[float]) -> Iterator[Course]:
     columns = (progress.BarColumn, progress.TaskProgressColumn, progress.TimeElapsedColumn, TimeLeft)
     name = progress.TextColumn("{task.description}", markup=False)
     made = (progress.SpinnerColumn(), name, *(column() for column in columns))
-    bar = progress.Progress(*made, console=Console(stderr=True), transient=True)
-    timer = threading.Timer(PATIENCE_S, bar.start)
-    timer.daemon = True
-    timer.start()
-    try:
-        yield Course(bar, lengths)
-    finally:
-        timer.cancel()
-        timer.join()
-        bar.stop()
+    return progress.Progress(*made, console=Console(stderr=True), transient=True)

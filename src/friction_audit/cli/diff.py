@@ -38,7 +38,7 @@ def command(
     drawing: opt.FigureOptions,
     folder: Path | None = opt.folder_option(f"Also write {DOCUMENT}, {TABLE} and the figures to DIR."),
     figures: list[str] = opt.figures_option(choices.DIFF_FIGURES),
-    fail_on: list[str] | None = opt.fail_on_option("coulomb=10%", "changed", "recordings"),
+    fail_on: opt.FailOn = None,
     junit: opt.JUnit = None,
     strict: opt.Strict = False,
 ) -> None:

@@ -1,5 +1,6 @@
 """``friction-audit export``."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -47,16 +48,16 @@ def command(
     shared: opt.LogOptions,
 ) -> None:
     """Export friction to a file of a simulator or a controller."""
-    from friction_audit.export.export import ExportSettings, choose_target, export_friction, read_into
-    from friction_audit.export.source import of_estimate, read_result, result_file
+    from friction_audit.export.export import choose_target, export_friction, read_into
+    from friction_audit.export.friction_law import of_estimate, read_result, result_file
 
     voice = shared.general.voice
     target = choose_target(out)
     into = None if options.into is None else read_into(target, options.into)
     for kept in (source, options.into or source):
         chain.check_outputs([out], overwrite=shared.overwrite, log=kept)
-    joints, speeds = parse_joints(shared.selection.joints), _speeds(options.speeds)
-    settings = ExportSettings(joints=joints, speeds=speeds, armature=options.armature, overwrite=shared.overwrite)
+    wanted, speeds = parse_joints(shared.selection.joints), _speeds(options.speeds)
+    written = partial(export_friction, out=out, wanted=wanted, speeds=speeds, armature=options.armature)
     result = result_file(source)
     if options.arm is not None and result is None:
         raise UsageError(f"--arm {options.arm}: is for a result of batch-report; choose an arm of a log with --topic")
@@ -69,7 +70,7 @@ def command(
         chain.require_one(estimate.log, estimate.friction.joints)
     found = of_estimate(estimate) if estimate else read_result(result or source, options.arm)
     with voice.step(f"write {out}"):
-        export = export_friction(found, target, out, settings, into=into, estimate=estimate)
+        export = written(found, into=into, estimate=estimate, overwrite=shared.overwrite)
     from friction_audit.reporting.export import EXPORT, export_lines, export_notices
     from friction_audit.reporting.notices import notice_lines
 

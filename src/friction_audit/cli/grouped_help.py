@@ -100,10 +100,8 @@ def show_every_option(context: typer.Context, wanted: bool) -> None:
 
 def with_option_groups(command: Callable[..., None]) -> Callable[..., None]:
     """Return the command as Typer wants it: every dataclass parameter replaced by its fields, --dump-config served."""
-    parameters = [p for p in inspect.signature(command).parameters.values() if p.name != CONTEXT]
-    groups = {p.name: p.annotation for p in parameters if is_dataclass(p.annotation)}
-    flat = [one for p in parameters for one in (_fields(p.annotation) if p.name in groups else [_keyword(p)])]
-    takes_context = CONTEXT in inspect.signature(command).parameters
+    parameters = inspect.signature(command).parameters.values()
+    flat = [one for p in parameters if p.name != CONTEXT for one in _flat(p.name, p.annotation, p.default)]
 
     def run(context: typer.Context, **values: Any) -> None:  # noqa: ANN401 - any option
         if values.get("dump_config"):
@@ -111,9 +109,9 @@ def with_option_groups(command: Callable[..., None]) -> Callable[..., None]:
             return
         choices = [one.name.removesuffix("_hz") for one in fields(TorqueSettings)]
         given = GIVEN.set(command_line(context, leave_out=choices) if "gravity" in values else "")
+        values[CONTEXT] = context
         try:
-            filled = {name: _fill(group, values) for name, group in groups.items()}
-            command(**filled, **values, **({CONTEXT: context} if takes_context else {}))
+            command(**{p.name: _filled(p.name, p.annotation, values) for p in parameters})
         finally:
             GIVEN.reset(given)
 
@@ -124,31 +122,26 @@ def with_option_groups(command: Callable[..., None]) -> Callable[..., None]:
     return run
 
 
-def _fields(group: Any) -> list[inspect.Parameter]:  # noqa: ANN401 - a dataclass
-    found: list[inspect.Parameter] = []
-    for f in fields(group):
-        one = inspect.Parameter(f.name, inspect.Parameter.KEYWORD_ONLY, default=f, annotation=f.type)
-        found += _fields(f.type) if is_dataclass(f.type) else [_keyword(one)]
-    return found
-
-
-def _keyword(parameter: inspect.Parameter) -> inspect.Parameter:
-    """Return a parameter as Typer wants it; the default may be a field with its option."""
-    default, annotation = parameter.default, parameter.annotation
+def _flat(name: str, annotation: Any, default: Any) -> list[inspect.Parameter]:  # noqa: ANN401
+    """Return the parameters of a group of options, or a single one, as Typer wants them; a default may be a field."""
+    if is_dataclass(annotation):
+        return [one for f in fields(annotation) for one in _flat(f.name, f.type, f)]
     if isinstance(default, Field):
         if info := default.metadata.get(OPTION):
             # Typer holds the first name as the default of an option in ``Annotated``.
             names = [one for one in (info.default, *info.param_decls) if isinstance(one, str)]
-            if default.default is False and not any(name.startswith("--") for name in names):
-                info.default, info.param_decls = f"--{parameter.name.replace('_', '-')}", tuple(names)
+            if default.default is False and not any(one.startswith("--") for one in names):
+                info.default, info.param_decls = f"--{name.replace('_', '-')}", tuple(names)
             annotation = Annotated[annotation, info]
         default = default.default
-    return parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
+    return [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)]
 
 
-def _fill(group: Any, values: dict[str, Any]) -> Any:  # noqa: ANN401 - a dataclass
-    taken = {f.name: _fill(f.type, values) if is_dataclass(f.type) else values.pop(f.name) for f in fields(group)}
-    return group(**taken)
+def _filled(name: str, annotation: Any, values: dict[str, Any]) -> Any:  # noqa: ANN401
+    """Return the value of a parameter of a command, a group of options filled."""
+    if is_dataclass(annotation):
+        return annotation(**{f.name: _filled(f.name, f.type, values) for f in fields(annotation)})  # type: ignore[operator]
+    return values[name]
 
 
 NOT_IN_FILES = ("config", "dump_config", "help", "help_all")

@@ -16,12 +16,7 @@ from friction_audit.preprocessing import settings
 
 FORMATS = described("Formats of figures.", "--figure-format", some_of=choices.IMAGE_FORMATS, panel=panel.FIGURE_FILES)
 FigureFormats = Annotated[list[str], FORMATS]
-
-
-def style_option(heading: str) -> Any:  # noqa: ANN401 - of any parameter, as those below
-    """Return the option that chooses the rcParams of the figures."""
-    text = "sans; ieee or latex: fonts of a paper or of LaTeX; a style of matplotlib, or a style sheet."
-    return option(text, default="sans", metavar="NAME|FILE.mplstyle", callback=choices.style, panel=heading)
+STYLE = "sans; ieee or latex: fonts of a paper or of LaTeX; a style of matplotlib, or a style sheet."
 
 
 @group(panel.FIGURE_FILES)
@@ -29,29 +24,26 @@ class FigureOptions:
     """How figures are drawn."""
 
     formats: FigureFormats = ("png",)  # type: ignore[assignment] # a dataclass takes no list
-    style: str = style_option(panel.FIGURE_FILES)
+    style: str = option(STYLE, default="sans", metavar="NAME|FILE.mplstyle", callback=choices.style)
 
 
 EXPORT = "Also write every table to DIR: mcap as topics on the log's clock, csv and parquet one file per table."
 Exports = Annotated[list[str], described(EXPORT, some_of=choices.EXPORTS, panel=panel.OUTPUT)]
 MIN_EFFECT = "Effects of a smaller rms torque [N m] are negligible: listed separately, and not in the verdict."
 MinEffect = Annotated[float, described(MIN_EFFECT, metavar="NM", min=0.0, panel=panel.DIAGNOSIS)]
+FAIL_ON = "Exit with 5 if a coefficient has changed by more, e.g. coulomb=15%, with 7 if it is untestable. Repeatable."
+FailOn = Annotated[list[str] | None, described(FAIL_ON, metavar="COEFFICIENT=LIMIT", panel=panel.DRIFT)]
 JUNIT = "Write the limits as JUnit, a case per joint and limit: failure if exceeded, error if it cannot be tested."
 JUnit = Annotated[Path | None, described(JUNIT, metavar="FILE.xml", panel=panel.DRIFT)]
 
 
-def fail_on_option(example: str, changed: str, tested: str) -> Any:  # noqa: ANN401
-    """Return the option that sets limits to coefficients."""
-    more = f"with 7 if the {tested} cannot test this limit. Repeatable."
-    text = f"Exit with 5 if a coefficient has {changed} further, e.g. {example}; {more}"
-    return option(text, metavar="COEFFICIENT=LIMIT", panel=panel.DRIFT)
-
-
-def figures_option(names: Sequence[str], default: str = choices.ALL) -> Any:  # noqa: ANN401
+def figures_option(names: Sequence[str], default: str = choices.ALL) -> Any:  # noqa: ANN401 - of any parameter
     """Return the option that says which of some figures are drawn."""
     text, known = f"Figures to draw: {choices.ALL}, or some of {', '.join(names)}.", (*names, choices.ALL)
-    settings = {"some_of": known, "metavar": "NAME,...", "callback": choices.some_of_figures(names)}
-    return option(text, "--figures", default=(default,), panel=panel.OUTPUT, **settings)
+    check = choices.check_known(known)
+    settings: dict[str, Any] = {"some_of": known, "metavar": "NAME,...", "panel": panel.OUTPUT}
+    settings["callback"] = lambda value: [name for name in names if {name, choices.ALL} & {*check(value)}]
+    return option(text, "--figures", default=(default,), **settings)
 
 
 def folder_option(text: str, default: Path | None = None) -> Any:  # noqa: ANN401

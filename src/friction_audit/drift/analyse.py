@@ -177,7 +177,8 @@ def _find_shape(
         return "temperature" if confounded else "none", ends, ()
     steps = find_steps(series, settings, verdict.scatter.growth)
     segment = np.searchsorted([step.place for step in steps], np.arange(len(series.y)), side="right")
-    stepped = regression.levels_model(series, segment, reference, free=regression.PLACE_AND_SIZE * len(steps))
+    levels = (segment[:, None] == np.arange(len(steps) + 1)).astype(float)
+    stepped = regression.make_model(series, levels, reference, free=regression.PLACE_AND_SIZE * len(steps))
     ramp = regression.ramp_model(series, reference)
     better = regression.criterion(series, stepped) - regression.criterion(series, ramp)  # of the ramp than of the steps
     shape = "ramp" if better > 0.0 else "step" if len(steps) == 1 else "steps"

@@ -18,7 +18,7 @@ FEWEST = 6  # with fewer sessions a slope over the temperature leaves no degrees
 ENOUGH_KNOWN = 0.75  # share of the sessions that know their temperature; the others are then set aside
 CONFOUNDED = 0.8  # share of a change that the temperature follows too: beyond it the two cannot be separated
 
-INVALID = ("drive", "torque", "gravity", "friction model")  # where these differ, so does what is estimated
+INVALID = ("drive", "torque", "gravity", "friction model")  # where these differ, the estimates are of different things
 
 # What must be the same, by its name for people.
 LIKE: Mapping[str, Callable[[Session], object]] = {
@@ -141,11 +141,6 @@ class Condition:
     before: str
     after: str
     joint: int | None = None
-
-    @property
-    def invalid(self) -> bool:
-        """Whether the two sides are estimates of different things."""
-        return self.name in INVALID
 
 
 def differences(before: Sequence[Recording], after: Sequence[Recording]) -> Iterator[Condition]:

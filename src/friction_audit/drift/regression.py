@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.drift.session import NORMAL_95, Series, Session
 from friction_audit.friction.history import UNDETERMINED, Coefficient
@@ -122,16 +121,11 @@ class Model:
     free: int  # parameters that were chosen by the data (places and sizes of steps, size of a ramp)
 
 
-def levels_model(series: Series, segment: NDArray[np.int64], reference: Collection[int], free: int) -> Model:
-    """Return a level for each segment, by the number of each session's."""
-    return make_model(series, (segment[:, None] == np.unique(segment)).astype(float), reference, free)
-
-
 def ends_model(series: Series, reference: Collection[int]) -> Model:
     """Return a level for the reference, for as many last sessions, and for the others."""
     segment = np.where(np.isin(series.session, list(reference)), 0, 1)
     segment[np.flatnonzero(segment)[-max(int(np.count_nonzero(segment == 0)), 1) :]] = 2
-    return levels_model(series, segment, reference, free=0)
+    return make_model(series, (segment[:, None] == np.unique(segment)).astype(float), reference, free=0)
 
 
 def ramp_model(series: Series, reference: Collection[int]) -> Model:
@@ -142,14 +136,12 @@ def ramp_model(series: Series, reference: Collection[int]) -> Model:
 
 
 def make_model(series: Series, columns: Float, reference: Collection[int], free: int) -> Model:
-    """Return the model of some columns, the temperature behind them where it is used."""
+    """Return the model of some columns, such as a level per segment, with the temperature last where it is used."""
     inside = np.isin(series.session, list(reference))
     level = np.mean(columns[inside], axis=0) if np.any(inside) else columns[0]
-    change = columns[-1] - level
-    if series.temperature is not None:
-        columns = np.column_stack([columns, series.temperature - np.mean(series.temperature)])
-        level, change = np.append(level, 0.0), np.append(change, 0.0)
-    return Model(columns=columns, level=level, change=change, free=free)
+    change, warmth = columns[-1] - level, baseline_columns(series)[:, 1:]
+    level, change = (np.append(one, np.zeros(warmth.shape[1])) for one in (level, change))
+    return Model(columns=np.column_stack([columns, warmth]), level=level, change=change, free=free)
 
 
 def criterion(series: Series, model: Model) -> float:

@@ -121,13 +121,13 @@ class ArmDrift:
     """One arm."""
 
     robot: str  # which arm
-    sessions: tuple[Session, ...]  # all of it in order
-    compared: tuple[int, ...]  # indices of those that were compared
-    reference: tuple[int, ...]  # indices of the sessions of the reference
-    left_out: tuple[tuple[int, str], ...]  # index of each session that was not compared, with the reason
     joints: tuple[JointDrift, ...]  # what became of each joint
-    ordered_by: str  # ``"start"`` or ``"name"``
-    autocorrelation: float  # of one session's scatter with the next one's, over all joints
+    sessions: tuple[Session, ...] = ()  # all of it in order
+    compared: tuple[int, ...] = ()  # indices of those that were compared
+    reference: tuple[int, ...] = ()  # indices of the sessions of the reference
+    left_out: tuple[tuple[int, str], ...] = ()  # index of each session that was not compared, with the reason
+    ordered_by: str = "name"  # ``"start"`` or ``"name"``
+    autocorrelation: float = nan  # of one session's scatter with the next one's, over all joints
     warnings: tuple[str, ...] = ()  # what limits the comparison, one sentence each
 
     @property

@@ -9,18 +9,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from friction_audit.effects.joint_model import JointModel
 from friction_audit.errors import InputError, UsageError
-from friction_audit.export import plain_text as text, robot_xml as xml
-from friction_audit.export.friction_law import (
-    ExportedJoint,
-    FittedFriction,
-    FrictionLaw,
-    even_speeds,
-    match_names,
-    moving_speeds,
-)
+from friction_audit.export import friction_law, plain_text as text, robot_xml as xml
+from friction_audit.export.friction_law import ExportedJoint, FrictionLaw, Joints
 from friction_audit.export.robot_xml import Edit, Tag, XmlText
-from friction_audit.export.source import SPEEDS, Joints, laws_of
 from friction_audit.io.files import whole_file
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Estimate
@@ -91,17 +84,6 @@ class Export:
     estimate: Estimate | None  # the estimate of the log that the numbers come from, or None
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class ExportSettings:
-    """How friction is written."""
-
-    joints: tuple[int, ...] | None = None  # numbers (1..n) of the joints, None for all
-    speeds: tuple[float, float] | None = None  # lowest and highest speed of a fit, None for those of the log [rad/s]
-    # whether the inertia is written as armature; None where it is without that of the links
-    armature: bool | None = None
-    overwrite: bool = False  # whether a file that exists is replaced
-
-
 def choose_target(out: Path) -> Target:
     """Return the target whose suffix a file has."""
     found = next((target for target in TARGETS if out.suffix.lower() in target.suffixes), None)
@@ -124,46 +106,50 @@ def read_into(target: Target, path: Path) -> XmlText:
 
 def export_friction(
     joints: Joints,
-    target: Target,
     out: Path,
-    settings: ExportSettings,
     *,
     into: XmlText | None = None,
     estimate: Estimate | None = None,
+    wanted: Sequence[int] | None = None,
+    speeds: tuple[float, float] | None = None,
+    armature: bool | None = None,
+    overwrite: bool = False,
 ) -> Export:
-    """Write friction in a file, or a copy of ``into``, whole or not at all; an estimate gives speeds and motion."""
-    numbers = [number for number, *_ in joints.models]
-    speeds: dict[int, Float] = {}
-    if settings.speeds is not None:
-        speeds = dict.fromkeys(numbers, even_speeds(*settings.speeds))
-    elif estimate is not None:
-        seen = estimate.interaction
-        speeds = {n: moving_speeds(dq, SPEEDS[0]) for n, dq in zip(seen.joint_numbers, seen.dq.T, strict=True)}
-    armature = target.armature and bool(joints.reflected if settings.armature is None else settings.armature)
-    count = len(joints.models) + len(joints.lacking)
-    laws, lacking = laws_of(joints, speeds, wanted=settings.joints, armature=armature)
-    names, by_order, tags = [law.name for law in laws], False, dict[str, Tag]()
+    """Write friction of the joints wanted in a file, or a copy of ``into``, whole or not at all.
+
+    An estimate gives motion and, without a range of ``speeds``, speeds; ``armature`` None: the inertia is written where
+    it is without that of the links.
+    """
+    target = choose_target(out)
+    with_inertia = target.armature and bool(joints.reflected if armature is None else armature)
+    own: dict[int, Float] = {}
+    if estimate is not None and speeds is None:
+        numbers, columns = estimate.interaction.joint_numbers, estimate.interaction.dq.T
+        own = dict(zip(numbers, map(friction_law.moving_speeds, columns), strict=True))
+    usual = friction_law.even_speeds(*speeds or friction_law.SPEEDS)
+    laws, lacking = friction_law.laws_of(joints, own, usual, wanted=wanted, armature=with_inertia)
+    names, by_order, tags = [one.name for one in laws], False, dict[str, Tag]()
     if into is not None and target.joints_of is not None:
         found = [(tag.attributes.get("name", ""), tag) for tag in target.joints_of(into)]
-        names, by_order = match_names(laws, count, [name for name, _ in found], into.where)
+        known = [name for name, _ in found]
+        names, by_order = friction_law.match_names(laws, len(joints.every), known, into.where)
         tags = dict(found)
-    power = 1 if target.highest_power is None else target.highest_power
-    pairs = zip(names, laws, strict=True)
-    written = tuple(ExportedJoint(name=name, law=law, fitted=law.fit(power)) for name, law in pairs)
+    fitted = [one.fit(target.highest_power or 1) for one in laws]
+    written = tuple(ExportedJoint(*one) for one in zip(names, laws, fitted, strict=True))
     if into is None or target.edits is None:
         content = text.render(target.template, written)
     else:
         content = into.edited(target.edits(into, [(tags[joint.name], joint) for joint in written]))
-    with whole_file(out, overwrite=settings.overwrite) as draft:
+    with whole_file(out, overwrite=overwrite) as draft:
         draft.write_bytes(content)
     return Export(
         target=target,
         path=str(out),
         into="" if into is None else into.where,
         joints=written,
-        lacking=lacking,
+        lacking=tuple(lacking),
         by_order=by_order,
-        armature_unknown=settings.armature is None and joints.reflected is None and target.armature,
+        armature_unknown=armature is None and joints.reflected is None and target.armature,
         simulated=tuple(sorted(_simulated(laws, joints, estimate), key=attrgetter("joint"))) if estimate else (),
         estimate=estimate,
     )
@@ -174,15 +160,15 @@ def _simulated(laws: Sequence[FrictionLaw], joints: Joints, estimate: Estimate) 
     import mujoco
 
     choice, log, seen = estimate.interaction.choice, estimate.log, estimate.interaction
-    friction = {law.joint: law.fit(CUBIC) for law in laws}
+    friction = {one.joint: one.fit(CUBIC).coefficients for one in laws}
     if choice.inertia == "model":  # what is left of the inertia moves no joint: it takes the whole arm
         arm = known_arm(log, estimate.settings.torque, choice)
         if arm is not None and choice.drive == "robot" and choice.source == "tau_J" and log.tau_J is not None:
             signals = (arm.to_model(signal) for signal in (log.q, log.dq, log.tau_J))
             yield from _gaps(arm.model, [column + 1 for column in arm.columns], friction, log.t, *signals)
         return
-    for number, _, model in joints.models:
-        if number in friction and model.inertia_kg_m2 > 0.0:
+    for number, _, model in joints.every:
+        if number in friction and isinstance(model, JointModel) and model.inertia_kg_m2 > 0.0:
             k = [seen.joint_numbers.index(number)]
             hinge = mujoco.MjModel.from_xml_string(HINGE.format(model.inertia_kg_m2))
             signals = (signal[:, k] for signal in (seen.q, seen.dq, seen.torque))
@@ -190,7 +176,7 @@ def _simulated(laws: Sequence[FrictionLaw], joints: Joints, estimate: Estimate) 
 
 
 def _gaps(
-    model: "MjModel", numbers: Sequence[int], friction: Mapping[int, FittedFriction], t: Float, *signals: Float
+    model: "MjModel", numbers: Sequence[int], friction: Mapping[int, Sequence[float]], t: Float, *signals: Float
 ) -> Iterator[SimulatedGap]:
     """Move joints by recorded torques, the last signal, over windows from recorded states, and compare their ends."""
     import mujoco
@@ -211,8 +197,8 @@ def _gaps(
     bare = copy(model)
     bare.opt.timestep = step
     rubbing = copy(bare)
-    for dof, fitted in ((dof, friction[number]) for dof, number in enumerate(numbers) if number in friction):
-        rubbing.dof_frictionloss[dof], rubbing.dof_damping[dof], *rubbing.dof_dampingpoly[dof] = fitted.coefficients
+    for dof, powers in ((dof, friction[number]) for dof, number in enumerate(numbers) if number in friction):
+        rubbing.dof_frictionloss[dof], rubbing.dof_damping[dof], *rubbing.dof_dampingpoly[dof] = powers
     begun = np.column_stack([np.zeros(len(starts)), q[starts], dq[starts]])
     pushes = (0.5 * (torque[:-1] + torque[1:]))[starts[:, None] + np.arange(steps)]
     applied, found = int(mujoco.mjtState.mjSTATE_QFRC_APPLIED), []

@@ -1,23 +1,33 @@
-"""The part of a joint model that a simulator can hold: friction as a polynomial of the velocity, up to its third power.
+"""The part of joint models that a simulator can hold: friction as a polynomial of the velocity, up to its third power.
 
-What a model has beyond that is fitted over the speeds of the joint by non-negative least squares (Lawson, Hanson,
-Solving Least Squares Problems, 1974, chapter 23), so that the simulated joint dissipates at every speed.
+The models are those of a file, of a document of an estimate or a batch, of their folder, or of a log. What a model has
+beyond the polynomial is fitted over the speeds of the joint by non-negative least squares (Lawson, Hanson, Solving
+Least Squares Problems, 1974, chapter 23), so that the simulated joint dissipates at every speed.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import count
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from friction_audit.drift.session import COEFFICIENTS
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.joint_model import FittedTerm, JointModel
-from friction_audit.errors import AnalysisError, UsageError
+from friction_audit.effects.joint_model import FittedTerm, JointModel, load_model, simple_model
+from friction_audit.errors import AnalysisError, InputError, UsageError
+from friction_audit.io.files import read_document
 from friction_audit.joint_log import Float
+from friction_audit.pipeline import Estimate
 
-SPEEDS = 200  # at which a curve is fitted, many more than its four coefficients
+POINTS = 200  # speeds at which a curve is fitted, many more than its four coefficients
 SLOWEST = 1e-9  # rad/s: the speed at which friction at the onset of motion is read
 POWERS = (0, 1, 2, 3)
 DIGITS = 9  # of a number in a file, more than any log determines
+SPEEDS = (0.01, 1.0)  # rad/s: of a file without a log, from the slowest motion that counts to that of a hand
+MODEL, ESTIMATE, BATCH, LEDGER = "model.toml", "estimate.json", "batch.json", ".sqlite"
+OTHERWISE = f"of `diagnose`, give the {MODEL} that it writes with --output"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -56,17 +66,19 @@ class FrictionLaw:
         columns = self.speeds[:, None] ** np.array(POWERS[: highest_power + 1])
         scale = np.abs(columns).max(axis=0)
         fitted, _ = nnls(columns / scale, torque)
-        fitted[fitted < np.finfo(float).eps * SPEEDS * np.max(np.abs(torque))] = 0.0  # rounding, no coefficient
+        fitted[fitted < np.finfo(float).eps * POINTS * np.max(np.abs(torque))] = 0.0  # rounding, no coefficient
         found = np.zeros(len(POWERS))
         found[: highest_power + 1] = fitted / scale
         size, error = (float(np.sqrt(np.mean(values**2))) for values in (torque, torque - columns @ (fitted / scale)))
-        error = error if error > np.finfo(float).eps * SPEEDS * size else 0.0
+        error = error if error > np.finfo(float).eps * POINTS * size else 0.0
         share = error / size if size > 0.0 else 0.0
         return FittedFriction(coefficients=tuple(found.tolist()), error_nm=error, error_share=share)
 
 
-def friction_law(joint: int, name: str, model: JointModel, speeds: Float, *, armature: bool) -> FrictionLaw:
+def friction_law(joint: int, name: str, model: JointModel | str, speeds: Float, *, armature: bool) -> FrictionLaw:
     """Return the friction law of a joint's model over speeds; ``armature``: its inertia is the motor's, reflected."""
+    if isinstance(model, str):
+        raise AnalysisError(model)
     terms = tuple(term for term in model.terms if term.effect.friction and term.effect.speed_only)
     if not terms:
         raise AnalysisError(f"joint {joint} ({name}): its model has no friction that follows from the velocity")
@@ -83,19 +95,17 @@ def friction_law(joint: int, name: str, model: JointModel, speeds: Float, *, arm
 
 def even_speeds(low: float, high: float) -> Float:
     """Return evenly spaced speeds of a fit, shape (n,). [rad/s]"""
-    return np.linspace(max(low, SLOWEST), high, SPEEDS)  # at rest there is no friction to fit
+    return np.linspace(max(low, SLOWEST), high, POINTS)  # at rest there is no friction to fit
 
 
-def moving_speeds(dq: Float, slowest: float) -> Float:
+def moving_speeds(dq: Float) -> Float:
     """Return speeds of a log that each stand for an equal share of its moving time, shape (n,). [rad/s]"""
     pace = np.abs(dq[np.isfinite(dq)])
-    moving = pace[pace > slowest]
-    if not len(moving):
-        return even_speeds(slowest, 1.0)
-    return np.quantile(moving, (np.arange(SPEEDS) + 0.5) / SPEEDS)
+    moving = pace[pace > SPEEDS[0]]
+    return np.quantile(moving, (np.arange(POINTS) + 0.5) / POINTS) if len(moving) else even_speeds(*SPEEDS)
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+@dataclass(frozen=True, eq=False, slots=True)
 class ExportedJoint:
     """One joint as it is written."""
 
@@ -122,16 +132,129 @@ def number(value: float) -> str:
     return f"{value:.{DIGITS}g}"
 
 
-def match_names(laws: Sequence[FrictionLaw], count: int, found: Sequence[str], where: str) -> tuple[list[str], bool]:
-    """Return the names in the user's file, of ``count`` joints in the source, and whether the order gave them."""
+def match_names(laws: Sequence[FrictionLaw], joints: int, found: Sequence[str], where: str) -> tuple[list[str], bool]:
+    """Return the names in the user's file, of so many joints in the source, and whether the order gave them."""
     own = [law.name for law in laws]
     if all(name in found for name in own):
         return own, False
     # A log numbers its joints where it does not name them: the k-th joint is the k-th of a serial arm.
-    if not any(name in found for name in own) and count == len(found):
+    if not any(name in found for name in own) and joints == len(found):
         return [found[law.joint - 1] for law in laws], True
     absent = ", ".join(name for name in own if name not in found)
     raise UsageError(
         f"{where}: no joint {absent}; its {len(found)} joints that turn are {', '.join(found) or 'none'}, "
-        f"the source has {count}; rename the joints of the source, or export those that the file has (--joints)"
+        f"the source has {joints}; rename the joints of the source, or export those that the file has (--joints)"
     )
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Joints:
+    """What a source says of its joints."""
+
+    every: tuple[tuple[int, str, JointModel | str], ...]  # number (1..n), name and model of each, or why it has none
+    reflected: bool | None  # whether the inertias are the reflected ones of the motors; None if not known
+
+
+def result_file(source: Path) -> Path | None:
+    """Return the file of results that a source is or holds; None for a log."""
+    if source.is_dir():
+        return next((source / name for name in (MODEL, ESTIMATE, BATCH) if (source / name).is_file()), None)
+    if source.suffix.lower() == LEDGER:
+        return source.with_name(BATCH)  # which holds the reference that its sessions were compared with
+    return source if source.suffix.lower() in (".toml", ".json") else None
+
+
+def read_result(path: Path, arm: str | None = None) -> Joints:
+    """Read a model file, or the document of an estimate or of a batch, of which the reference of an arm is taken."""
+    is_model = path.suffix.lower() == ".toml"
+    document = {} if is_model else read_document(path, ("estimate", "batch"), OTHERWISE)
+    is_batch = str(document.get("schema")).startswith("friction-audit/batch/")
+    if arm is not None and not is_batch:
+        raise UsageError(f"--arm {arm}: {path} is no document of batch-report and holds one arm; leave the option out")
+    if is_model:
+        arm_model = load_model(path)
+        models = ["no model in the file" if one is None else one for one in arm_model.joints]
+        return Joints(tuple(zip(count(1), arm_model.names, models, strict=False)), reflected=None)
+    try:
+        return _of_batch(document, path, arm) if is_batch else _of_document(document, path)
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        command = "batch-report" if is_batch else "estimate"
+        raise InputError(f"{path}: is no whole document of `{command}` ({error!r}); write it again") from error
+
+
+def of_estimate(estimate: Estimate) -> Joints:
+    """Return the models that an estimate amounts to: inertia, Coulomb and viscous friction."""
+    choice, joints = estimate.interaction.choice, estimate.friction.joints
+    inertias = [float("nan") if one.regression is None else one.regression.inertia_kg_m2 for one in joints]
+    values = [(inertia, one.coulomb.value, one.viscous.value) for one, inertia in zip(joints, inertias, strict=True)]
+    rows = [(one.joint, one.name, three, one.reason) for one, three in zip(joints, values, strict=True)]
+    return _joints(rows, choice.drive, choice.inertia)
+
+
+def laws_of(
+    joints: Joints, speeds: Mapping[int, Float], usual: Float, *, wanted: Sequence[int] | None, armature: bool
+) -> tuple[list[FrictionLaw], list[tuple[int, str]]]:
+    """Return the friction laws of the joints wanted, each over its speeds, and number and reason of those without."""
+    numbers = [number for number, *_ in joints.every]
+    if absent := ", ".join(str(number) for number in wanted or () if number not in numbers):
+        raise UsageError(f"--joints {absent}: not in the source; its joints are {', '.join(map(str, numbers))}")
+    laws, lacking = [], []
+    for number, name, model in joints.every:
+        if wanted is not None and number not in wanted:
+            continue
+        try:
+            laws.append(friction_law(number, name, model, speeds.get(number, usual), armature=armature))
+        except AnalysisError as error:
+            lacking.append((number, str(error)))
+    if not laws:
+        reasons = "".join(f"\n  joint {number}: {why}" for number, why in lacking)
+        raise AnalysisError(f"no joint has friction to export:{reasons}")
+    return laws, lacking
+
+
+def _of_document(document: Mapping[str, Any], path: Path) -> Joints:
+    keys = (("regression", "inertia_kg_m2"), ("coulomb_nm", "value"), ("viscous_nms_per_rad", "value"))
+    chosen, unit = document["settings"]["torque_chosen"], str(document["source"].get("torque_unit", "N m"))
+    if unit != "N m":
+        raise UsageError(f"{path}: its torque is in {unit}; expected N m; estimate again with --torque-constant")
+    rows = [
+        (int(one["joint"]), str(one["name"]), [_number(one[k], key) for k, key in keys], str(one["reason"] or ""))
+        for one in document["joints"]
+    ]
+    return _joints(rows, chosen["drive"], chosen["inertia"])
+
+
+def _of_batch(document: Mapping[str, Any], path: Path, arm: str | None) -> Joints:
+    """Return the levels in the reference of an arm, which hold no inertia."""
+    arms = [str(one["robot"]) for one in document["robots"]]
+    chosen = arms[0] if arm is None and len(arms) == 1 else arm
+    if chosen not in arms:
+        asked = f"no arm {arm}" if arm else f"{len(arms)} arms"
+        raise UsageError(f"{path}: {asked}; it holds {', '.join(arms)}; choose one with --arm")
+    rows = []
+    for one in (one for one in document["joints"] if one["robot"] == chosen):
+        found = [one["coefficients"].get(name, {}).get("level") for name in COEFFICIENTS]
+        levels = [_number(level, "value") for level in found]
+        reason = "no session of the reference has its friction" if np.isnan(levels).all() else ""
+        rows.append((int(one["joint"]), str(one["name"]), [float("nan"), *levels], reason))
+    return _joints(rows, "robot", "none")
+
+
+def _joints(rows: Iterable[tuple[int, str, Sequence[float], str]], drive: str, inertia: str) -> Joints:
+    """Return the joints that have a model, and why the others have none; a number that is not known is zero.
+
+    Their inertia is that of the motor alone where a person drives the link, for then the sensor is between the two, and
+    where a rigid-body model has taken the inertia of the links out.
+    """
+    every = []
+    for number, name, values, reason in rows:
+        known = [float(value) if np.isfinite(value) else 0.0 for value in values]
+        coulomb, viscous = (max(value, 0.0) for value in known[1:])
+        numbers = {"inertia_kg_m2": known[0], "coulomb_nm": coulomb, "viscous_nms_per_rad": viscous}
+        every.append((number, name, reason or simple_model(**numbers)))
+    return Joints(tuple(every), reflected=drive == "hand" or inertia == "model")
+
+
+def _number(found: Mapping[str, Any] | None, key: str) -> float:
+    """Return a number of a document, NaN where it has none."""
+    return float("nan") if found is None or found[key] is None else float(found[key])
