@@ -204,7 +204,6 @@ def test_torque_and_friction_of_a_model_by_hand() -> None:
     motion = Motion(t=np.array([0.0, 1.0]), q=still, dq=np.array([2.0, -2.0]), ddq=np.array([1.0, 1.0]))
     model = simple_model(inertia_kg_m2=0.5, coulomb_nm=0.3, viscous_nms_per_rad=0.1)
     model = replace(model, terms=(*model.terms, FittedTerm("offset", (0.05,))))
-    assert model.friction(motion) == pytest.approx([0.5, -0.5])
     assert model.torque(motion) == pytest.approx([1.05, 0.05])
     # What is left of the inertia where a model of the links took too much of it.
     assert JointModel(inertia_kg_m2=-0.1).torque(motion) == pytest.approx([-0.1, -0.1])

@@ -50,7 +50,7 @@ def _compensator(compensator: Compensator) -> dict[str, Any]:
 
 def _terms(terms: Iterable[FittedTerm]) -> dict[str, dict[str, float]]:
     """Return the terms by name, each its numbers by name, as a model file has them."""
-    return {one.name: dict(zip((p.name for p in one.effect.parameters), one.values, strict=True)) for one in terms}
+    return {one.name: one.numbers for one in terms}
 
 
 FITTED = Record(

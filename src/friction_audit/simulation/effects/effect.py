@@ -9,7 +9,7 @@ from typing import Any, ClassVar, NamedTuple, Self, dataclass_transform
 
 from friction_audit.compensation.compensators.law import kind_name
 from friction_audit.effects.parameter import Parameter
-from friction_audit.effects.registry import effect_of, near_names
+from friction_audit.effects.registry import FAMILY_OF, effect_of, near_names
 from friction_audit.errors import UsageError
 from friction_audit.simulation.settings import JointParameters
 
@@ -70,15 +70,12 @@ class HiddenEffect:
     same_law: ClassVar[str | None] = None
     stands_for: ClassVar[tuple[str, ...]] = ()  # other terms of a joint model that it equals
     name: ClassVar[str] = ""
+    family: ClassVar[str] = ""  # ``velocity``, ``load and place``, ``sensors``, ``structure`` or ``slow and events``
 
     def __init_subclass__(cls) -> None:
         cls.name = kind_name(cls)
+        cls.family = FAMILY_OF.get(cls.name, "")
         dataclass(frozen=True, kw_only=True)(cls)
-
-    @classmethod
-    def family(cls) -> str:
-        """Return ``velocity``, ``load and place``, ``sensors``, ``structure`` or ``slow and events``."""
-        return effect_of(cls.name).family
 
     @classmethod
     def parameters(cls) -> tuple[Parameter, ...]:
