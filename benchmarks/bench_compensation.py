@@ -105,9 +105,9 @@ def torque_loop(persons: int) -> Iterator[str]:
     for scene, name in ((panda, "none"), (inner, "gain 4, dead time 0.5 ms")):
         with_others = replace(scene, with_others=scene is inner)
         for row in compare(with_others, min(persons, 5), methods).rows:
-            slope = row.interval(lambda outcome: outcome.energy_slope_w).value
-            peak = row.interval(lambda outcome: outcome.drawn_peak_nm).value
-            left = row.interval(lambda outcome: outcome.coulomb_left).value
+            slope = row.interval("energy_slope_w").value
+            peak = row.interval("drawn_peak_nm").value
+            left = row.interval("coulomb_left").value
             lost = sum(not outcome.stable for outcome in row.outcomes)
             found = f"{lost} | {1000 * slope:.1f} | {peak:.2f} | {left:.3f}"
             yield f"| {name} | {row.label} | {row.tuning.name} | {found} |"

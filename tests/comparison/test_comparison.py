@@ -136,17 +136,13 @@ def test_every_method_has_its_rows_in_order() -> None:
 
 
 def test_what_was_found() -> None:
-    slopes = {
-        row.method: row.interval(lambda outcome: outcome.energy_slope_w).value
-        for row in compared().rows
-        if row.role == "paper"
-    }
+    slopes = {row.method: row.interval("energy_slope_w").value for row in compared().rows if row.role == "paper"}
     assert slopes["none"] > 0.1
     assert slopes["none"] > slopes["disturbance_observer"] > slopes["torque_regulation"] > abs(slopes["energy"])
     assert slopes["torque_regulation"] > abs(slopes["oracle"])
     full = compared().row("disturbance_observer", "full")
     assert full is not None
-    assert abs(full.interval(lambda outcome: outcome.energy_slope_w).value) < 0.1 * slopes["none"]
+    assert abs(full.interval("energy_slope_w").value) < 0.1 * slopes["none"]
 
 
 def test_a_method_without_stable_tuning_is_reported_and_named() -> None:

@@ -108,7 +108,7 @@ def test_every_end_of_every_range_keeps_the_joint_under_the_hand(effect: type[Hi
     ends = [(item.name, f"{end:g}") for item in effect.parameters() for end in (item.lower, item.upper)]
     for given in ({name: end} for name, end in ends if end not in ("inf", "-inf")):
         for form in effect.forms or ("",):
-            if given.get(effect.strength_name()) == "0":
+            if given.get(effect.strength_name) == "0":
                 continue
             group = effect.make(given | ({"form": form} if form else {}))
             motion = simulate(replace(LIMITS_IDEAL, hidden=(Hidden().holding(group),)), 1).truth.motion

@@ -53,7 +53,7 @@ def columns(simulation: Simulation) -> Iterator[tuple[str, Any]]:
 def test_at_zero_strength_nothing_changes_to_the_bit(effect: type[HiddenEffect], form: str) -> None:
     """Whatever its other numbers; a joint gets warm without an effect on its friction too: warm-up may say how fast."""
     others = {item.name: np.clip(1.3 * item.default + 0.01, item.lower, item.upper) for item in effect.parameters()}
-    hidden = hide(effect, form, **others | {effect.strength_name(): 0.0})
+    hidden = hide(effect, form, **others | {effect.strength_name: 0.0})
     simulation, plain = simulate(replace(PLAIN, hidden=(hidden,)), SEED), once(PLAIN, SEED)
     for (name, column), (_, own) in zip(columns(simulation), columns(plain), strict=True):
         if (effect.name, name) != ("warm_up", "warmth"):

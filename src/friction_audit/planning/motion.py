@@ -116,7 +116,7 @@ class Candidate:
     @property
     def duration_s(self) -> float:
         """Its length with the rests. [s]"""
-        return sum(one.moving_s + one.rest_s for one in self.strokes)
+        return sum(one.duration_s for one in self.strokes)
 
     @property
     def span_rad(self) -> tuple[float, float]:

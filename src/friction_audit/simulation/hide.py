@@ -129,20 +129,16 @@ def _groups(joint: JointModel, setting: Setting, where: str) -> dict[str, Hidden
 def equal_of(term: FittedTerm, setting: Setting) -> HiddenEffect:
     """Return the hidden effect that equals a term; raise NoEqualError where the simulator has none."""
     effect = EQUALS[term.name]
-    return effect.make(effect.from_parameters(_values_of(term), setting))
+    return effect.make(effect.from_parameters(term.numbers, setting))
 
 
 def near_of(term: FittedTerm) -> HiddenEffect:
     """Return the hidden effect next to a term: numbers that mean the same are taken over, the others are as usual."""
-    effect, values = EQUALS[term.name], _values_of(term)
+    effect, values = EQUALS[term.name], term.numbers
     likes = {one.name: values.get(one.metadata["like"]) for one in fields(effect) if one.name != FORM}
     near: Given = {
         own.name: min(max(value, own.lower), own.upper)
         for own in effect.parameters()
-        if (value := likes[own.name]) is not None and (value or own.name != effect.strength_name())
+        if (value := likes[own.name]) is not None and (value or own.name != effect.strength_name)
     }
     return effect.make(near)
-
-
-def _values_of(term: FittedTerm) -> dict[str, float]:
-    return {p.name: value for p, value in zip(term.effect.parameters, term.values, strict=True)}

@@ -202,9 +202,9 @@ class Stroke(NamedTuple):
     rest_s: float  # rest afterwards [s]
 
     @property
-    def moving_s(self) -> float:
-        """How long it takes, without the rest. [s]"""
-        return abs(self.way_rad) / self.speed_rad_s + self.ease_s
+    def duration_s(self) -> float:
+        """How long it takes with the rest. [s]"""
+        return abs(self.way_rad) / self.speed_rad_s + self.ease_s + self.rest_s
 
 
 class Prescribed(Checked):
@@ -231,8 +231,7 @@ class Prescribed(Checked):
 
 def starts_of(settings: Prescribed) -> Float:
     """Return when each stroke begins, and when the last rest ends, shape (m + 1,). [s]"""
-    lasts = [one.moving_s + one.rest_s for one in settings.strokes]
-    return settings.start_s + np.concatenate([[0.0], np.cumsum(lasts)])
+    return settings.start_s + np.cumsum([0.0, *(one.duration_s for one in settings.strokes)])
 
 
 SHORTEST_M = 1e-3  # a hand that reaches less far stands still

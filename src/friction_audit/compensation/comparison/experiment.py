@@ -17,12 +17,12 @@ from friction_audit.compensation.comparison.methods import (
     Scene,
     Tuning,
 )
-from friction_audit.compensation.comparison.result import Comparison, Curve, Point, Row
+from friction_audit.compensation.comparison.result import Comparison, Curve, Point, Row, mean_interval
 from friction_audit.parallel import in_processes, workers_for
+from friction_audit.simulation.bench import Progress
 from friction_audit.simulation.scenarios import simulate
 from friction_audit.simulation.settings import SomeSettings
 
-Progress = Callable[[float], None]  # receives the share that is done, 0 to 1
 REFERRED, SWEPT, TRIED = 0.05, 0.3, 0.6  # shares that are done, about, after the stages before the margins
 FIRST_TUNING_SEED = 10_000  # the sweeps are made for other persons than those that are reported
 LARGEST = 32.0  # factor of the gain up to which a stability margin is searched; more is of no interest
@@ -161,7 +161,12 @@ class _Trials:
 
 def choose_best(points: Sequence[Point]) -> Point:
     """Return the point of all sweeps with fewest losses and, of these, the energy slope closest to zero."""
-    return min(points, key=lambda point: (point.losses, point.interval(lambda one: abs(one.energy_slope_w)).value))
+
+    def badness(point: Point) -> tuple[int, float]:
+        slopes = [abs(one.energy_slope_w) for one in point.outcomes if one.stable]
+        return point.losses, mean_interval(slopes).value
+
+    return min(points, key=badness)
 
 
 def find_margin(holds: Callable[[float], bool]) -> float:

@@ -1,10 +1,9 @@
 """Mean or median of a measure over seeds, and how well it is known."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import takewhile
 from math import isfinite, nan, sqrt
-from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -62,9 +61,9 @@ class Tried:
         """Share of the seeds in which the loop held."""
         return 1.0 - self.losses / len(self.outcomes)
 
-    def interval(self, measure: Callable[[Outcome], float]) -> Interval:
-        """Return mean and interval of a measure over the seeds in which the loop held."""
-        return mean_interval([measure(outcome) for outcome in self.outcomes if outcome.stable])
+    def interval(self, measure: str) -> Interval:
+        """Return mean and interval of a measure, by its name, over the seeds in which the loop held."""
+        return mean_interval([getattr(outcome, measure) for outcome in self.outcomes if outcome.stable])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -77,11 +76,6 @@ class Point(Tried):
     def stable(self) -> bool:
         """True if no seed lost the loop."""
         return self.losses == 0
-
-    @property
-    def energy_slope_w(self) -> Interval:
-        """Slope of the net energy. [W]"""
-        return self.interval(attrgetter("energy_slope_w"))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -138,15 +132,6 @@ class Comparison:
     margin_seeds: tuple[int, ...]  # seeds for which stability margins were looked for
     rows: tuple[Row, ...]  # methods and tunings, in the order of the methods
     curves: tuple[Curve, ...]  # the sweeps
-
-    def of_role(self, role: str) -> list[Row]:
-        """Return the rows of a role."""
-        return [row for row in self.rows if row.role == role]
-
-    @property
-    def loaded_joint(self) -> int:
-        """Column of the joint that takes most torque to move without compensation."""
-        return int(np.argmax((self.rows[0].course.interaction_nm ** 2).mean(axis=0)))
 
     def row(self, method: str, role: str) -> Row | None:
         """Return the row of a method and a role; a method without sweep is at its best as it is."""
