@@ -12,7 +12,7 @@ import numpy as np
 
 from friction_audit.compensation.comparison import METHODS, SCENES, compare
 from friction_audit.compensation.comparison.methods import NO_COMPENSATION, OBSERVED_SHARE, OBSERVER, Joint, Tuning
-from friction_audit.compensation.comparison.trial import find_reference, measure, vibration_nm
+from friction_audit.compensation.comparison.result import find_reference, measure, vibration_nm
 from friction_audit.compensation.compensators import Coefficients, DisturbanceObserver, EnergyCompensator
 from friction_audit.compensation.compensators.law import PUBLISHED, RIDGE, payback_s
 from friction_audit.parallel import own_process

@@ -12,8 +12,14 @@ from friction_audit.cli.compare import FIGURES
 from friction_audit.compensation.comparison import METHODS, SCENES, Comparison, compare
 from friction_audit.compensation.comparison.experiment import choose_best, find_margin
 from friction_audit.compensation.comparison.methods import BEST, IDLE, Method, Scene, Tuning
-from friction_audit.compensation.comparison.result import Point, mean_interval, median_interval
-from friction_audit.compensation.comparison.trial import find_reference, make_course, measure
+from friction_audit.compensation.comparison.result import (
+    Point,
+    find_reference,
+    make_course,
+    mean_interval,
+    measure,
+    median_interval,
+)
 from friction_audit.compensation.compensators import Compensator
 from friction_audit.reporting.compare import compare_lines
 from friction_audit.reporting.figures.comparison import draw_comparison as draw

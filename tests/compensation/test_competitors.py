@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, strategies as st
 from numpy.testing import assert_allclose
 
-from friction_audit.compensation.comparison.trial import vibration_nm
+from friction_audit.compensation.comparison.result import vibration_nm
 from friction_audit.compensation.compensators import (
     Coefficients,
     DisturbanceObserver,

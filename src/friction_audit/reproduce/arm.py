@@ -10,7 +10,8 @@ from friction_audit.compensation.comparison.methods import FULL, PAPER
 from friction_audit.compensation.comparison.result import Row
 from friction_audit.joint_log import Float
 from friction_audit.reproduce.one_joint import BAND
-from friction_audit.reproduce.reproduction import SECOND, Claim, Progress, Simulations, share, spread
+from friction_audit.reproduce.reproduction import SECOND, Claim, Simulations, share, spread
+from friction_audit.simulation.bench import Progress
 
 # Slope of the cyclic energies, over that of the first two cycles, up to which they count as no longer rising.
 SLOPE_BOUND = 0.1
