@@ -12,6 +12,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from friction_audit.simulation.bench import BenchSettings
 from friction_audit.simulation.effects import EFFECTS, Hidden, HiddenEffect
 from friction_audit.simulation.scenarios import simulate
+from friction_audit.simulation.sensors import quantise
 from friction_audit.simulation.settings import IDEAL_SENSORS, Simulation, TrueMotion
 
 SEED = 4
@@ -102,16 +103,25 @@ def everything(number: int) -> Hidden:
     return Hidden().holding(*(effect.make(form) for effect, form in zip(chosen, forms, strict=True)))
 
 
-@pytest.mark.parametrize("driven", [False, True])
+# Resolutions of what is logged: what is hidden acts before the sensors round.
+STEPS = {"q": 1e-6, "dq": 1e-6, "tau_interaction": 0.0357, "tau_J": 0.0357, "gravity": 1e-6} | {
+    "tau_ext_hat_filtered": 1e-3, "temperature": 0.1, "tau_compensation": 0.0,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("driven", "logs_sensor"), [(False, False), (False, True), (True, True)])
 @pytest.mark.parametrize(
     "number", [0, 1, *(pytest.param(number, marks=pytest.mark.thorough) for number in range(2, 6))]
 )
-def test_all_effects_at_once(number: int, driven: bool) -> None:
-    settings = replace(PLAIN, logs_sensor=True, gravity_nm=5.0, driven=driven, duration_s=10.0)
+def test_all_effects_at_once(number: int, driven: bool, logs_sensor: bool) -> None:
+    sensor = {"logs_sensor": logs_sensor, "gravity_nm": 5.0 * logs_sensor}
+    settings = replace(PLAIN, **sensor, logs_temperature=True, driven=driven, duration_s=10.0)
     hidden = everything(number)
     if driven:
         hidden = replace(hidden, unlogged_compensation=Hidden().unlogged_compensation)
     simulation = simulate(replace(settings, hidden=(hidden,)), SEED)
     for name, column in columns(simulation):
         assert np.isfinite(column).all(), name
+    for name, column in simulation.log.channels().items():
+        assert_array_equal(column, quantise(STEPS[name], column))
     assert np.abs(simulation.truth.motion.dq).max() < 5.0

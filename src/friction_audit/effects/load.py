@@ -37,8 +37,7 @@ class LoadDependentFriction(Effect):
         return np.stack([motion.direction * size, np.sign(load) * size * round(directed)]).T
 
 
-def changing_load(data: JointData, nominal: Nominal) -> str | None:
-    """A load that is known and changes."""
+def _changing_load(data: JointData, nominal: Nominal) -> str | None:
     if lacking := both_directions(data, nominal):
         return lacking
     if data.load is None:
@@ -65,7 +64,7 @@ LOAD_DEPENDENT_FRICTION = LoadDependentFriction(
         ),
     ),
     traits=Trait.NEEDS_NOMINAL,
-    not_identifiable=changing_load,
+    not_identifiable=_changing_load,
     # The load is all that goes through the gear, or what the link weighs: both are in the literature.
     tries=lambda _: ((p, d, *static) for d, p, static in product((0.0, 1.0), EXPONENTS, ((), (1.0,)))),
     possible=lambda found, _: found[0] > 0 and abs(found[1]) <= found[0],  # resists, whichever way the power flows

@@ -37,8 +37,7 @@ def sides(data: JointData) -> list[tuple[float]]:
     return [(side,) for side, there in ((-1.0, before), (1.0, after), (0.0, before and after)) if there]
 
 
-def loaded_neighbours(data: JointData, nominal: Nominal) -> str | None:
-    """A torque of the neighbours that changes."""
+def _loaded_neighbours(data: JointData, nominal: Nominal) -> str | None:
     joint, joints = data.own_column, data.others_torque.shape[1]
     neighbours = [k for k in (joint - 1, joint + 1) if 0 <= k < joints]
     if not neighbours:
@@ -59,7 +58,7 @@ TORQUE_CROSSTALK = TorqueCrosstalk(
         Parameter("crosstalk_after", "1", "share of the next joint's torque"),
     ),
     nonlinear=(Parameter.choice("crosstalk_side", "-1 previous joint, 1 next joint, 0 both", -1, 1),),
-    not_identifiable=loaded_neighbours,
+    not_identifiable=_loaded_neighbours,
     tries=sides,
     possible=lambda found, _: bool(np.all(np.abs(found) < 1)),  # a sensor feels its own load best
     record="push against a neighbour while the arm rests",
@@ -122,14 +121,13 @@ def sources(data: JointData) -> list[tuple[float]]:
     return [(float(source),) for source, there in tried if there]
 
 
-def moving_neighbours(data: JointData, _nominal: Nominal) -> str | None:
-    """Another joint that moves."""
+def _moving_neighbours(data: JointData, _nominal: Nominal) -> str | None:
     other = np.delete(data.others_dq[data.valid], data.own_column, axis=1)
     still = other.size == 0 or np.sqrt(np.mean(other**2, axis=0)).max() < data.dead_speed_rad_s
     return "no other joint moves: move the neighbours, also while this joint rests" if still else None
 
 
-def of_a_body(found: Float, _: Nonlinear) -> bool:
+def _of_a_body(found: Float, _: Nonlinear) -> bool:
     """Either sign is possible, for a rotor may turn against its neighbour; not that of what no arm carries."""
     share, mass_kg = np.abs(found[2 * JOINTS : 2 * JOINTS + 2])
     return bool(share <= LARGEST_SHARE and mass_kg <= LARGEST_MASS_KG)
@@ -158,8 +156,8 @@ INERTIAL_COUPLING = InertialCoupling(
             *(BEFORE, TIP),
         ),
     ),
-    not_identifiable=moving_neighbours,
+    not_identifiable=_moving_neighbours,
     tries=sources,
-    possible=of_a_body,
+    possible=_of_a_body,
     record="move the neighbours one at a time, also while this joint rests",
 )

@@ -114,13 +114,11 @@ Modelled = Callable[[Joint, float, float], Compensator]
 
 def _scaled(law: Modelled, scale: float) -> Tuning:
     """Return a law with the true Coulomb and viscous friction times a scale."""
-
-    def make(joint: Joint) -> Compensator:
-        return law(joint, scale * joint.parameters.coulomb_nm, scale * joint.parameters.viscous_nms_per_rad)
-
-    if scale == 1.0:
-        return Tuning("right", "the true friction", make)
-    return Tuning(f"{100 * (scale - 1):+.0f} %", f"friction {scale:g} times the true one", make)
+    words = f"{100 * (scale - 1):+.0f} %", f"friction {scale:g} times the true one"
+    return Tuning(
+        *(("right", "the true friction") if scale == 1.0 else words),
+        lambda joint: law(joint, scale * joint.parameters.coulomb_nm, scale * joint.parameters.viscous_nms_per_rad),
+    )
 
 
 def _model_based(name: str, label: str, law: Modelled, meaning: str, other: Callable[[Joint], Compensator]) -> Method:
@@ -158,11 +156,13 @@ def _regulation(gain: float) -> Tuning:
 
 
 def _energy(window: float) -> Tuning:
-    def make(joint: Joint) -> Compensator:
-        guard = asdict(joint.guard) | {"passivity": True, "payback_s": joint.payback_s}
-        return EnergyCompensator(model="combined", window=int(window), **guard)
-
-    return Tuning(f"k = {window:g}", f"estimated from {window:g} cycles", make)
+    return Tuning(
+        f"k = {window:g}",
+        f"estimated from {window:g} cycles",
+        lambda joint: EnergyCompensator(
+            window=int(window), **asdict(replace(joint.guard, passivity=True, payback_s=joint.payback_s))
+        ),
+    )
 
 
 # A compensator that does nothing, but counts the cycles.
