@@ -197,10 +197,7 @@ def test_the_loop_runs_away_just_beyond_the_limit(hand: float) -> None:
 @pytest.mark.parametrize(
     ("made", "message"),
     [
-        (lambda: replace(PUBLISHED_OBSERVER, compensation_gain=0.0), "compensation_gain"),
-        (lambda: replace(PUBLISHED_OBSERVER, compensation_gain=1.1), "compensation_gain"),
         (lambda: replace(LUGRE, breakaway_nm=0.2), "breakaway_nm"),
-        (lambda: replace(ORACLE, dead_band_rad_s=-1.0), "dead_band_rad_s -1"),
         (lambda: fit_sigmoid(0.0, 0.0), "friction above zero"),
     ],
 )

@@ -1,6 +1,8 @@
-"""What every compensator keeps to, and loops that ran away."""
+"""What every compensator and all settings with bounds keep to, and loops that ran away."""
 
-from dataclasses import fields, replace
+from collections.abc import Iterator
+from dataclasses import MISSING, fields, replace
+from math import inf, nan, nextafter
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +24,7 @@ from friction_audit.compensation.compensators import (
     guard_of,
     law,
 )
+from friction_audit.compensation.compensators.law import Checked
 from friction_audit.compensation.controller import REVERSALS, TORQUE_BOUND_NM, run
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.errors import UsageError
@@ -70,11 +73,8 @@ def test_twice_the_gain_is_twice_the_gains_or_the_torque_gain(name: str) -> None
 
 
 @pytest.mark.parametrize("name", COMPETITORS)
-def test_competitors_refuse_what_is_no_number_keep_their_limits_and_are_guarded(name: str) -> None:
+def test_competitors_keep_their_limits_and_are_guarded(name: str) -> None:
     example: Any = EXAMPLES[name]
-    for item in (item for item in fields(example) if item.type is float):
-        with pytest.raises(UsageError, match=item.name):
-            replace(example, **{item.name: np.nan})
     limited = replace(example, guard=Guard(max_torque_nm=0.05, max_torque_rate_nm_s=10.0))
     torque, _ = feed(limited, np.linspace(0.0, 1.0, 100), 2.0)
     assert np.abs(torque).max() == pytest.approx(0.05)
@@ -85,10 +85,22 @@ def test_competitors_refuse_what_is_no_number_keep_their_limits_and_are_guarded(
         assert (feed(guarded, np.full(200, 0.5), -0.4)[1]["dissipated_j"] > 0.0) == passivity
 
 
-@pytest.mark.parametrize("name", [item.name for item in fields(Guard) if item.type is float])
-def test_guards_refuse_numbers_below_zero(name: str) -> None:
-    with pytest.raises(UsageError, match=name):
-        replace(Guard(), **{name: -1.0})  # type: ignore[arg-type]
+def kinds_below(kind: type[Checked]) -> Iterator[type[Any]]:
+    """Yield all settings that have bounds: compensators, motions, joints, sensors, scenarios."""
+    for below in kind.__subclasses__():
+        yield below
+        yield from kinds_below(below)
+
+
+@pytest.mark.parametrize("kind", [*kinds_below(Checked)], ids=lambda kind: kind.__name__)
+def test_settings_refuse_every_number_out_of_its_bounds_by_name(kind: type[Any]) -> None:
+    needed: dict[str, Any] = {one.name: 1.0 for one in fields(kind) if one.default is one.default_factory is MISSING}
+    for item in (item for item in fields(kind) if "within" in item.metadata):
+        low, high = item.metadata["within"]
+        for wrong in (nan, -inf, nextafter(low, -inf), *([] if high == inf else [2.0 * high])):
+            value = (wrong, wrong) if isinstance(item.default, tuple) else wrong
+            with pytest.raises(UsageError, match=f": {item.name} .*: expected"):
+                kind(**needed | {item.name: value})
 
 
 def test_every_kind_has_its_section_in_the_documentation() -> None:

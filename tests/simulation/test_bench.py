@@ -66,13 +66,11 @@ def test_sensor_reads_gravity_and_the_load_does_not_change_a_rigid_joint(driven:
     ("make", "words"),
     [
         (lambda: JointParameters(inertia_kg_m2=0.0), "inertia_kg_m2 0: expected a number above zero"),
-        (lambda: JointParameters(coulomb_nm=-0.1), "coulomb_nm -0.1: expected zero or more"),
         (lambda: JointElasticity(compliance_rad_per_nm=1e-9), "1e-09: expected 0, a rigid joint, or at least 1e-05"),
         (lambda: HandGuidedPanda(joint=8), "expected a joint from 1 to 7 and 7 of each"),
         (lambda: HandGuidedPanda(sensors=(Sensors(),)), "expected a joint from 1 to 7 and 7 of each"),
         (lambda: Sensors(lost=0.9), "lost 0.9: expected a number from 0 to 0.5"),
         (lambda: Sensors(torque_step_nm=1e-12), "torque_step_nm 1e-12: expected 0, for none, or at least 1e-09"),
-        (lambda: BenchSettings(duration_s=1e6), "duration_s 1e\\+06: expected a number from 0 to 7200"),
         (lambda: BenchSettings(duration_s=1e-4), "expected at least 2 sampling intervals"),
         (lambda: BenchSettings(gravity_nm=1.0), "cannot log the interaction torque; expected logs_sensor=true"),
         (lambda: BenchSettings(driven=True), "cannot log the interaction torque; expected logs_sensor=true"),

@@ -159,7 +159,7 @@ def assemble(settings: SomeSettings, ticks: int, start: Float, streams: Streams)
     for j, table in enumerate(drawn):
         events[j, : len(table)] = table
     pairs = zip(settings.joints, hidden, strict=True)
-    rows = [_Joint(**{item.name: getattr(one, item.name) for item in fields(one)}, hidden=own) for one, own in pairs]
+    rows = [_Joint(**vars(one), hidden=own) for one, own in pairs]
     two_sided = [h.joint_elasticity.compliance_rad_per_nm != 0.0 or h.backlash.gap_rad != 0.0 for h in hidden]
     free = [row.hidden.presliding.displacement_rad != 0.0 and row.coulomb_nm > 0.0 for row in rows]
     states = np.zeros(n, STATE)
