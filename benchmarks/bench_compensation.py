@@ -13,8 +13,8 @@ import numpy as np
 from friction_audit.compensation.comparison import METHODS, SCENES, compare
 from friction_audit.compensation.comparison.methods import NO_COMPENSATION, OBSERVED_SHARE, OBSERVER, Joint, Tuning
 from friction_audit.compensation.comparison.result import find_reference, measure, vibration_nm
-from friction_audit.compensation.compensators import Coefficients, DisturbanceObserver, EnergyCompensator
-from friction_audit.compensation.compensators.law import PUBLISHED, RIDGE, payback_s
+from friction_audit.compensation.competitors import DisturbanceObserver
+from friction_audit.compensation.law import PUBLISHED, RIDGE, Coefficients, EnergyCompensator, payback_s
 from friction_audit.parallel import own_process
 from friction_audit.reproduce.one_joint import LOW_PEAK_NM, compensated, peak_nm
 from friction_audit.reproduce.reproduction import SECOND, make_course

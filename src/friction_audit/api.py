@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 from friction_audit import pipeline as audit
-from friction_audit.compensation.compensators import Compensator
+from friction_audit.compensation.competitors import Compensator
 from friction_audit.compensation.settings import (
     Competitor,
     ModelFile,

@@ -20,7 +20,7 @@ from friction_audit.compensation.comparison.result import (
     measure,
     median_interval,
 )
-from friction_audit.compensation.compensators import Compensator
+from friction_audit.compensation.competitors import Compensator
 from friction_audit.reporting.compare import compare_lines
 from friction_audit.reporting.figures.comparison import draw_comparison as draw
 from friction_audit.simulation.effects import Hidden

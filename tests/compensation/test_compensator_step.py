@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from friction_audit.compensation.compensators import Coefficients, EnergyCompensator, FixedCompensation
-from friction_audit.compensation.compensators.law import PUBLISHED
+from friction_audit.compensation.competitors import FixedCompensation
 from friction_audit.compensation.controller import FIND, run, step
+from friction_audit.compensation.law import PUBLISHED, Coefficients, EnergyCompensator
 from friction_audit.compensation.records import GAP, MEMORY, fresh_memory, pack
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float

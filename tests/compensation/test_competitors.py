@@ -11,18 +11,16 @@ from hypothesis import given, strategies as st
 from numpy.testing import assert_allclose
 
 from friction_audit.compensation.comparison.result import vibration_nm
-from friction_audit.compensation.compensators import (
-    Coefficients,
+from friction_audit.compensation.competitors import (
+    PUBLISHED,
     DisturbanceObserver,
-    EnergyCompensator,
     FixedCompensation,
-    Guard,
     LugreCompensation,
     TorqueRegulation,
+    fit_sigmoid,
 )
-from friction_audit.compensation.compensators.competitors import PUBLISHED, fit_sigmoid
-from friction_audit.compensation.compensators.law import payback_s
 from friction_audit.compensation.controller import FIND, step
+from friction_audit.compensation.law import Coefficients, EnergyCompensator, Guard, payback_s
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.simulation import IDEAL_SENSORS, PANDA_SENSORS, JointParameters, Operator

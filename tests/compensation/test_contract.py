@@ -10,22 +10,20 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from friction_audit.compensation.compensators import (
+from friction_audit.compensation import law
+from friction_audit.compensation.competitors import (
     COMPENSATORS,
     Compensator,
     DisturbanceObserver,
-    EnergyCompensator,
     FixedCompensation,
-    Guard,
     JointModelCompensation,
     LugreCompensation,
     SigmoidCompensation,
     TorqueRegulation,
     guard_of,
-    law,
 )
-from friction_audit.compensation.compensators.law import Checked
 from friction_audit.compensation.controller import REVERSALS, TORQUE_BOUND_NM, run
+from friction_audit.compensation.law import Checked, EnergyCompensator, Guard
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float

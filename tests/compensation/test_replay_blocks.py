@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from hypothesis import given, settings, strategies as st
 
-from friction_audit.compensation.compensators import Coefficients, EnergyCompensator
+from friction_audit.compensation.law import Coefficients, EnergyCompensator
 from friction_audit.compensation.settings import Competitor, ReplaySettings, energy_compensator
 from friction_audit.joint_log import JointLog
 from friction_audit.log_in_blocks import LogInBlocks

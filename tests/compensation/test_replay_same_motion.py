@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from friction_audit.compensation.compensators import Coefficients, EnergyCompensator, FixedCompensation
+from friction_audit.compensation.competitors import FixedCompensation
+from friction_audit.compensation.law import Coefficients, EnergyCompensator
 from friction_audit.compensation.settings import ReplaySettings, energy_compensator
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import AuditSettings, replay_log

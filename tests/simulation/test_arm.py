@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from friction_audit.compensation.compensators import EnergyCompensator, FixedCompensation
+from friction_audit.compensation.competitors import FixedCompensation
+from friction_audit.compensation.law import EnergyCompensator
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.pipeline import AuditSettings, Estimate, estimate_log

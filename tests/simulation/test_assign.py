@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from hypothesis import given, strategies as st
 
-from friction_audit.compensation.compensators import Coefficients, EnergyCompensator
+from friction_audit.compensation.law import Coefficients, EnergyCompensator
 from friction_audit.errors import UsageError
 from friction_audit.joint_numbers import parse_joint_numbers, write_joint_numbers
 from friction_audit.simulation.arm import ArmSettings

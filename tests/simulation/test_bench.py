@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from friction_audit.compensation.compensators import EnergyCompensator
+from friction_audit.compensation.law import EnergyCompensator
 from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.joint_log import Float
 from friction_audit.simulation import IDEAL_SENSORS, BenchSettings, JointParameters, Operator, Sensors, simulate

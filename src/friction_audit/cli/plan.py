@@ -55,7 +55,7 @@ def command(
 ) -> None:
     """Plan the motion that separates ambiguous effects."""
     from friction_audit.io.writers.topics import write_csv, write_mcap
-    from friction_audit.planning.motion import limits_of
+    from friction_audit.planning.design import limits_of
     from friction_audit.planning.plan import plan_task, trajectory_of
     from friction_audit.reporting.notices import notice_lines
     from friction_audit.reporting.plan import PLAN, PURPOSES, Recording, plan_lines, plan_notices

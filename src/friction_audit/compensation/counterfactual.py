@@ -21,7 +21,7 @@ from friction_audit.compensation.closed_loop import (
     run_closed_loop,
     run_same_motion,
 )
-from friction_audit.compensation.compensators import Compensator, JointModelCompensation, guard_of
+from friction_audit.compensation.competitors import Compensator, JointModelCompensation, guard_of
 from friction_audit.compensation.feed_forward import NO_MODEL, feed_of, refuse, straighten
 from friction_audit.compensation.records import fresh_memory, pack
 from friction_audit.compensation.result import FittedOperator, Signals

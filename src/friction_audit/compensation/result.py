@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compensation.closed_loop import GIVEN_OUT, TALLY, Recorded
-from friction_audit.compensation.compensators import Coefficients, Compensator, EnergyCompensator
+from friction_audit.compensation.competitors import Compensator
+from friction_audit.compensation.law import Coefficients, EnergyCompensator
 from friction_audit.compensation.records import ESTIMATED, GAP, NOT_MOVED
 from friction_audit.compensation.settings import Counterfactual, Limits
 from friction_audit.compiled import Record

@@ -20,7 +20,7 @@ from friction_audit.friction.history import Coefficient
 from friction_audit.io.writers.topics import Trajectory
 from friction_audit.pipeline import estimate_log
 from friction_audit.planning import design
-from friction_audit.planning.motion import Candidate, Limits, candidates_of
+from friction_audit.planning.design import Candidate, Limits, candidates_of
 from friction_audit.planning.task import AUTO, Arm, Joint, Task, reference, subject_of, term_of_block
 from friction_audit.simulation import BenchSettings, Hidden, simulate
 from friction_audit.simulation.effects import HiddenEffect

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from friction_audit.compensation.compensators import Compensator, EnergyCompensator, JointModelCompensation
+from friction_audit.compensation.competitors import Compensator, JointModelCompensation
+from friction_audit.compensation.law import EnergyCompensator
 from friction_audit.compensation.result import STATUSES, JointReplay, Signals
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.friction.history import Coefficient

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.compensation.compensators import EnergyCompensator
 from friction_audit.compensation.controller import run
+from friction_audit.compensation.law import EnergyCompensator
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures.paper import Course
 from friction_audit.simulation import simulate

@@ -6,8 +6,8 @@ from math import atan2, hypot, inf, pi
 
 import numpy as np
 
-from friction_audit.compensation.compensators import Compensator
-from friction_audit.compensation.compensators.law import Checked, positive, within
+from friction_audit.compensation.competitors import Compensator
+from friction_audit.compensation.law import Checked, positive, within
 from friction_audit.compensation.records import FIELDS, TRACE, fresh_memory, pack as pack_compensators
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from friction_audit.compensation.compensators.law import FINITE, Checked, positive, within
+from friction_audit.compensation.law import FINITE, Checked, positive, within
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 

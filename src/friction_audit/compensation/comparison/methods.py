@@ -6,17 +6,16 @@ from functools import partial
 from itertools import count
 from typing import Any, NamedTuple
 
-from friction_audit.compensation.compensators import (
+from friction_audit.compensation.competitors import (
+    PUBLISHED,
     Compensator,
     DisturbanceObserver,
-    EnergyCompensator,
     FixedCompensation,
-    Guard,
     LugreCompensation,
     TorqueRegulation,
+    fit_sigmoid,
 )
-from friction_audit.compensation.compensators.competitors import PUBLISHED, fit_sigmoid
-from friction_audit.compensation.compensators.law import payback_s
+from friction_audit.compensation.law import EnergyCompensator, Guard, payback_s
 from friction_audit.compensation.settings import limits_of
 from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.bench import PANDA_JOINTS, BenchSettings

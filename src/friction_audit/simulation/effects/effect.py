@@ -7,7 +7,7 @@ from functools import partial
 from math import inf, isclose, nan, sqrt
 from typing import Any, ClassVar, NamedTuple, Self, dataclass_transform
 
-from friction_audit.compensation.compensators.law import kind_name
+from friction_audit.compensation.law import kind_name
 from friction_audit.effects.parameter import Parameter
 from friction_audit.effects.registry import FAMILY_OF, effect_of, near_names
 from friction_audit.errors import UsageError
