@@ -191,7 +191,7 @@ def test_all_effects_at_zero_strength_change_nothing_to_the_bit(driven: bool) ->
         assert_array_equal(hidden.channels()[name], channel)
 
 
-# What the other effects do to one joint, ``test_bench_contract.py`` shows.
+# What the other effects do to one joint, ``test_bench.py`` shows.
 @pytest.mark.parametrize("effect", [effect for effect in EFFECTS if effect.needs_neighbours], ids=str)
 def test_effect_between_joints_changes_the_log_and_keeps_it_finite(effect: Any) -> None:
     hidden = Hidden().holding(effect.make({}))
