@@ -12,9 +12,9 @@ import numpy as np
 
 from friction_audit.compensation.comparison import METHODS, SCENES, compare
 from friction_audit.compensation.comparison.methods import NO_COMPENSATION, OBSERVED_SHARE, OBSERVER, Joint, Tuning
-from friction_audit.compensation.comparison.trial import find_reference, measure, vibration_nm
-from friction_audit.compensation.compensators import Coefficients, DisturbanceObserver, EnergyCompensator
-from friction_audit.compensation.compensators.law import PUBLISHED, RIDGE, payback_s
+from friction_audit.compensation.comparison.result import find_reference, measure, vibration_nm
+from friction_audit.compensation.competitors import DisturbanceObserver
+from friction_audit.compensation.law import PUBLISHED, RIDGE, Coefficients, EnergyCompensator, payback_s
 from friction_audit.parallel import own_process
 from friction_audit.reproduce.one_joint import LOW_PEAK_NM, compensated, peak_nm
 from friction_audit.reproduce.reproduction import SECOND, make_course
@@ -105,9 +105,9 @@ def torque_loop(persons: int) -> Iterator[str]:
     for scene, name in ((panda, "none"), (inner, "gain 4, dead time 0.5 ms")):
         with_others = replace(scene, with_others=scene is inner)
         for row in compare(with_others, min(persons, 5), methods).rows:
-            slope = row.interval(lambda outcome: outcome.energy_slope_w).value
-            peak = row.interval(lambda outcome: outcome.drawn_peak_nm).value
-            left = row.interval(lambda outcome: outcome.coulomb_left).value
+            slope = row.interval("energy_slope_w").value
+            peak = row.interval("drawn_peak_nm").value
+            left = row.interval("coulomb_left").value
             lost = sum(not outcome.stable for outcome in row.outcomes)
             found = f"{lost} | {1000 * slope:.1f} | {peak:.2f} | {left:.3f}"
             yield f"| {name} | {row.label} | {row.tuning.name} | {found} |"

@@ -10,8 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from friction_audit.compensation.counterfactual import recording_of
-from friction_audit.compensation.operator_fit import FittedOperator, fit_operator
+from friction_audit.compensation.counterfactual import fit_operator, recording_of
+from friction_audit.compensation.result import FittedOperator
 from friction_audit.errors import AnalysisError
 from friction_audit.pipeline import AuditSettings, estimate_log
 from friction_audit.simulation.bench import BenchSettings, Operator

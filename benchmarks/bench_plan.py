@@ -26,7 +26,7 @@ from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.registry import effect_of
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import AuditSettings, Diagnosis, diagnosis_subjects, estimate_log
-from friction_audit.planning.motion import limits_of
+from friction_audit.planning.design import limits_of
 from friction_audit.planning.plan import plan_task
 from friction_audit.planning.task import AUTO, SERVO, tasks_of
 from friction_audit.reporting.diagnosis import diagnose_document

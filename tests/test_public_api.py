@@ -20,7 +20,7 @@ from matplotlib.text import Text
 import friction_audit
 from friction_audit import api as options
 from friction_audit.api import replay_settings
-from friction_audit.compensation.compensators import EnergyCompensator
+from friction_audit.compensation.law import EnergyCompensator
 from friction_audit.compensation.settings import ReplaySettings
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.errors import UsageError

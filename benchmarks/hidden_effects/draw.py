@@ -113,7 +113,7 @@ def settings_of(case: Case, scales: Sequence[float], *, ideal: bool = False) -> 
     several = len(settings.hidden) > 1
     hidden = list(settings.hidden)
     for name, group, scale in zip(case.effects, case.groups, scales, strict=True):
-        strength = next(effect for effect in EFFECTS if effect.name == name).strength_name()
+        strength = next(effect for effect in EFFECTS if effect.name == name).strength_name
         scaled = replace(group, **{strength: getattr(group, strength) * scale})
         hidden[case.number - 1] = hidden[case.number - 1].holding(scaled)
     changes: dict[str, Any] = {"duration_s": case.duration_s, "hidden": tuple(hidden)}

@@ -82,7 +82,7 @@ def scaled(case: Case, scales: Iterable[float]) -> Case:
     """The case with the strength of its effects as it was found."""
     groups = []
     for name, group, scale in zip(case.effects, case.groups, scales, strict=True):
-        strength = next(effect for effect in EFFECTS if effect.name == name).strength_name()
+        strength = next(effect for effect in EFFECTS if effect.name == name).strength_name
         groups.append(replace(group, **{strength: getattr(group, strength) * scale}))
     return replace(case, groups=tuple(groups))
 

@@ -109,6 +109,6 @@ def _is_itself(case: Case, which: int, scale: float) -> bool:
 def _largest(case: Case, which: int) -> float:
     """Scale at which the strength is as large as the effect allows: nobody warms up until friction pushes."""
     effect = next(effect for effect in EFFECTS if effect.name == case.effects[which])
-    high = next(parameter.upper for parameter in effect.parameters() if parameter.name == effect.strength_name())
-    usual = abs(getattr(case.groups[which], effect.strength_name()))
+    high = next(parameter.upper for parameter in effect.parameters() if parameter.name == effect.strength_name)
+    usual = abs(getattr(case.groups[which], effect.strength_name))
     return float(high / usual) if usual > 0.0 else LARGEST_SCALE

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 from friction_audit import pipeline as audit
 from friction_audit.compensation import settings as replaying
-from friction_audit.compensation.compensators import Compensator
+from friction_audit.compensation.competitors import Compensator
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_model import ArmModel
 from friction_audit.errors import UsageError, near_misses

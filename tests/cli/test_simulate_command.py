@@ -135,7 +135,7 @@ def test_effects_are_listed_with_their_parameters(run: Run) -> None:
     lines = run("simulate", "--list-effects").out.splitlines()
     words = [line.split()[0] for line in lines]
     for effect in EFFECTS:
-        assert effect.family() in lines
+        assert effect.family in lines
         assert f"{effect.name}:" in words
         assert {parameter.name for parameter in effect.parameters()} <= set(words)
         assert all(form in " ".join(lines) for form in effect.forms)

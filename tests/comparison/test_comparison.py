@@ -12,9 +12,15 @@ from friction_audit.cli.compare import FIGURES
 from friction_audit.compensation.comparison import METHODS, SCENES, Comparison, compare
 from friction_audit.compensation.comparison.experiment import choose_best, find_margin
 from friction_audit.compensation.comparison.methods import BEST, IDLE, Method, Scene, Tuning
-from friction_audit.compensation.comparison.result import Point, mean_interval, median_interval
-from friction_audit.compensation.comparison.trial import find_reference, make_course, measure
-from friction_audit.compensation.compensators import Compensator
+from friction_audit.compensation.comparison.result import (
+    Point,
+    find_reference,
+    make_course,
+    mean_interval,
+    measure,
+    median_interval,
+)
+from friction_audit.compensation.competitors import Compensator
 from friction_audit.reporting.compare import compare_lines
 from friction_audit.reporting.figures.comparison import draw_comparison as draw
 from friction_audit.simulation.effects import Hidden
@@ -136,17 +142,13 @@ def test_every_method_has_its_rows_in_order() -> None:
 
 
 def test_what_was_found() -> None:
-    slopes = {
-        row.method: row.interval(lambda outcome: outcome.energy_slope_w).value
-        for row in compared().rows
-        if row.role == "paper"
-    }
+    slopes = {row.method: row.interval("energy_slope_w").value for row in compared().rows if row.role == "paper"}
     assert slopes["none"] > 0.1
     assert slopes["none"] > slopes["disturbance_observer"] > slopes["torque_regulation"] > abs(slopes["energy"])
     assert slopes["torque_regulation"] > abs(slopes["oracle"])
     full = compared().row("disturbance_observer", "full")
     assert full is not None
-    assert abs(full.interval(lambda outcome: outcome.energy_slope_w).value) < 0.1 * slopes["none"]
+    assert abs(full.interval("energy_slope_w").value) < 0.1 * slopes["none"]
 
 
 def test_a_method_without_stable_tuning_is_reported_and_named() -> None:

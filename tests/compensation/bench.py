@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg import expm
 
-from friction_audit.compensation.compensators import Compensator, DisturbanceObserver, TorqueRegulation
+from friction_audit.compensation.competitors import Compensator, DisturbanceObserver, TorqueRegulation
 from friction_audit.compensation.controller import FIND, step
 from friction_audit.compensation.records import fresh_memory, pack
 from friction_audit.compensation.settings import OperatorImpedance, ReplaySettings

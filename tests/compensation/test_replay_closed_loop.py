@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from friction_audit.compensation.closed_loop import CYCLE
-from friction_audit.compensation.compensators import TorqueRegulation
+from friction_audit.compensation.competitors import TorqueRegulation
 from friction_audit.compensation.controller import hand_cuts
 from friction_audit.compensation.result import ReplayHistory, dissipation_removed, find_step, first_right
 from friction_audit.compensation.settings import Competitor, ReplaySettings, energy_compensator

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from friction_audit.compensation.compensators import JointModelCompensation
+from friction_audit.compensation.competitors import JointModelCompensation
 from friction_audit.compensation.counterfactual import tables_of_file
 from friction_audit.compensation.feed_forward import UNABLE, feed_friction, feed_of
 from friction_audit.compensation.records import fresh_memory

@@ -1,4 +1,4 @@
-"""Replay along the recorded motion, on logs of the simulator whose friction is known."""
+"""Replay along the recorded motion, on logs of the simulator whose friction is known; in blocks as in one piece."""
 
 from dataclasses import replace
 from math import inf
@@ -6,12 +6,16 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings, strategies as st
 
-from friction_audit.compensation.compensators import Coefficients, EnergyCompensator, FixedCompensation
-from friction_audit.compensation.settings import ReplaySettings, energy_compensator
+from friction_audit.compensation.competitors import FixedCompensation
+from friction_audit.compensation.law import Coefficients, EnergyCompensator
+from friction_audit.compensation.settings import Competitor, ReplaySettings, energy_compensator
 from friction_audit.joint_log import JointLog
-from friction_audit.pipeline import AuditSettings, replay_log
-from friction_audit.preprocessing.settings import CycleSettings
+from friction_audit.log_in_blocks import LogInBlocks
+from friction_audit.pipeline import AuditSettings, LogReplay, replay_log
+from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
+from friction_audit.reporting.replay import replay_document
 from friction_audit.reporting.sentences import sentence_of
 from friction_audit.simulation import ArmSettings, simulate
 from friction_audit.simulation.bench import BenchSettings, Operator
@@ -19,6 +23,9 @@ from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.slow_and_events import FrictionStep
 from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS, JointParameters, Sensors
 from tests.compensation.bench import BENCH, BY_HAND, JOINT, log_of, replay
+from tests.friction.test_blocks import in_blocks, recorded
+from tests.pinned.commands import pinned
+from tests.pinned.test_pinned import differences
 
 VISCOUS_JOINT = JointParameters(inertia_kg_m2=0.3, coulomb_nm=0.0, viscous_nms_per_rad=0.2)
 VISCOUS_BENCH = replace(BENCH, joints=(VISCOUS_JOINT,))
@@ -227,3 +234,54 @@ def test_the_hand_ends_the_cycles_as_it_did_and_the_torque_of_the_closed_loop_co
         column = simulation.log.tau_compensation[:, joint.joint - 1]
         assert np.abs(column).max() > 0.1
         np.testing.assert_allclose(joint.replayed.compensation_nm, column, atol=1e-6)
+
+
+# It does not depend on the blocks in which the log is read.
+
+AUDIT = AuditSettings(torque=TorqueSettings(torque="interaction", drive="hand"))
+SETTINGS = {
+    "energy": ReplaySettings(),
+    "limited": ReplaySettings(compensator=energy_compensator(factor=2.0), max_torque_nm=0.3, max_torque_rate_nm_s=5.0),
+    "over": ReplaySettings(compensator=energy_compensator("coulomb", factor=1.5)),
+    "fixed": ReplaySettings(competitor=Competitor(name="fixed")),
+    "sigmoid": ReplaySettings(competitor=Competitor(name="sigmoid")),
+    "lugre": ReplaySettings(competitor=Competitor(name="lugre")),
+    "diverges": ReplaySettings(
+        compensator=EnergyCompensator(forced=Coefficients(coulomb_nm=2e4), forced_from_cycle=5, passivity=False)
+    ),
+}
+
+
+def replayed(log: JointLog, name: str) -> LogReplay:
+    return replay_log(log, AUDIT, SETTINGS[name])
+
+
+def numbers(found: LogReplay) -> dict[str, Any]:
+    """Return all that the document says of the joints and warns of, path by path."""
+    document = replay_document(found)
+    return pinned([document["joints"], document["warnings"]], "")
+
+
+@settings(max_examples=settings().max_examples // 2)  # one takes a quarter of a second
+@given(
+    name=st.sampled_from([*SETTINGS]),
+    seed=st.integers(0, 1000),
+    sizes=st.lists(st.integers(1, 4000), min_size=1, max_size=60),
+    compensated=st.booleans(),
+)
+def test_block_borders_change_nothing(name: str, seed: int, sizes: list[int], compensated: bool) -> None:
+    log = recorded(seed)
+    if compensated:
+        log = replace(log, tau_compensation=np.asfortranarray(0.1 * np.tanh(log.dq / 0.05)))
+    borders = [border for border in np.cumsum(sizes).tolist() if border < len(log.t)]
+    part, whole = replayed(in_blocks(log, borders), name), replayed(log, name)
+    assert not differences({name: numbers(part)}, {name: numbers(whole)}, relative=1e-9)
+    assert all(joint.replayed is None or len(joint.replayed.t) == 0 for joint in part.replay.joints)
+
+
+def test_a_joint_that_moves_otherwise_takes_the_whole_log() -> None:
+    log = recorded(3)
+    settings = ReplaySettings(assume="same-torque")
+    found = replay_log(in_blocks(log, [1000]), AUDIT, settings)
+    assert not isinstance(found.estimate.log, LogInBlocks)
+    assert numbers(found) == numbers(replay_log(log, AUDIT, settings))

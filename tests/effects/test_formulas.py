@@ -10,11 +10,10 @@ from hypothesis import given, strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.dynamics.motion import Motion, Others, RigidBody
-from friction_audit.effects.effect import Effect
 from friction_audit.effects.load import SEVERAL, TILT
 from friction_audit.effects.neighbours import AFTER, ALL, BEFORE, BOTH, JOINTS, MODEL, TIP
 from friction_audit.effects.presliding import bristle
-from friction_audit.effects.registry import term_of, terms
+from friction_audit.effects.registry import term_of
 from friction_audit.effects.speed import bend
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.even_grid import first_order
@@ -289,28 +288,3 @@ def test_a_delay_moves_a_jump_as_a_whole(delay: float) -> None:
     expected = np.interp(T - delay, T, total) - total
     assert_allclose(torque("time_delay", loaded, delay, delay, 1.0), expected, atol=1e-12)
     assert_array_equal(torque("time_delay", loaded, delay, delay, 0.0), torque("time_delay", motion, delay, delay, 0.0))
-
-
-MANY: dict[str, list[tuple[float, ...]]] = {
-    "torque_ripple": [(3.0 + 0.7 * k,) for k in range(110)],
-    "presliding": [(0.01, 1.0, 1e-4), (0.05, 0.5, 0.0), (0.01, 1.0, 0.01), (0.05, 2.0, 1e-4)],
-    "frictional_lag": [(0.01, 0.2, 0.1), (0.1, 1e-3, 0.3), (0.01, 1.0, 0.3)],
-    "time_delay": [(0.004, 0.0), (-0.02, 1.0), (0.01, 0.0)],
-    "position_dependent_friction": [(2.0, 0.0, 1e6), (0.0, 0.3, 0.2), (4.0, 0.3, 0.2), (3.0, 0.0, 1e6)],
-    "stiction": [(0.3, 1e-3), (3.0, 1e-3), (0.3, 1e-2)],
-    "joint_elasticity": [(1e3, 0.1, 0.05, 1.0), (2e2, 1e-3, 0.1, 0.7)],
-    "backlash": [(1e-3, 22.0, 0.2, 1.0), (1e-4, 50.0, 0.1, 0.7)],
-}
-
-
-@pytest.mark.parametrize(("name", "many"), [*MANY.items(), ("torque_ripple", [(2.0,), (3.0,), (7.0,)])])
-def test_columns_of_many_values_are_those_of_each(name: str, many: list[tuple[float, ...]]) -> None:
-    motion = moving(1.04 * np.cos(1.3 * T) + 0.93 * np.cos(3.1 * T))
-    found = dict(term_of(name).columns_of_many(motion, many))
-    assert sorted(found) == list(range(len(many)))
-    for place, values in enumerate(many):
-        assert_allclose(found[place], columns(name, motion, *values), atol=1e-12)
-
-
-def test_every_effect_with_columns_of_many_is_tested() -> None:
-    assert {t.name for t in terms() if type(t).columns_of_many is not Effect.columns_of_many} == set(MANY)

@@ -9,7 +9,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from friction_audit.dynamics.motion import Motion, Others
-from friction_audit.effects.registry import NAMES, term_of
+from friction_audit.effects.joint_model import FittedTerm
+from friction_audit.effects.registry import NAMES
 from friction_audit.joint_log import Float
 from friction_audit.simulation.effects import EFFECTS, velocity
 from friction_audit.simulation.effects.effect import Setting
@@ -76,6 +77,14 @@ def stepped(group: Any) -> Float:
     return JOINT.coulomb_nm * SIGN * shares[0] + JOINT.viscous_nms_per_rad * MOTION.dq * shares[1]
 
 
+def rubbing(group: Any) -> Float:
+    return SIGN * each("load_friction_nm", LOAD, LOAD * MOTION.dq)(group)
+
+
+def wavy(group: Any) -> Float:
+    return 0.4 * SIGN * (each("place_factor", MOTION.q)(group) - 1.0)
+
+
 def crosstalk(group: Any) -> Float:
     none = type(group)()
     return np.asarray(whole("crosstalk_mixed", SENSED)([none, group, none])[:, 1] - SENSED[:, 1])
@@ -89,21 +98,9 @@ CASES: list[tuple[str, tuple[float, ...], Callable[[Any], Float]]] = [
     ("asymmetric_viscous", (0.05,), lambda g: g.half_difference_nms_per_rad * abs(MOTION.dq)),
     ("presliding", (0.4, 0.02, 1.0, 0.0), bristles),
     ("presliding", (0.4, 0.02, 1.5, 0.0), bristles),
-    (
-        "load_dependent_friction",
-        (0.06, 0.0, 1.0, 0.0, 0.0),
-        lambda g: SIGN * each("load_friction_nm", LOAD, LOAD * MOTION.dq)(g),
-    ),
-    (
-        "load_dependent_friction",
-        (0.006, 0.0, 2.0, 0.0, 0.0),
-        lambda g: SIGN * each("load_friction_nm", LOAD, LOAD * MOTION.dq)(g),
-    ),
-    (
-        "position_dependent_friction",
-        (0.1, -0.05, 3.0, 0.2, 1e6),
-        lambda g: 0.4 * SIGN * (each("place_factor", MOTION.q)(g) - 1.0),
-    ),
+    ("load_dependent_friction", (0.06, 0.0, 1.0, 0.0, 0.0), rubbing),
+    ("load_dependent_friction", (0.006, 0.0, 2.0, 0.0, 0.0), rubbing),
+    ("position_dependent_friction", (0.1, -0.05, 3.0, 0.2, 1e6), wavy),
     ("torque_ripple", (0.0, 0.1, 20.0), lambda g: -each("cogging_nm", MOTION.q)(g)),
     ("torque_ripple", (0.1, 0.0, 20.0), whole("ripple_reading_nm", MOTION.q)),
     ("gravity_error", (0.2, -0.1, *([0.0] * 14), 0.0), whole("gravity_error_nm", MOTION.q)),
@@ -130,12 +127,10 @@ IN_LOGS = {"stiction", "frictional_lag", "joint_limit_stop", "torque_drift", "jo
 def test_the_simulator_s_formula_is_the_column(
     name: str, values: tuple[float, ...], simulated: Callable[[Any], Float]
 ) -> None:
-    term = term_of(name)
-    by_name = {parameter.name: value for parameter, value in zip(term.parameters, values, strict=True)}
+    term = FittedTerm(name, values)
     setting = Setting(joint=JOINT, start_rad=0.0, driven=False, duration_s=N * DT)
-    given = HIDDEN[name].from_parameters(by_name, setting)
-    group = HIDDEN[name].make(given)
-    expected = term.torque(MOTION, values)
+    group = HIDDEN[name].make(HIDDEN[name].from_parameters(term.numbers, setting))
+    expected = term.torque(MOTION)
     scale = float(np.abs(expected).max())
     assert scale > 0.0
     assert_allclose(simulated(group), expected, atol=1e-6 * scale)

@@ -16,7 +16,7 @@ from friction_audit import robot
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.planning import design
-from friction_audit.planning.motion import Limits, candidates_of, limits_of
+from friction_audit.planning.design import Limits, candidates_of, limits_of
 from friction_audit.planning.plan import Answer, JointPlan, plan_task, trajectory_of
 from friction_audit.planning.task import Arm, Joint, Task, task_of
 from friction_audit.reporting.plan import ANSWER, Recording, plan_lines

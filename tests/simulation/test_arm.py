@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from friction_audit.compensation.compensators import EnergyCompensator, FixedCompensation
+from friction_audit.compensation.competitors import FixedCompensation
+from friction_audit.compensation.law import EnergyCompensator
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.pipeline import AuditSettings, Estimate, estimate_log
@@ -174,7 +175,7 @@ def test_friction_of_a_guided_arm_is_found_with_default_settings() -> None:
 # Every hidden effect in joints 2 and 5 of an arm.
 
 EFFECTS_SHORT = ArmSettings(duration_s=2.0)
-NOTHING_YET = Hidden().holding(*(replace(effect.make({}), **{effect.strength_name(): 0.0}) for effect in EFFECTS))
+NOTHING_YET = Hidden().holding(*(replace(effect.make({}), **{effect.strength_name: 0.0}) for effect in EFFECTS))
 EFFECTS_SEED = 1
 
 
@@ -190,7 +191,7 @@ def test_all_effects_at_zero_strength_change_nothing_to_the_bit(driven: bool) ->
         assert_array_equal(hidden.channels()[name], channel)
 
 
-# What the other effects do to one joint, ``test_bench_contract.py`` shows.
+# What the other effects do to one joint, ``test_bench.py`` shows.
 @pytest.mark.parametrize("effect", [effect for effect in EFFECTS if effect.needs_neighbours], ids=str)
 def test_effect_between_joints_changes_the_log_and_keeps_it_finite(effect: Any) -> None:
     hidden = Hidden().holding(effect.make({}))

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from hypothesis import given, strategies as st
 
-from friction_audit.compensation.compensators import Coefficients, EnergyCompensator
+from friction_audit.compensation.law import Coefficients, EnergyCompensator
 from friction_audit.errors import UsageError
 from friction_audit.joint_numbers import parse_joint_numbers, write_joint_numbers
 from friction_audit.simulation.arm import ArmSettings
@@ -138,7 +138,7 @@ def test_an_effect_alone_means_its_usual_values_in_every_joint(effect: type[Hidd
     assert [(one.joint, one.name) for one in found] == [(joint, effect.name) for joint in range(1, 8)]
     assert found[0].parameters == {parameter.name: parameter.default for parameter in effect.parameters()}
     assert (found[0].form is None) == (not effect.forms)
-    assert hidden_effects(hide(SEVEN, [f"{effect.name}:{effect.strength_name()}=0"])) == ()
+    assert hidden_effects(hide(SEVEN, [f"{effect.name}:{effect.strength_name}=0"])) == ()
 
 
 def test_parameters_form_and_joints() -> None:

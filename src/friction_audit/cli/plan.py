@@ -56,7 +56,7 @@ def command(
     """Plan the motion that separates ambiguous effects."""
     from friction_audit.io.writers.mcap import write_trajectory
     from friction_audit.io.writers.tables import write_trajectory_csv
-    from friction_audit.planning.motion import limits_of
+    from friction_audit.planning.design import limits_of
     from friction_audit.planning.plan import plan_task, trajectory_of
     from friction_audit.reporting.notices import notice_lines
     from friction_audit.reporting.plan import PLAN, PURPOSES, Recording, plan_lines, plan_notices

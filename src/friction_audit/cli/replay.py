@@ -15,7 +15,7 @@ from friction_audit.errors import UsageError
 from friction_audit.friction.settings import MODELS
 
 if TYPE_CHECKING:
-    from friction_audit.compensation.compensators import Coefficients
+    from friction_audit.compensation.law import Coefficients
     from friction_audit.compensation.settings import ModelFile, ReplaySettings
     from friction_audit.joint_log import JointLog
 
@@ -193,7 +193,7 @@ def replay_settings(options: ReplayOptions, cycles: opt.CycleOptions) -> "Replay
 
 def _parse_coefficients(text: str) -> "Coefficients":
     """Return the coefficients of ``"coulomb=0.2,viscous=0.1"``; one left out is zero."""
-    from friction_audit.compensation.compensators import Coefficients
+    from friction_audit.compensation.law import Coefficients
 
     parts = [part.strip().partition("=") for part in text.split(",")]
     with suppress(ValueError):

@@ -165,9 +165,9 @@ def _list(name: str | None, lists: ListOptions, *, json: bool) -> None:
             others = f"  (or {', '.join(value.others)})" if isinstance(value, Kind) and value.others else ""
             rows.append((path, write_value(value) + others))
         say_table(rows, margin="  ")
-    for family in dict.fromkeys(effect.family() for effect in EFFECTS) if lists.effects_there_are else ():
+    for family in dict.fromkeys(effect.family for effect in EFFECTS) if lists.effects_there_are else ():
         say(family)
-        for effect in (one for one in EFFECTS if one.family() == family):
+        for effect in (one for one in EFFECTS if one.family == family):
             say(f"  {effect.name}: {effect.summary}{'; takes several joints' if effect.needs_neighbours else ''}")
             known = [(one.name, f"{one.default:g}", described(one)) for one in effect.parameters()]
             forms = [("form", effect.forms[0], f"one of {', '.join(effect.forms)}")] if effect.forms else []

@@ -11,8 +11,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.compensation import records
-from friction_audit.compensation.compensators import Compensator, competitors, law
+from friction_audit.compensation import competitors, law, records
+from friction_audit.compensation.competitors import Compensator
 from friction_audit.compiled import Record, compiled
 from friction_audit.joint_log import Float, read_only
 

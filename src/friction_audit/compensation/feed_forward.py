@@ -79,8 +79,7 @@ def refuse(terms: Iterable[FittedTerm], past: Iterable[Term] = ()) -> None:
     """Raise AnalysisError that says which terms, or terms of the past, cannot run in a compensator's loop, and why."""
     reasons = []
     for term in terms:
-        values = dict(zip((parameter.name for parameter in term.effect.parameters), term.values, strict=True))
-        reason = UNABLE.get(term.name, "")
+        values, reason = term.numbers, UNABLE.get(term.name, "")
         if values.get("gravity_error_source", 0.0) != 0.0:
             reason = "it needs the model of the arm, and a replay moves one joint alone"
         if values.get("warm_up_per_k", 0.0) != 0.0:

@@ -8,14 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.compensation.compensators import (
-    COMPENSATORS,
-    Coefficients,
-    Compensator,
-    EnergyCompensator,
-    FixedCompensation,
-)
-from friction_audit.compensation.compensators.law import LONGEST_WINDOW, MODELS, Law
+from friction_audit.compensation.competitors import COMPENSATORS, Compensator, FixedCompensation
+from friction_audit.compensation.law import LONGEST_WINDOW, MODELS, Coefficients, EnergyCompensator, Law
 from friction_audit.errors import UsageError
 
 NOT_FORCED = Coefficients(coulomb_nm=nan, viscous_nms_per_rad=nan)

@@ -10,20 +10,20 @@ from numpy.typing import NDArray
 
 from friction_audit.compensation import result
 from friction_audit.compensation.closed_loop import SUMS, add_torque
-from friction_audit.compensation.compensators import (
-    Coefficients,
+from friction_audit.compensation.competitors import (
+    PUBLISHED,
     Compensator,
     DisturbanceObserver,
-    EnergyCompensator,
     JointModelCompensation,
     LugreCompensation,
     TorqueRegulation,
+    fit_sigmoid,
     guard_of,
 )
-from friction_audit.compensation.compensators.competitors import PUBLISHED, fit_sigmoid
 from friction_audit.compensation.controller import FIND, hand_cuts
 from friction_audit.compensation.counterfactual import Run, make_scene, recording_of
 from friction_audit.compensation.feed_forward import NO_MODEL, OF_FRICTION, refuse
+from friction_audit.compensation.law import Coefficients, EnergyCompensator
 from friction_audit.compensation.result import JointReplay, Replay, Signals
 from friction_audit.compensation.settings import FEED_BACK, MODEL, PANDAS, Competitor, Limits, ReplaySettings, limits_of
 from friction_audit.effects.joint_model import JointModel

@@ -2,19 +2,19 @@
 
 import math
 from dataclasses import dataclass, fields
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compensation.closed_loop import GIVEN_OUT, TALLY, Recorded
-from friction_audit.compensation.compensators import Coefficients, Compensator, EnergyCompensator
-from friction_audit.compensation.operator_fit import FittedOperator
+from friction_audit.compensation.competitors import Compensator
+from friction_audit.compensation.law import Coefficients, EnergyCompensator
 from friction_audit.compensation.records import ESTIMATED, GAP, NOT_MOVED
 from friction_audit.compensation.settings import Counterfactual, Limits
 from friction_audit.compiled import Record
 from friction_audit.effects.joint_model import JointModel
-from friction_audit.friction.history import JointFriction, TorqueRegression
+from friction_audit.friction.history import Coefficient, JointFriction, TorqueRegression
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.interaction import Caution
 
@@ -100,6 +100,15 @@ class Numbers:
     limited_fraction: float  # share of the samples at a limit of torque or rate
     cycles_to_converge: int | None  # cycles before the compensation stayed right, None if it never did
     diverged_s: float  # when the loop ran away, NaN if it did not [s]
+
+
+class FittedOperator(NamedTuple):
+    """Impedance of the person with its 95 % intervals; given ones have none."""
+
+    inertia: Coefficient
+    damping: Coefficient
+    stiffness: Coefficient
+    reversals: int = 0  # reversals it rests on; 0 if it was given
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

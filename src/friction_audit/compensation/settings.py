@@ -4,13 +4,8 @@ from dataclasses import dataclass, field, replace
 from math import inf
 from typing import Any
 
-from friction_audit.compensation.compensators import (
-    Compensator,
-    DisturbanceObserver,
-    EnergyCompensator,
-    TorqueRegulation,
-)
-from friction_audit.compensation.compensators.law import Checked, positive
+from friction_audit.compensation.competitors import Compensator, DisturbanceObserver, TorqueRegulation
+from friction_audit.compensation.law import Checked, EnergyCompensator, positive
 from friction_audit.effects.joint_model import ArmModel, JointModel
 from friction_audit.errors import UsageError
 from friction_audit.presets import PRESETS

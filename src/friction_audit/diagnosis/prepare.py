@@ -16,7 +16,7 @@ from friction_audit.diagnosis.data_audit import DataFinding, audit_clock, audit_
 from friction_audit.diagnosis.known_load import know_load, known_inertias
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.breakaway import find_breakaways, signed_rest
-from friction_audit.effects.joint_data import JointData, duration, grid_noise
+from friction_audit.effects.joint_data import JointData, grid_noise
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.friction.history import Coefficient, FrictionHistory
 from friction_audit.joint_log import DERIVATIVE, Float, JointLog, median_step
@@ -137,7 +137,7 @@ def spread_parts(data: JointData, most_s: float, known: dict[str, Any]) -> Joint
     A window would lose slow effects. From one part to the next the joint moves on along a cubic; that, what follows
     right after it and cycles that are not whole do not count. What all joints share is kept in ``known`` for the next.
     """
-    if (many := parts_of(duration(data), most_s)) == 1:
+    if (many := parts_of(float(np.ptp(data.t)), most_s)) == 1:
         return data
     rigid = data.rigid
     # The model of the arm is evaluated at every so many samples, of which each part begins with one.

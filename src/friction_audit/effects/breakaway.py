@@ -178,22 +178,24 @@ class Stiction(Effect):
             left = np.exp(-slid / path)
             yield from ((k, (aged[age] * left)[:, None]) for k, (age, own) in enumerate(many) if own == path)
 
-    def identifiable_part(self, data: JointData) -> tuple[Nonlinear, ...]:
-        """An excess that fades over a path shows after the start, however the torque rose at break-away."""
-        starts, _ = _starts(data)
-        enough = starts >= FEWEST_BREAKAWAYS
-        return tuple(at for at in self.grid(data) if enough and at["renewal_rad"] != AT_ONCE_RAD)
 
-    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
-        """The motion that is lacking for an excess that is gone at once."""
-        starts, telling = _starts(data)
-        if telling >= FEWEST_BREAKAWAYS:
-            return moves(data, nominal)
-        return (
-            f"the joint breaks away from a standstill {starts} times, {telling} of them under a torque that rises "
-            "slowly or falls after the start: let it stand still for a tenth of a second or more, then raise the "
-            f"torque slowly until it moves, at least {FEWEST_BREAKAWAYS} times"
-        )
+def lasting(data: JointData) -> tuple[Nonlinear, ...]:
+    """Return what any starts show: an excess that fades over a path, however the torque rose at break-away."""
+    starts, _ = _starts(data)
+    enough = starts >= FEWEST_BREAKAWAYS
+    return tuple(at for at in STICTION.grid(data) if enough and at["renewal_rad"] != AT_ONCE_RAD)
+
+
+def slow_starts(data: JointData, nominal: Nominal) -> str | None:
+    """The motion that is lacking for an excess that is gone at once."""
+    starts, telling = _starts(data)
+    if telling >= FEWEST_BREAKAWAYS:
+        return moves(data, nominal)
+    return (
+        f"the joint breaks away from a standstill {starts} times, {telling} of them under a torque that rises "
+        "slowly or falls after the start: let it stand still for a tenth of a second or more, then raise the "
+        f"torque slowly until it moves, at least {FEWEST_BREAKAWAYS} times"
+    )
 
 
 def _starts(data: JointData) -> tuple[int, int]:
@@ -237,6 +239,8 @@ STICTION = Stiction(
         Parameter("ageing_s", "s", "time constant at rest", lower=1e-4, upper=1e3),
         Parameter("renewal_rad", "rad", "path of the decay", lower=1e-7, upper=1.0),
     ),
+    not_identifiable=slow_starts,
+    identifiable_part=lasting,
     tries=lambda data: product(AGEINGS_S, (AT_ONCE_RAD, *shares_of_span(data, SPAN_SHARES))),
     record="start slowly at least 15 times after rests from 0.1 to 10 s",
     separate={

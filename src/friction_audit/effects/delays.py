@@ -8,7 +8,7 @@ import numpy as np
 
 from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.transmission import far_side, simple_torque
-from friction_audit.effects.effect import Effect, Nonlinear, Trait
+from friction_audit.effects.effect import Effect, Trait
 from friction_audit.effects.joint_data import JointData, Nominal, moves, reversals
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
@@ -43,21 +43,23 @@ class FrictionalLag(Effect):
                 stribeck = excess * far.coulomb_nm * (np.exp(-seen / fading) - now[fading])
                 yield place, (sign * (viscous + stribeck))[:, None]
 
-    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        """Viscous friction, and Stribeck friction of several sizes and widths, by all lags."""
-        usual = float(np.quantile(np.abs(data.dq), 0.95)) or 1.0
-        return self.points((lag, e, share * usual) for (e, share), lag in product(STRIBECK, LAGS_S.tolist()))
 
-    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
-        """Peak speeds of the cycles that differ by a tenth: one sinusoid cannot separate it from delay and inertia."""
-        if lacking := moves(data, nominal):
-            return lacking
-        cycle, speed = data.cycle[data.used], np.abs(data.dq[data.used])
-        peak = np.zeros(int(cycle.max()) + 1)
-        np.maximum.at(peak, cycle, speed)
-        peak = peak[np.unique(cycle)]
-        equal = "all motions are equally fast: repeat them at two or more clearly different speeds"
-        return equal if peak.std() < 0.1 * peak.mean() else None
+def lags(data: JointData) -> list[Sequence[float]]:
+    """Return viscous friction, and Stribeck friction of several sizes and widths, by all lags."""
+    usual = float(np.quantile(np.abs(data.dq), 0.95)) or 1.0
+    return [(lag, excess, share * usual) for (excess, share), lag in product(STRIBECK, LAGS_S.tolist())]
+
+
+def different_speeds(data: JointData, nominal: Nominal) -> str | None:
+    """Peak speeds of the cycles that differ by a tenth: one sinusoid cannot separate it from delay and inertia."""
+    if lacking := moves(data, nominal):
+        return lacking
+    cycle, speed = data.cycle[data.used], np.abs(data.dq[data.used])
+    peak = np.zeros(int(cycle.max()) + 1)
+    np.maximum.at(peak, cycle, speed)
+    peak = peak[np.unique(cycle)]
+    equal = "all motions are equally fast: repeat them at two or more clearly different speeds"
+    return equal if peak.std() < 0.1 * peak.mean() else None
 
 
 FRICTIONAL_LAG = FrictionalLag(
@@ -71,13 +73,16 @@ FRICTIONAL_LAG = FrictionalLag(
         Parameter("lag_speed_rad_s", "rad/s", "Stribeck velocity", lower=1e-4, upper=1e2),
     ),
     traits=Trait.NEEDS_NOMINAL,
+    not_identifiable=different_speeds,
+    tries=lags,
     possible=lambda found, _: 0.0 < found[0] <= LARGEST_SHARE,
     record="repeat motions of equal speed with different accelerations",
     separate={"time_delay": "repeat motions of equal speed with different accelerations, and carry a load"},
 )
 
 
-STEPS_S = np.geomspace(1e-3, 0.1, 13)
+STEPS_S = np.geomspace(1e-3, 0.1, 13).tolist()
+STEP = "delay_step_s"
 # Delay found over the delay for which jumps are right; a shorter delay than the shortest looks just like it.
 LEAST_SHARE = 0.5
 
@@ -103,15 +108,6 @@ class TimeDelay(Effect):
                 if bool(round(with_load)) is loaded:
                     yield place, (spline.ahead(-step / spacing) - rest)[:, None] / step
 
-    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        """All delays, of friction and inertia alone and, where there is a load, of all that the sensor bears."""
-        loads = (0.0,) if data.load is None else (0.0, 1.0)
-        return self.points((sign * step, load) for load, sign, step in product(loads, (1.0, -1.0), STEPS_S.tolist()))
-
-    def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
-        step = at["delay_step_s"]
-        return bool(LEAST_SHARE * (abs(step) > STEPS_S[0]) < coefficients[0] / step <= LARGEST_SHARE)
-
 
 TIME_DELAY = TimeDelay(
     name="time_delay",
@@ -119,13 +115,19 @@ TIME_DELAY = TimeDelay(
     axis="acceleration",
     coefficients=(Parameter("delay_s", "s", "delay of the torque", lower=-1.0, upper=1.0),),
     nonlinear=(
-        Parameter("delay_step_s", "s", "delay for which jumps are right", lower=-1.0, upper=1.0),
+        Parameter(STEP, "s", "delay for which jumps are right", lower=-1.0, upper=1.0),
         Parameter.choice("delayed_load", "1 if the load is late too", 0.0, 1.0),
     ),
     traits=Trait.NEEDS_NOMINAL,
-    coefficient_of=lambda at: at["delay_step_s"],
+    # All delays, of friction and inertia alone and, where there is a load, of all that the sensor bears.
+    tries=lambda data: (
+        (sign * step, load)
+        for load, sign, step in product((0.0, 1.0)[: 1 if data.load is None else 2], (1.0, -1.0), STEPS_S)
+    ),
+    possible=lambda found, at: LEAST_SHARE * (abs(at[STEP]) > STEPS_S[0]) < found[0] / at[STEP] <= LARGEST_SHARE,
+    coefficient_of=lambda at: at[STEP],
     forward="delay",
-    needs=reversals,
+    not_identifiable=reversals,
     record="reverse sharply at two or more clearly different speeds",
     separate={"joint_elasticity": "reverse sharply, slowly and fast: a spring rings, a delay shifts"},
 )

@@ -8,13 +8,13 @@ over the nonlinear parameters only. Effects whose formulas are alike share a mod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Flag, auto
+from typing import Any
 
 import numpy as np
 
 from friction_audit.dynamics.motion import Forward, Motion
 from friction_audit.effects.joint_data import JointData, Nominal, moves
 from friction_audit.effects.parameter import Parameter
-from friction_audit.effects.registry import FAMILIES
 from friction_audit.joint_log import Float
 
 # Values of nonlinear parameters by name: a point of the grid.
@@ -32,14 +32,14 @@ class Trait(Flag):
     EVEN = auto()  # neither it nor what its formula misses depends on the direction
 
 
-def free(at: Nonlinear) -> float:
-    """Refuse to say what a coefficient is that follows from nothing."""
-    raise NotImplementedError("the coefficients of this effect are free")
+def free(*_: object) -> Any:  # noqa: ANN401 - it returns nothing
+    """Refuse to say what an effect does not have: a coefficient that follows, or a formula in C++."""
+    raise NotImplementedError("the coefficients of this effect are free, or it has no formula in C++")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Effect:
-    """One effect; a subclass defines ``columns`` or ``columns_of_many`` and overrides what only it needs."""
+    """One effect; a subclass defines ``columns`` or ``columns_of_many``, and everything else is data."""
 
     name: str  # from the vocabulary of the program, or ``inertia``, ``coulomb``, ``viscous``, ``offset``
     label: str  # a few words for people
@@ -48,9 +48,12 @@ class Effect:
     coefficients: tuple[Parameter, ...] = ()
     nonlinear: tuple[Parameter, ...] = ()  # the other parameters
     traits: Trait = Trait.NONE
-    needs: Callable[[JointData, Nominal], str | None] = moves  # the motion that a log lacks, or None
-    # Values of the nonlinear parameters to try on a joint, in order; those that are lacking have none.
-    tries: Callable[[JointData], Iterable[Sequence[float]]] = lambda _: [()]
+    # Why a log cannot show it, i.e. which motion is lacking; None if it can.
+    not_identifiable: Callable[[JointData, Nominal], str | None] = moves
+    # The part of the grid that a log shows although ``not_identifiable`` says what it cannot.
+    identifiable_part: Callable[[JointData], tuple[Nonlinear, ...]] = lambda _: ()
+    # Nonlinear parameters to try on a joint, in order or by name; those that are lacking have none.
+    tries: Callable[[JointData], Iterable[Sequence[float] | Nonlinear]] = lambda _: [()]
     # Whether coefficients at a point of the grid are physically possible; above their lower bounds where None.
     possible: Callable[[Float, Nonlinear], bool] | None = None
     # Coefficient, where it follows from the nonlinear parameters, of one column that acts on the nominal torque.
@@ -71,6 +74,11 @@ class Effect:
     jumps: tuple[str, ...] = ()  # nonlinear parameters at whose value its torque jumps
     indistinguishable: tuple[str, ...] = ()  # effects that no motion of this kind separates from it
     part_of: tuple[str, ...] = ()  # effects that it may be a part of where they are found too
+    # Of a friction that follows from the velocity alone: its torque as an expression of C++ of the velocity ``dq``, its
+    # size ``pace`` and its sign ``way``, which is smooth at standstill. From all parameters in order, and the name of
+    # the array of ``cpp_table``, which the expression reads by ``between(table, place)``.
+    in_cpp: Callable[[Sequence[float], str], str] = free
+    cpp_table: Callable[[Sequence[float]], Float | None] = lambda _: None
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return the torque per unit of each coefficient, shape (n, p), at the nonlinear parameters in order."""
@@ -82,20 +90,8 @@ class Effect:
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """Return what ``tries`` says, by the names of the parameters; one empty mapping without any."""
-        return self.points(self.tries(data))
-
-    def points(self, many: Iterable[Sequence[float]]) -> tuple[Nonlinear, ...]:
-        """Return points of a grid, given the nonlinear parameters in order."""
-        names = [one.name for one in self.nonlinear]
-        return tuple(dict(zip(names, values, strict=False)) for values in many)
-
-    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
-        """Return why a log cannot show the effect, i.e. which motion is lacking; None if it can."""
-        return self.needs(data, nominal)
-
-    def identifiable_part(self, data: JointData) -> tuple[Nonlinear, ...]:
-        """Return the part of the grid that a log shows although ``not_identifiable`` says what it cannot."""
-        return ()
+        names, points = [one.name for one in self.nonlinear], self.tries(data)
+        return tuple(at if isinstance(at, Mapping) else dict(zip(names, at, strict=False)) for at in points)
 
     def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
         """Return whether coefficients are physically possible."""
@@ -121,29 +117,12 @@ class Effect:
         """Return the columns at one point."""
         return next(self.regressors(data, nominal, (at,)))[1]
 
-    def in_cpp(self, values: Sequence[float], table: str) -> str:
-        """Return the torque of a friction that follows from the velocity alone as an expression of C++.
-
-        Of the velocity ``dq``, its size ``pace`` and its sign ``way``, which is smooth at standstill, given all
-        parameters in order; ``table`` names the array of ``cpp_table``, read by ``between(table, place)``.
-        """
-        raise NotImplementedError(f"{self.name} has no formula in C++")
-
-    def cpp_table(self, values: Sequence[float]) -> Float | None:
-        """Return the numbers that the expression reads, or None."""
-        return None
-
     # Derived.
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """All parameters: coefficients, then nonlinear ones."""
         return self.coefficients + self.nonlinear
-
-    @property
-    def family(self) -> str:
-        """``velocity``, ``load and place``, ``sensors``, ``structure``, ``slow and events``; else ``nominal``."""
-        return next((family for family, members in FAMILIES.items() if self.name in members), "nominal")
 
     follows = property(lambda self: self.coefficient_of is not free)
     # A link between the measured side and that of inertia and friction.

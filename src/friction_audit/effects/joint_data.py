@@ -126,11 +126,6 @@ def shares_of_span(data: JointData, shares: Float) -> list[float]:
     return [float(width) for width in shares * (np.ptp(data.q) or 1.0)]
 
 
-def duration(data: JointData) -> float:
-    """Length of the log. [s]"""
-    return float(data.t[-1] - data.t[0])
-
-
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Nominal:
     """The nominal model as fitted to a joint: what columns may be built on, never the measured torque itself."""

@@ -2,7 +2,7 @@
 
 import json
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import chain, islice
 from math import isfinite
@@ -48,6 +48,11 @@ class FittedTerm:
         """Its effect: names, bounds and formula."""
         return term_of(self.name)
 
+    @property
+    def numbers(self) -> dict[str, float]:
+        """Its values by name."""
+        return {one.name: value for one, value in zip(self.effect.parameters, self.values, strict=True)}
+
     def torque(self, motion: Motion) -> Float:
         """Return the torque. [N m], shape (n,)."""
         return self.effect.torque(motion, self.values)
@@ -92,18 +97,13 @@ class JointModel:
 
     def torque(self, motion: Motion) -> Float:
         """Return the torque F_m + u that the motion takes. [N m], shape (n,)."""
-        return self.inertia_kg_m2 * motion.ddq + _sum(self.terms, self._known(motion))
-
-    def friction(self, motion: Motion) -> Float:
-        """Return the torque that the terms of friction take. [N m], shape (n,)."""
-        return _sum((term for term in self.terms if term.effect.friction), self._known(motion))
+        known = replace(motion, rest=self.rest(motion)) if motion.rest is None else motion
+        return np.asarray(self.inertia_kg_m2 * motion.ddq + sum(term.torque(known) for term in self.terms))
 
     def rest(self, motion: Motion) -> Float:
         """Return the torque that inertia, Coulomb and viscous friction take. [N m], shape (n,)."""
-        return self.inertia_kg_m2 * motion.ddq + _sum((term for term in self.terms if term.name in REST), motion)
-
-    def _known(self, motion: Motion) -> Motion:
-        return replace(motion, rest=self.rest(motion)) if motion.rest is None else motion
+        simple = sum(term.torque(motion) for term in self.terms if term.name in REST)
+        return np.asarray(self.inertia_kg_m2 * motion.ddq + simple)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -123,13 +123,6 @@ def simple_model(*, inertia_kg_m2: float, coulomb_nm: float, viscous_nms_per_rad
     """Return a model of inertia, Coulomb and viscous friction."""
     terms = (FittedTerm("coulomb", (coulomb_nm,)), FittedTerm("viscous", (viscous_nms_per_rad,)))
     return JointModel(inertia_kg_m2=inertia_kg_m2, terms=terms)
-
-
-def _sum(terms: Iterable[FittedTerm], motion: Motion) -> Float:
-    total = np.zeros(len(motion.t))
-    for term in terms:
-        total += term.torque(motion)
-    return total
 
 
 def save_model(model: ArmModel, path: Path, *, overwrite: bool = False) -> None:

@@ -36,15 +36,16 @@ class LoadDependentFriction(Effect):
         size = np.abs(load) ** exponent
         return np.stack([motion.direction * size, np.sign(load) * size * round(directed)]).T
 
-    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
-        if lacking := both_directions(data, nominal):
-            return lacking
-        if data.load is None:
-            return "the load is not known: log gravity or name the arm, and carry different loads over the same motion"
-        low, high = np.percentile(np.abs(data.load[data.used]), [5, 95])
-        if high - low < max(LEAST_CHANGE * high, abs(nominal.coulomb_nm)):
-            return f"the load varies from {low:.2g} to {high:.2g} N m only: change it threefold, by posture or payload"
-        return None
+
+def _changing_load(data: JointData, nominal: Nominal) -> str | None:
+    if lacking := both_directions(data, nominal):
+        return lacking
+    if data.load is None:
+        return "the load is not known: log gravity or name the arm, and carry different loads over the same motion"
+    low, high = np.percentile(np.abs(data.load[data.used]), [5, 95])
+    if high - low < max(LEAST_CHANGE * high, abs(nominal.coulomb_nm)):
+        return f"the load varies from {low:.2g} to {high:.2g} N m only: change it threefold, by posture or payload"
+    return None
 
 
 LOAD_DEPENDENT_FRICTION = LoadDependentFriction(
@@ -63,6 +64,7 @@ LOAD_DEPENDENT_FRICTION = LoadDependentFriction(
         ),
     ),
     traits=Trait.NEEDS_NOMINAL,
+    not_identifiable=_changing_load,
     # The load is all that goes through the gear, or what the link weighs: both are in the literature.
     tries=lambda _: ((p, d, *static) for d, p, static in product((0.0, 1.0), EXPONENTS, ((), (1.0,)))),
     possible=lambda found, _: found[0] > 0 and abs(found[1]) <= found[0],  # resists, whichever way the power flows
@@ -124,13 +126,14 @@ class GravityError(Effect):
                 found[:, PLACES[~independent(data)]] = 0.0
             yield place, found if several else found[:, :OF_ONE]
 
-    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        """The joint's angle, and what the model of the arm lets pull at it."""
-        rigid = data.rigid
-        links = () if rigid is None else tuple(k for n, k in enumerate(rigid.links) if rigid.weight[:, n].any())
-        several = (SEVERAL,) if np.count_nonzero(independent(data).reshape(len(OF_LINKS), -1).any(axis=1)) > 1 else ()
-        tilt = () if rigid is None else (TILT,)
-        return tuple({SOURCE: float(source)} for source in (OWN_ANGLE, *links, *several, *tilt))
+
+def sources(data: JointData) -> list[tuple[float]]:
+    """Return the joint's angle, and what the model of the arm lets pull at it."""
+    rigid = data.rigid
+    links = () if rigid is None else tuple(k for n, k in enumerate(rigid.links) if rigid.weight[:, n].any())
+    several = (SEVERAL,) if np.count_nonzero(independent(data).reshape(len(OF_LINKS), -1).any(axis=1)) > 1 else ()
+    tilt = () if rigid is None else (TILT,)
+    return [(float(source),) for source in (OWN_ANGLE, *links, *several, *tilt)]
 
 
 @lru_cache(maxsize=1)
@@ -182,7 +185,8 @@ GRAVITY_ERROR = GravityError(
     ),
     nonlinear=(Parameter.choice(SOURCE, "0 own angle, -1 base, -2 several links, else number of the link", SEVERAL),),
     traits=Trait.EVEN,
-    needs=partial(span, least_rad=0.3),
+    not_identifiable=partial(span, least_rad=0.3),
+    tries=sources,
     # Of either sign; of several links not what no arm carries.
     possible=lambda found, at: round(at[SOURCE]) != SEVERAL or bool(np.all(np.abs(found) <= MOST_KG)),
     record="move through at least 1.5 rad, with rests at several places",

@@ -30,21 +30,23 @@ class TorqueCrosstalk(Effect):
             columns[:, 1] = sensed[:, joint + 1]
         return columns
 
-    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        before, after = data.own_column > 0, data.own_column + 1 < data.others_torque.shape[1]
-        sides = ((-1.0, before), (1.0, after), (0.0, before and after))
-        return tuple({"crosstalk_side": side} for side, there in sides if there)
 
-    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
-        joint, joints = data.own_column, data.others_torque.shape[1]
-        neighbours = [k for k in (joint - 1, joint + 1) if 0 <= k < joints]
-        if not neighbours:
-            return "the log has one joint: record its neighbours too"
-        if lacking := moves(data, nominal):
-            return lacking
-        change = data.others_torque[data.used][:, neighbours].std(axis=0).max()
-        few = "the torque of the neighbours hardly changes: load them, also while this joint rests"
-        return few if change < CHANGE_PER_COULOMB * abs(nominal.coulomb_nm) else None
+def sides(data: JointData) -> list[tuple[float]]:
+    """Return the neighbours that there are, each and both."""
+    before, after = data.own_column > 0, data.own_column + 1 < data.others_torque.shape[1]
+    return [(side,) for side, there in ((-1.0, before), (1.0, after), (0.0, before and after)) if there]
+
+
+def _loaded_neighbours(data: JointData, nominal: Nominal) -> str | None:
+    joint, joints = data.own_column, data.others_torque.shape[1]
+    neighbours = [k for k in (joint - 1, joint + 1) if 0 <= k < joints]
+    if not neighbours:
+        return "the log has one joint: record its neighbours too"
+    if lacking := moves(data, nominal):
+        return lacking
+    change = data.others_torque[data.used][:, neighbours].std(axis=0).max()
+    few = "the torque of the neighbours hardly changes: load them, also while this joint rests"
+    return few if change < CHANGE_PER_COULOMB * abs(nominal.coulomb_nm) else None
 
 
 TORQUE_CROSSTALK = TorqueCrosstalk(
@@ -56,6 +58,8 @@ TORQUE_CROSSTALK = TorqueCrosstalk(
         Parameter("crosstalk_after", "1", "share of the next joint's torque"),
     ),
     nonlinear=(Parameter.choice("crosstalk_side", "-1 previous joint, 1 next joint, 0 both", -1, 1),),
+    not_identifiable=_loaded_neighbours,
+    tries=sides,
     possible=lambda found, _: bool(np.all(np.abs(found) < 1)),  # a sensor feels its own load best
     record="push against a neighbour while the arm rests",
     separate={"inertial_coupling": "move one joint at a time, then push against a neighbour at rest"},
@@ -100,30 +104,33 @@ class InertialCoupling(Effect):
                 columns[:, -INERTIAL_PARAMETERS:] = rigid.tip
         return columns
 
-    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        """The neighbours and the arm's model; sources with many coefficients where there are many cycles."""
-        joints, joint = data.others_dq.shape[1], data.own_column
-        model = data.rigid is not None and data.rigid.inertial is not None
-        columns = len(np.unique(data.cycle[data.used])) // CYCLES_PER_COLUMN
-        sources = (
-            (BEFORE, joint > 0),
-            (AFTER, joint + 1 < joints),
-            (BOTH, 0 < joint < joints - 1),
-            (ALL, joints > 1 and 2 * (joints - 1) <= columns),
-            (MODEL, model),
-            (TIP, model and columns >= 1 + INERTIAL_PARAMETERS),
-        )
-        return tuple({"coupling_source": float(source)} for source, there in sources if there)
 
-    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
-        other = np.delete(data.others_dq[data.valid], data.own_column, axis=1)
-        still = other.size == 0 or np.sqrt(np.mean(other**2, axis=0)).max() < data.dead_speed_rad_s
-        return "no other joint moves: move the neighbours, also while this joint rests" if still else None
+def sources(data: JointData) -> list[tuple[float]]:
+    """Return the neighbours and the arm's model; sources with many coefficients where there are many cycles."""
+    joints, joint = data.others_dq.shape[1], data.own_column
+    model = data.rigid is not None and data.rigid.inertial is not None
+    columns = len(np.unique(data.cycle[data.used])) // CYCLES_PER_COLUMN
+    tried = (
+        (BEFORE, joint > 0),
+        (AFTER, joint + 1 < joints),
+        (BOTH, 0 < joint < joints - 1),
+        (ALL, joints > 1 and 2 * (joints - 1) <= columns),
+        (MODEL, model),
+        (TIP, model and columns >= 1 + INERTIAL_PARAMETERS),
+    )
+    return [(float(source),) for source, there in tried if there]
 
-    def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
-        """Either sign is possible, for a rotor may turn against its neighbour; not that of what no arm carries."""
-        share, mass_kg = np.abs(coefficients[2 * JOINTS : 2 * JOINTS + 2])
-        return bool(share <= LARGEST_SHARE and mass_kg <= LARGEST_MASS_KG)
+
+def _moving_neighbours(data: JointData, _nominal: Nominal) -> str | None:
+    other = np.delete(data.others_dq[data.valid], data.own_column, axis=1)
+    still = other.size == 0 or np.sqrt(np.mean(other**2, axis=0)).max() < data.dead_speed_rad_s
+    return "no other joint moves: move the neighbours, also while this joint rests" if still else None
+
+
+def _of_a_body(found: Float, _: Nonlinear) -> bool:
+    """Either sign is possible, for a rotor may turn against its neighbour; not that of what no arm carries."""
+    share, mass_kg = np.abs(found[2 * JOINTS : 2 * JOINTS + 2])
+    return bool(share <= LARGEST_SHARE and mass_kg <= LARGEST_MASS_KG)
 
 
 INERTIAL_COUPLING = InertialCoupling(
@@ -149,5 +156,8 @@ INERTIAL_COUPLING = InertialCoupling(
             *(BEFORE, TIP),
         ),
     ),
+    not_identifiable=_moving_neighbours,
+    tries=sources,
+    possible=_of_a_body,
     record="move the neighbours one at a time, also while this joint rests",
 )

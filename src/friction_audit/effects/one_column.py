@@ -18,16 +18,12 @@ from friction_audit.joint_log import Float
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class OneColumn(Effect):
-    """An effect that is a coefficient times ``of`` the motion, shape (n,); ``cpp`` is that in C++, where there is."""
+    """An effect that is a coefficient times ``of`` the motion, shape (n,)."""
 
     of: Callable[[Motion], Float]
-    cpp: str = ""
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         return self.of(motion)[:, None]
-
-    def in_cpp(self, values: Sequence[float], table: str) -> str:
-        return f"{values[0]!r} * {self.cpp}" if self.cpp else super().in_cpp(values, table)
 
 
 def stated_inertia(data: JointData, nominal: Nominal) -> str | None:
@@ -55,7 +51,7 @@ NOMINAL = (
         coefficients=(Parameter("coulomb_nm", "N m", "friction at any speed", lower=0.0),),
         traits=Trait.FRICTION | Trait.SPEED_ONLY,
         of=lambda motion: motion.direction,  # 0 at rest, where friction is what holds the joint
-        cpp="way",
+        in_cpp=lambda values, _: f"{values[0]!r} * way",
     ),
     OneColumn(
         name="viscous",
@@ -64,7 +60,7 @@ NOMINAL = (
         coefficients=(Parameter("viscous_nms_per_rad", "N m s/rad", "friction per velocity", lower=0.0),),
         traits=Trait.FRICTION | Trait.SPEED_ONLY,
         of=lambda motion: motion.dq,
-        cpp="dq",
+        in_cpp=lambda values, _: f"{values[0]!r} * dq",
     ),
     OneColumn(
         name="offset",
@@ -82,7 +78,7 @@ ASYMMETRIC_COULOMB = OneColumn(
     axis="speed",
     coefficients=(Parameter("coulomb_half_difference_nm", "N m", "half of the difference, forward minus backward"),),
     traits=Trait.SPEED_ONLY | Trait.EXACT,
-    needs=both_directions,
+    not_identifiable=both_directions,
     record="pass the same places in both directions, with rests",
     separate={
         "torque_bias": "let the joint rest unloaded for 2 s: a bias is read at rest too, friction is not",
@@ -104,7 +100,7 @@ ASYMMETRIC_VISCOUS = OneColumn(
         Parameter("viscous_half_difference_nms_per_rad", "N m s/rad", "half of the difference, forward minus backward"),
     ),
     traits=Trait.SPEED_ONLY,
-    needs=both_directions,
+    not_identifiable=both_directions,
     record="pass the same places slowly and fast in both directions",
     separate={
         "torque_bias": "pass the same places slowly and fast in both directions",
@@ -119,7 +115,7 @@ TORQUE_BIAS = OneColumn(
     axis="time",
     coefficients=(Parameter("torque_bias_nm", "N m", "interaction torque as read without a load"),),
     traits=Trait.SPEED_ONLY | Trait.EXACT | Trait.EVEN,
-    needs=both_directions,
+    not_identifiable=both_directions,
     record="let the joint rest unloaded for 2 s",
     separate={
         "torque_drift": "zero the sensor and let the joint rest unloaded for 2 s early and late: a drift comes back"
@@ -134,7 +130,7 @@ INERTIA_ERROR = OneColumn(
     label="the stated inertia is wrong",
     axis="acceleration",
     coefficients=(Parameter("extra_inertia_kg_m2", "kg m^2", "true minus stated inertia"),),
-    needs=stated_inertia,
+    not_identifiable=stated_inertia,
     record="repeat the motions at two or more clearly different speeds",
     separate={"inertial_coupling": "move one joint at a time"},
     of=lambda motion: motion.ddq,

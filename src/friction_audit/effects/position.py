@@ -77,17 +77,18 @@ class PositionDependentFriction(Effect):
                     columns[0], columns[1] = bell * (c * cosine + s * sine), bell * (c * sine - s * cosine)
                 yield place, columns.T
 
-    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        """Waves from half a period over the range on, half a period apart; bells and waves under them, 1.5 apart."""
-        low, high = reach(data)
-        length = max(high - low, 1e-3)
-        waves = [{ORDER: float(np.pi / length * k)} for k in range(1, WAVES + 1)]
-        bells = [
-            {CENTRE: float(low + (k + 0.5) * 1.5 * length / parts), WIDTH: float(length / parts)}
-            for parts in PATCHES
-            for k in range(int(parts / 1.5))
-        ]
-        return (*waves, *bells, *({ORDER: 1.0 / bell[WIDTH], **bell} for bell in bells))
+
+def waves(data: JointData) -> list[Nonlinear]:
+    """Return waves from half a period over the range on, half a period apart; bells and waves under them, 1.5 apart."""
+    low, high = reach(data)
+    length = max(high - low, 1e-3)
+    wide = [{ORDER: float(np.pi / length * k)} for k in range(1, WAVES + 1)]
+    bells = [
+        {CENTRE: float(low + (k + 0.5) * 1.5 * length / parts), WIDTH: float(length / parts)}
+        for parts in PATCHES
+        for k in range(int(parts / 1.5))
+    ]
+    return [*wide, *bells, *({ORDER: 1.0 / bell[WIDTH], **bell} for bell in bells)]
 
 
 POSITION_DEPENDENT_FRICTION = PositionDependentFriction(
@@ -104,7 +105,8 @@ POSITION_DEPENDENT_FRICTION = PositionDependentFriction(
         Parameter(WIDTH, "rad", "half width of the stretch", lower=1e-4, default=EVERYWHERE, optional=True),
     ),
     traits=Trait.FRICTION,
-    needs=lambda data, nominal: both_directions(data, nominal) or span(data, nominal, 0.5),
+    tries=waves,
+    not_identifiable=lambda data, nominal: both_directions(data, nominal) or span(data, nominal, 0.5),
     record="pass every place four times in each direction",
     separate={
         "torque_ripple": "pass every place four times in each direction",
@@ -134,12 +136,14 @@ class TorqueRipple(Effect):
         wave = Wave(motion.q)
         yield from ((place, wave.of(order).T) for place, (order,) in enumerate(many))
 
-    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        first, last = order_range(data)
-        # Of the position while the joint moves: orders that differ by one over it are others.
-        spread = max(float(np.std(data.q[data.used])) if data.used.any() else 0.0, 1e-3)
-        step = np.clip((last - first) / MOST_ORDERS, FINEST / spread, COARSEST / spread)
-        return self.points((order,) for order in np.arange(first, last, step)[:MOST_ORDERS].tolist() or [first])
+
+def orders(data: JointData) -> list[tuple[float]]:
+    """Return orders so close to each other that none between two is missed, where the time of a search allows."""
+    first, last = order_range(data)
+    # Of the position while the joint moves: orders that differ by one over it are others.
+    spread = max(float(np.std(data.q[data.used])) if data.used.any() else 0.0, 1e-3)
+    step = np.clip((last - first) / MOST_ORDERS, FINEST / spread, COARSEST / spread)
+    return [(order,) for order in np.arange(first, last, step)[:MOST_ORDERS].tolist() or [first]]
 
 
 def order_range(data: JointData) -> tuple[float, float]:
@@ -159,7 +163,8 @@ TORQUE_RIPPLE = TorqueRipple(
         Parameter("ripple_sin_nm", "N m", "sine amplitude"),
     ),
     nonlinear=(Parameter("ripple_order", "1", "waves per revolution", lower=0.0, upper=1e5),),
-    needs=partial(span, least_rad=0.5),
+    not_identifiable=partial(span, least_rad=0.5),
+    tries=orders,
     record="pass slowly and steadily over five periods of the ripple",
     separate={"joint_elasticity": "repeat slow, steady motions at two speeds: a ripple's frequency goes with speed"},
 )
@@ -196,15 +201,15 @@ class CableSpring(Effect):
         for place, at in enumerate(grid):
             yield place, self.columns(motion, self.values(at)) if at else np.column_stack(straight)
 
-    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        """No free stretch, then all between edges but the one that leaves nothing, and the straight spring."""
-        low, high = reach(data)
-        # Whole numbers, for neighbours on a grid must not differ by rounding only.
-        pairs = [(a, b) for a in range(PARTS) for b in range(a + STEP, PARTS + 1, STEP) if b - a < PARTS]
-        places = [(PARTS, NONE), *((a + b, 0.5 * (b - a) / PARTS) for a, b in pairs)]
-        length = high - low
-        bent = self.points((low + 0.5 * twice / PARTS * length, free * length) for twice, free in places)
-        return (*bent, STRAIGHT)
+
+def free_stretches(data: JointData) -> list[Sequence[float] | Nonlinear]:
+    """Return no free stretch, then all between edges but the one that leaves nothing, and the straight spring."""
+    low, high = reach(data)
+    # Whole numbers, for neighbours on a grid must not differ by rounding only.
+    pairs = [(a, b) for a in range(PARTS) for b in range(a + STEP, PARTS + 1, STEP) if b - a < PARTS]
+    places = [(PARTS, NONE), *((a + b, 0.5 * (b - a) / PARTS) for a, b in pairs)]
+    length = high - low
+    return [*((low + 0.5 * twice / PARTS * length, free * length) for twice, free in places), STRAIGHT]
 
 
 CABLE_SPRING = CableSpring(
@@ -222,7 +227,8 @@ CABLE_SPRING = CableSpring(
         Parameter("cable_free_rad", "rad", "slack to either side", lower=0.0),
     ),
     traits=Trait.EVEN,
-    needs=partial(span, least_rad=0.8),
+    not_identifiable=partial(span, least_rad=0.8),
+    tries=free_stretches,
     possible=lambda found, _: found[0] > 0 and found[0] + found[1] > 0,  # still pulls back stretched by a radian
     record="move through all of the range",
     separate={
@@ -255,11 +261,13 @@ class JointLimitStop(Effect):
         columns[:, at] = up, -down, dq, dq * (up + down)
         return columns.T
 
-    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        low, high = float(data.q.min()), float(data.q.max())
-        length = high - low
-        tried = product(((1.0, 0.0), (0.0, 1.0), (1.0, 1.0)), DEPTHS, EXPONENTS)
-        return self.points((high - up * deep * length, low + down * deep * length, n) for (up, down), deep, n in tried)
+
+def stops(data: JointData) -> list[Sequence[float]]:
+    """Return a stop at the upper end, at the lower one and at both, at several depths."""
+    low, high = float(data.q.min()), float(data.q.max())
+    length = high - low
+    tried = product(((1.0, 0.0), (0.0, 1.0), (1.0, 1.0)), DEPTHS, EXPONENTS)
+    return [(high - up * deep * length, low + down * deep * length, n) for (up, down), deep, n in tried]
 
 
 JOINT_LIMIT_STOP = JointLimitStop(
@@ -279,7 +287,8 @@ JOINT_LIMIT_STOP = JointLimitStop(
         Parameter("stop_exponent", "1", "exponent of the depth", lower=0.5, upper=5.0),
     ),
     traits=Trait.EVEN,
-    needs=partial(span, least_rad=0.5),
+    not_identifiable=partial(span, least_rad=0.5),
+    tries=stops,
     possible=lambda found, _: min(found[:2]) >= 0 and found[0] + found[1] > 0,  # stops push back
     record="move through all of the range",
     separate={"contact_event": "go to the same place again: a stop is still there"},

@@ -113,7 +113,7 @@ PRESLIDING = Presliding(
         Parameter("bristle_damping_s", "s", "damping over stiffness", lower=0.0, upper=1.0),
     ),
     forward="bristle",
-    needs=reversals,
+    not_identifiable=reversals,
     tries=lambda data: ((reach, *kind) for kind, reach in product(KINDS, shares_of_span(data, SPAN_SHARES))),
     record="reverse at least 20 times, over short and long ways",
     separate={

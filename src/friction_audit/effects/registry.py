@@ -52,6 +52,7 @@ FAMILIES = {
 }
 MODULES = {name: module for members in FAMILIES.values() for name, module in members.items()}
 NAMES = tuple(MODULES)
+FAMILY_OF = {name: family for family, members in FAMILIES.items() for name in members}
 
 
 @cache

@@ -7,7 +7,7 @@ import numpy as np
 
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import Effect, Nonlinear, Trait
-from friction_audit.effects.joint_data import JointData, Nominal, both_directions, duration
+from friction_audit.effects.joint_data import JointData, Nominal, both_directions
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 
@@ -50,12 +50,13 @@ class TorqueDrift(Effect):
             waves[k] = np.sin(np.pi * share * (k + 0.5))
         return waves.T
 
-    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
-        length, found = duration(data), len(np.unique(data.cycle[data.used]))
-        needed = CYCLES_PER_HALF_TURN * WAVES
-        few = f"{found} cycles in {length:.0f} s: a drift is separated from slow motion over at least {needed} cycles"
-        short = length < SHORTEST_S or found < needed
-        return f"{few} and {SHORTEST_S:g} s" if short else both_directions(data, nominal)
+
+def _many_cycles(data: JointData, nominal: Nominal) -> str | None:
+    length, found = float(np.ptp(data.t)), len(np.unique(data.cycle[data.used]))
+    needed = CYCLES_PER_HALF_TURN * WAVES
+    few = f"{found} cycles in {length:.0f} s: a drift is separated from slow motion over at least {needed} cycles"
+    short = length < SHORTEST_S or found < needed
+    return f"{few} and {SHORTEST_S:g} s" if short else both_directions(data, nominal)
 
 
 TORQUE_DRIFT = TorqueDrift(
@@ -76,6 +77,7 @@ TORQUE_DRIFT = TorqueDrift(
         ),
     ),
     traits=Trait.EVEN,
+    not_identifiable=_many_cycles,
     tries=lambda _: ((float(waves),) for waves in range(1, WAVES + 1)),
     record="let the joint rest unloaded for 2 s early and late",
     separate={
@@ -101,16 +103,18 @@ class WarmUp(Effect):
         cold = np.exp(fading)
         return np.stack([motion.direction * cold, motion.dq * cold]).T
 
-    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        """Time constants by the length of the log; rates by the range of the temperature, where there is one."""
-        length, rise = duration(data), 0.0 if data.temperature is None else float(np.ptp(data.temperature))
-        by_temperature = [(FOREVER * length, decay / rise) for decay in DECAYS] if rise >= LEAST_K else []
-        return self.points([*((share * length, UNFELT_PER_K) for share in TIMES), *by_temperature])
 
-    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
-        length = duration(data)
-        short = f"{length:.0f} s are too short: record at least {SHORTEST_S:g} s from a cold start, slow and fast"
-        return short if length < SHORTEST_S else both_directions(data, nominal)
+def _coolings(data: JointData) -> list[Sequence[float]]:
+    """Return time constants by the length of the log; rates by the range of the temperature, where there is one."""
+    length, rise = float(np.ptp(data.t)), 0.0 if data.temperature is None else float(np.ptp(data.temperature))
+    by_temperature = [(FOREVER * length, decay / rise) for decay in DECAYS] if rise >= LEAST_K else []
+    return [*((share * length, UNFELT_PER_K) for share in TIMES), *by_temperature]
+
+
+def _long_enough(data: JointData, nominal: Nominal) -> str | None:
+    length = float(np.ptp(data.t))
+    short = f"{length:.0f} s are too short: record at least {SHORTEST_S:g} s from a cold start, slow and fast"
+    return short if length < SHORTEST_S else both_directions(data, nominal)
 
 
 WARM_UP = WarmUp(
@@ -126,6 +130,8 @@ WARM_UP = WarmUp(
         Parameter("warm_up_per_k", "1/K", "share lost per kelvin", lower=0.0, upper=100.0),
     ),
     traits=Trait.FRICTION,
+    not_identifiable=_long_enough,
+    tries=_coolings,
     possible=lambda found, _: bool(np.any(found > 0)),  # a cold joint has more friction of one kind at least
     record="record from a cold start, slow and fast motions early and late",
     separate={
@@ -145,17 +151,19 @@ class FrictionStep(Effect):
         ramp = np.clip(0.5 + later / length, 0.0, 1.0) if length > 0.0 else (later >= 0.0).astype(np.float64)
         return np.stack([motion.direction * ramp, motion.dq * ramp]).T
 
-    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        length = duration(data)
-        steps = [(k / MOMENTS, AT_ONCE) for k in range(2, MOMENTS - 1)]
-        ramps = [(k / RAMPS, LENGTH) for k in range(1, RAMPS)]
-        start = float(data.t[0])
-        return self.points((start + share * length, part * length) for share, part in (*steps, *ramps))
 
-    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
-        found = len(np.unique(data.cycle[data.used]))
-        few = f"{found} cycles: record at least {FEWEST_CYCLES}, 4 on either side of the change"
-        return few if found < FEWEST_CYCLES else both_directions(data, nominal)
+def _moments(data: JointData) -> list[Sequence[float]]:
+    """Return steps at many _moments, and ramps at some."""
+    start, length = float(data.t[0]), float(np.ptp(data.t))
+    steps = [(k / MOMENTS, AT_ONCE) for k in range(2, MOMENTS - 1)]
+    ramps = [(k / RAMPS, LENGTH) for k in range(1, RAMPS)]
+    return [(start + share * length, part * length) for share, part in (*steps, *ramps)]
+
+
+def _cycles_around(data: JointData, nominal: Nominal) -> str | None:
+    found = len(np.unique(data.cycle[data.used]))
+    few = f"{found} cycles: record at least {FEWEST_CYCLES}, 4 on either side of the change"
+    return few if found < FEWEST_CYCLES else both_directions(data, nominal)
 
 
 FRICTION_STEP = FrictionStep(
@@ -171,6 +179,8 @@ FRICTION_STEP = FrictionStep(
         Parameter("step_length_s", "s", "duration of the change", lower=0.0),
     ),
     traits=Trait.FRICTION,
+    not_identifiable=_cycles_around,
+    tries=_moments,
     record="record at least 4 cycles before and after the change",
     separate={"contact_event": "record at least 4 cycles before and after the moment: a contact passes"},
 )

@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.effect import Effect, Nonlinear, Trait
+from friction_audit.effects.effect import Effect, Trait
 from friction_audit.effects.joint_data import JointData, Nominal, both_directions, speed_range, speeds
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
@@ -47,10 +47,6 @@ class Stribeck(Effect):
         fading = np.exp(-(np.abs(motion.dq / speed) ** exponent))
         return np.asarray(motion.direction * fading)[:, None]
 
-    def in_cpp(self, values: Sequence[float], table: str) -> str:
-        excess, speed, exponent = values
-        return f"{excess!r} * way * std::exp(-std::pow(pace / {speed!r}, {exponent!r}))"
-
 
 STRIBECK = Stribeck(
     name="stribeck",
@@ -62,8 +58,9 @@ STRIBECK = Stribeck(
         Parameter("stribeck_exponent", "1", "Stribeck exponent", lower=0.2, upper=5.0),
     ),
     traits=Trait.FRICTION | Trait.SPEED_ONLY,
-    needs=partial(speed_range, ratio=8.0),
+    not_identifiable=partial(speed_range, ratio=8.0),
     tries=lambda data: product(low_speeds(data, 8, STRIBECK_RAD_S), EXPONENTS),
+    in_cpp=lambda v, _: f"{v[0]!r} * way * std::exp(-std::pow(pace / {v[1]!r}, {v[2]!r}))",
     record="move steadily at speeds that differ by a factor of 8, very slow to fast",
     separate={
         "nonlinear_viscous": "move steadily at speeds that differ by a factor of 8 and more, very slow to fast",
@@ -100,22 +97,22 @@ class NonlinearViscous(Effect):
             friction = friction * ((speed**2 + pace**2) / (speed**2 + 1.0)) ** (exponent / 2.0)
         return np.asarray(motion.direction * friction[:-1] / friction[-1])[:, None]
 
-    def in_cpp(self, values: Sequence[float], table: str) -> str:
-        torque, exponent, speed, sharpness = values
-        squares = f"({speed * speed!r} + pace * pace) / {speed * speed + 1.0!r}"
-        if sharpness == 0.0:
-            return f"{torque!r} * way * pace * std::pow({squares}, {(exponent - 1.0) / 2.0!r})"
-        steep, per_angle = float(np.exp(-0.5 * sharpness)) / speed, (TABLE - 1) / (np.pi / 2.0)
-        here, at_one = (f"between({table}, std::atan({x} * {steep!r}) * {per_angle!r})" for x in ("pace", "1.0"))
-        return f"{torque!r} * way * {here} / {at_one} * std::pow({squares}, {exponent / 2.0!r})"
 
-    def cpp_table(self, values: Sequence[float]) -> Float | None:
-        return bend_table(CARREAU * np.exp(values[-1])) if values[-1] else None
+def nonlinear_viscous_in_cpp(values: Sequence[float], table: str) -> str:
+    """Return the formula of ``NonlinearViscous`` in C++."""
+    torque, exponent, speed, sharpness = values
+    squares = f"({speed * speed!r} + pace * pace) / {speed * speed + 1.0!r}"
+    if sharpness == 0.0:
+        return f"{torque!r} * way * pace * std::pow({squares}, {(exponent - 1.0) / 2.0!r})"
+    steep, per_angle = float(np.exp(-0.5 * sharpness)) / speed, (TABLE - 1) / (np.pi / 2.0)
+    here, at_one = (f"between({table}, std::atan({x} * {steep!r}) * {per_angle!r})" for x in ("pace", "1.0"))
+    return f"{torque!r} * way * {here} / {at_one} * std::pow({squares}, {exponent / 2.0!r})"
 
-    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        (fast,) = speeds(data, 95.0).tolist()
-        powers = [(n, NO_BEND * fast) for n in POWERS]
-        return self.points([*powers, *product([0.0], (BENDS * fast).tolist(), SHARPNESSES)])
+
+def curves(data: JointData) -> list[Sequence[float]]:
+    """Return plain powers, and friction that saturates at some speeds of the log."""
+    (fast,) = speeds(data, 95.0).tolist()
+    return [*((n, NO_BEND * fast) for n in POWERS), *product([0.0], (BENDS * fast).tolist(), SHARPNESSES)]
 
 
 def bend(pace: Float, freedom: float) -> Float:
@@ -150,9 +147,12 @@ NONLINEAR_VISCOUS = NonlinearViscous(
         ),
     ),
     traits=Trait.FRICTION | Trait.SPEED_ONLY,
-    needs=partial(speed_range, ratio=5.0),
+    not_identifiable=partial(speed_range, ratio=5.0),
     # A curve that flattens must rise: if it fell, friction would fall steeply with speed, which is Stribeck's.
     possible=lambda found, at: found[0] > 0 or at["curved_viscous_exponent"] > 1.0,
+    tries=curves,
+    in_cpp=nonlinear_viscous_in_cpp,
+    cpp_table=lambda values: bend_table(CARREAU * np.exp(values[-1])) if values[-1] else None,
     record="move at speeds that differ by a factor of 5 and more",
     separate={
         "time_delay": "repeat motions of equal speed with different accelerations",
@@ -177,14 +177,15 @@ class UnloggedCompensation(Effect):
             return -(np.sign(speed) * (np.abs(speed) > 1.0))[:, None]
         return np.asarray(np.tanh(skew) - np.tanh(speed + skew))[:, None]
 
-    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
-        """The numbers or the motion that are lacking: less of a fitted friction is all that a compensator leaves."""
-        if "coulomb_nm" in nominal.declared:
-            return both_directions(data, nominal)
-        return (
-            "the friction was fitted to this log, and a compensator makes it less: state Coulomb friction "
-            '(--joint-model with held = ["coulomb"]), or log the commanded torque'
-        )
+
+def stated_friction(data: JointData, nominal: Nominal) -> str | None:
+    """The numbers or the motion that are lacking: less of a fitted friction is all that a compensator leaves."""
+    if "coulomb_nm" in nominal.declared:
+        return both_directions(data, nominal)
+    return (
+        "the friction was fitted to this log, and a compensator makes it less: state Coulomb friction "
+        '(--joint-model with held = ["coulomb"]), or log the commanded torque'
+    )
 
 
 UNLOGGED_COMPENSATION = UnloggedCompensation(
@@ -198,6 +199,7 @@ UNLOGGED_COMPENSATION = UnloggedCompensation(
         Parameter.choice("unlogged_form", "0 smooth, 1 dead band", 0.0, 1.0),
     ),
     traits=Trait.SPEED_ONLY,
+    not_identifiable=stated_friction,
     tries=lambda data: ((w, *form) for w, form in product(low_speeds(data, 6, WIDTH_RAD_S), FORMS)),
     record="log the commanded torque",
     jumps=("unlogged_width_rad_s",),

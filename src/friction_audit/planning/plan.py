@@ -20,12 +20,12 @@ from friction_audit.friction.history import Coefficient
 from friction_audit.io.writers.tables import Trajectory
 from friction_audit.pipeline import estimate_log
 from friction_audit.planning import design
-from friction_audit.planning.motion import Candidate, Limits, candidates_of
+from friction_audit.planning.design import Candidate, Limits, candidates_of
 from friction_audit.planning.task import AUTO, Arm, Joint, Task, reference, subject_of, term_of_block
 from friction_audit.simulation import BenchSettings, Hidden, simulate
 from friction_audit.simulation.effects import HiddenEffect
 from friction_audit.simulation.effects.effect import NoEqualError, Setting
-from friction_audit.simulation.hide import EQUALS, equal_of, near_of
+from friction_audit.simulation.hide import EQUALS, near_of
 from friction_audit.simulation.strokes import Prescribed, starts_of
 
 DURATION_S = 120.0
@@ -200,10 +200,11 @@ def answer(plan: JointPlan, name: str, terms: Sequence[FittedTerm]) -> Answer:
 
 def _hidden(term: FittedTerm, joint: Joint, settings: BenchSettings) -> tuple[HiddenEffect, bool] | None:
     """Return the simulator's effect and whether it equals a term; None for one that a joint alone does not show."""
-    if EQUALS[term.name].needs_neighbours:
+    effect, outer = EQUALS[term.name], settings.operator.inertia_kg_m2
+    if effect.needs_neighbours:
         return None
-    outer = settings.operator.inertia_kg_m2
+    setting = Setting(joint.parameters, 0.0, not joint.hand, settings.duration_s, outer)
     try:
-        return equal_of(term, Setting(joint.parameters, 0.0, not joint.hand, settings.duration_s, outer)), True
+        return effect.make(effect.from_parameters(term.numbers, setting)), True
     except (NoEqualError, UsageError):
         return near_of(term), False

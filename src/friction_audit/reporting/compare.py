@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import inf, isnan
-from operator import attrgetter
 from typing import Any
 
 from friction_audit.compensation.comparison.result import Row
@@ -23,7 +22,7 @@ VALUE = Record(Column("value", float, "mean, or median"), CI95)
 
 
 def _measured(name: str, meaning: str) -> Column:
-    return Column(name, VALUE, meaning, lambda row: row.interval(attrgetter(name)))
+    return Column(name, VALUE, meaning, lambda row: row.interval(name))
 
 
 def _shown(text: Callable[[Row], str], title: str, unit: str = "") -> Column:
@@ -34,7 +33,7 @@ def _shown(text: Callable[[Row], str], title: str, unit: str = "") -> Column:
 
 def _with_interval(name: str, factor: float, digits: int) -> Callable[[Row], str]:
     def text(row: Row) -> str:
-        value, low, _ = row.interval(attrgetter(name))
+        value, low, _ = row.interval(name)
         half = "" if isnan(low) else f" ± {factor * (value - low):.{digits}f}"
         return NOTHING if isnan(value) else f"{factor * value:.{digits}f}{half}"
 

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from friction_audit.compensation.compensators import Compensator, EnergyCompensator, JointModelCompensation
+from friction_audit.compensation.competitors import Compensator, JointModelCompensation
+from friction_audit.compensation.law import EnergyCompensator
 from friction_audit.compensation.result import STATUSES, JointReplay, Signals
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.friction.history import Coefficient
@@ -50,7 +51,7 @@ def _compensator(compensator: Compensator) -> dict[str, Any]:
 
 def _terms(terms: Iterable[FittedTerm]) -> dict[str, dict[str, float]]:
     """Return the terms by name, each its numbers by name, as a model file has them."""
-    return {one.name: dict(zip((p.name for p in one.effect.parameters), one.values, strict=True)) for one in terms}
+    return {one.name: one.numbers for one in terms}
 
 
 FITTED = Record(

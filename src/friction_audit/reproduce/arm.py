@@ -1,6 +1,6 @@
 """Figs 12 to 14: a Panda guided by a hand, whose speed ends the cycles of all joints; and five methods."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -8,10 +8,10 @@ import numpy as np
 from friction_audit.compensation.comparison import METHODS, SCENES, Comparison, compare
 from friction_audit.compensation.comparison.methods import FULL, PAPER
 from friction_audit.compensation.comparison.result import Row
-from friction_audit.compensation.comparison.trial import Outcome
 from friction_audit.joint_log import Float
 from friction_audit.reproduce.one_joint import BAND
-from friction_audit.reproduce.reproduction import SECOND, Claim, Progress, Simulations, share, spread
+from friction_audit.reproduce.reproduction import SECOND, Claim, Simulations, share, spread
+from friction_audit.simulation.bench import Progress
 
 # Slope of the cyclic energies, over that of the first two cycles, up to which they count as no longer rising.
 SLOPE_BOUND = 0.1
@@ -86,8 +86,8 @@ def rows_of(comparison: Comparison, role: str) -> list[Row]:
     return [row for row in rows if row is not None]
 
 
-def means_of(rows: Sequence[Row], measure: Callable[[Outcome], float]) -> list[float]:
-    """Return the mean of a measure of each method."""
+def means_of(rows: Sequence[Row], measure: str) -> list[float]:
+    """Return the mean of a measure, by its name, of each method."""
     return [row.interval(measure).value for row in rows]
 
 
@@ -106,7 +106,7 @@ OWN = {PAPER: "", FULL: "own experiment, the observer compensates all that it ob
 def order(comparison: Comparison, role: str) -> Claim:
     """Check the order of the methods by the slope of the net energy."""
     rows = rows_of(comparison, role)
-    slopes = means_of(rows, lambda outcome: outcome.energy_slope_w)
+    slopes = means_of(rows, "energy_slope_w")
     falls = np.diff(slopes) < 0.0
     claim = "the net energy rises most without compensation, then model-based, disturbance observer, torque regulation"
     return Claim(
@@ -120,7 +120,7 @@ def order(comparison: Comparison, role: str) -> Claim:
 def keeps(comparison: Comparison) -> Claim:
     """Check that the proposed method keeps the net energy."""
     none, *_, proposed = rows_of(comparison, PAPER)
-    slope, alone = means_of((proposed, none), lambda outcome: outcome.energy_slope_w)
+    slope, alone = means_of((proposed, none), "energy_slope_w")
     kept, stable = slope / alone, proposed.stable_share
     return Claim(
         "13", "the proposed method keeps the net energy after two cycles", "maintains the energy value",
@@ -132,8 +132,8 @@ def keeps(comparison: Comparison) -> Claim:
 def peaks(comparison: Comparison) -> Claim:
     """Check the order of the methods by the largest torque."""
     rows = rows_of(comparison, PAPER)[:-1]
-    drawn = means_of(rows, lambda outcome: outcome.drawn_peak_nm)
-    raw, falls = means_of(rows, lambda outcome: outcome.peak_torque_nm), np.diff(drawn) < 0.0
+    drawn = means_of(rows, "drawn_peak_nm")
+    raw, falls = means_of(rows, "peak_torque_nm"), np.diff(drawn) < 0.0
     return Claim(
         "14", "the largest torque falls from none to model-based, disturbance observer, torque regulation",
         "none > model > DOB > torque regulation",
@@ -146,7 +146,7 @@ def peaks(comparison: Comparison) -> Claim:
 def plateaus(comparison: Comparison, role: str) -> Claim:
     """Check which method leaves least of the plateaus of Coulomb friction."""
     rows = rows_of(comparison, role)
-    left = [abs(mean) for mean in means_of(rows, lambda outcome: outcome.coulomb_left)]
+    left = [abs(mean) for mean in means_of(rows, "coulomb_left")]
     return Claim(
         "14", f"{OWN[role]}the proposed method leaves least of the plateaus of Coulomb friction",
         "significantly reduced, outperforms the others", in_words(rows, left, 1.0, "of it left"),

@@ -7,11 +7,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.compensation.compensators import EnergyCompensator
 from friction_audit.compensation.controller import run
+from friction_audit.compensation.law import EnergyCompensator
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures.paper import Course
 from friction_audit.simulation import simulate
+from friction_audit.simulation.bench import Progress
 from friction_audit.simulation.scenarios import PAPER_SCENARIOS
 from friction_audit.simulation.settings import CONTROL_RATE_HZ, Simulation
 
@@ -61,7 +62,6 @@ def within(figure: str, claim: str, paper: str, ours: str, error: float, bound: 
 
 
 Simulations = Mapping[str, Any]  # by name of the scenario, one simulation per seed; "fig13": the comparison
-Progress = Callable[[float], None]  # receives the share that is done, 0 to 1
 
 
 class Reproduction(NamedTuple):

@@ -4,8 +4,8 @@ from dataclasses import field, replace
 
 import numpy as np
 
-from friction_audit.compensation.compensators.law import Checked, within
 from friction_audit.compensation.controller import CYCLE_STATE
+from friction_audit.compensation.law import Checked, within
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.robot import STANDARD_GRAVITY, load_arm

@@ -12,7 +12,7 @@ from math import inf, isfinite, nan
 from types import NoneType, UnionType
 from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
 
-from friction_audit.compensation.compensators.law import kind_name
+from friction_audit.compensation.law import kind_name
 from friction_audit.errors import UsageError
 from friction_audit.joint_numbers import require_joints, split_joints, write_joint_numbers
 

@@ -6,8 +6,8 @@ from math import atan2, hypot, inf, pi
 
 import numpy as np
 
-from friction_audit.compensation.compensators import Compensator
-from friction_audit.compensation.compensators.law import Checked, positive, within
+from friction_audit.compensation.competitors import Compensator
+from friction_audit.compensation.law import Checked, positive, within
 from friction_audit.compensation.records import FIELDS, TRACE, fresh_memory, pack as pack_compensators
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
@@ -159,7 +159,7 @@ def assemble(settings: SomeSettings, ticks: int, start: Float, streams: Streams)
     for j, table in enumerate(drawn):
         events[j, : len(table)] = table
     pairs = zip(settings.joints, hidden, strict=True)
-    rows = [_Joint(**{item.name: getattr(one, item.name) for item in fields(one)}, hidden=own) for one, own in pairs]
+    rows = [_Joint(**vars(one), hidden=own) for one, own in pairs]
     two_sided = [h.joint_elasticity.compliance_rad_per_nm != 0.0 or h.backlash.gap_rad != 0.0 for h in hidden]
     free = [row.hidden.presliding.displacement_rad != 0.0 and row.coulomb_nm > 0.0 for row in rows]
     states = np.zeros(n, STATE)

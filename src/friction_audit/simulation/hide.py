@@ -110,15 +110,15 @@ def _groups(joint: JointModel, setting: Setting, where: str) -> dict[str, Hidden
     for term in joint.terms:
         if term.name in NOMINAL:
             continue
-        about = f"{where}: {term.name}"
+        about, effect = f"{where}: {term.name}", EQUALS[term.name]
         try:
-            found = equal_of(term, setting)
+            found = effect.make(effect.from_parameters(term.numbers, setting))
         except NoEqualError as reason:
             why = f"the simulator has no equal of it: {reason}"
             todo = "take the term out of the file, or hide a like effect by --effect"
             raise UsageError(f"{about}: {why}; {todo}") from None
         except UsageError as error:
-            wrong = str(error).removeprefix(f"--effect {EQUALS[term.name].name}: ")
+            wrong = str(error).removeprefix(f"--effect {effect.name}: ")
             raise UsageError(f"{about}: {wrong}") from error
         if found.name in groups:
             raise UsageError(f"{about}: another term is a {found.name} already; put them together in the file")
@@ -126,23 +126,13 @@ def _groups(joint: JointModel, setting: Setting, where: str) -> dict[str, Hidden
     return groups
 
 
-def equal_of(term: FittedTerm, setting: Setting) -> HiddenEffect:
-    """Return the hidden effect that equals a term; raise NoEqualError where the simulator has none."""
-    effect = EQUALS[term.name]
-    return effect.make(effect.from_parameters(_values_of(term), setting))
-
-
 def near_of(term: FittedTerm) -> HiddenEffect:
     """Return the hidden effect next to a term: numbers that mean the same are taken over, the others are as usual."""
-    effect, values = EQUALS[term.name], _values_of(term)
+    effect, values = EQUALS[term.name], term.numbers
     likes = {one.name: values.get(one.metadata["like"]) for one in fields(effect) if one.name != FORM}
     near: Given = {
         own.name: min(max(value, own.lower), own.upper)
         for own in effect.parameters()
-        if (value := likes[own.name]) is not None and (value or own.name != effect.strength_name())
+        if (value := likes[own.name]) is not None and (value or own.name != effect.strength_name)
     }
     return effect.make(near)
-
-
-def _values_of(term: FittedTerm) -> dict[str, float]:
-    return {p.name: value for p, value in zip(term.effect.parameters, term.values, strict=True)}

@@ -5,7 +5,7 @@ from math import isqrt, pi
 
 import numpy as np
 
-from friction_audit.compensation.compensators.law import FINITE, Checked, positive, within
+from friction_audit.compensation.law import FINITE, Checked, positive, within
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.simulation.strokes import (

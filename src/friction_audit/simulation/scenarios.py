@@ -3,8 +3,8 @@
 import re
 from dataclasses import dataclass, replace
 
-from friction_audit.compensation.compensators import Coefficients, EnergyCompensator, FixedCompensation
-from friction_audit.compensation.compensators.law import PUBLISHED
+from friction_audit.compensation.competitors import FixedCompensation
+from friction_audit.compensation.law import PUBLISHED, Coefficients, EnergyCompensator
 from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.bench import BenchSettings, HandGuidedPanda, Operator, Progress
 from friction_audit.simulation.effects import Hidden

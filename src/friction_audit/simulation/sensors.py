@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.compensation.compensators import guard_of
+from friction_audit.compensation.competitors import guard_of
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float, JointLog, Source
 from friction_audit.simulation.effects.load_and_place import gravity_error_nm, ripple_reading_nm

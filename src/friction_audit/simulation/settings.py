@@ -6,8 +6,8 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from friction_audit.compensation.compensators import Compensator
-from friction_audit.compensation.compensators.law import Checked, positive, within
+from friction_audit.compensation.competitors import Compensator
+from friction_audit.compensation.law import Checked, positive, within
 from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.joint_log import Float, JointLog
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from friction_audit.compensation.compensators.law import FINITE, Checked, positive, within
+from friction_audit.compensation.law import FINITE, Checked, positive, within
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 
@@ -88,8 +88,13 @@ class StopAndGo(Checked):
         """Return the strokes that fit between two rests at the ticks of the controller; at rest if not one fits."""
         rows, speeds = [(0.0, REST_S, 0.0, 0.0)], list[float]()  # start, duration [s], origin, signed length [rad]
         begin, place, direction = REST_S, 0.0, 1.0
+        sigma = np.sqrt(np.log1p(self.speed_spread**2))
         while True:
-            speeds = speeds or _draw_speeds(self, rng)
+            if not speeds:  # those of the next strokes: log-normal, stratified, within the limits
+                ranks = (rng.permutation(STRATA) + rng.uniform(TINY, 1.0, STRATA)) / STRATA
+                deviates = np.array([NormalDist().inv_cdf(rank) for rank in ranks])
+                drawn = self.speed_rad_s * np.exp(sigma * deviates - sigma**2 / 2)
+                speeds = np.clip(drawn, *self.speed_limits_rad_s).tolist()
             speed = speeds.pop()
             way = _draw_length(self, speed, place, direction, rng)
             needed = PEAK * abs(way) / speed
@@ -102,15 +107,6 @@ class StopAndGo(Checked):
         start, lasts, origin, length = strokes[latest(strokes[:, 0], t)].T
         x = np.clip((t - start) / lasts, 0.0, 1.0)
         return Intention(origin + length * course(x), length / lasts * slope(x))
-
-
-def _draw_speeds(settings: StopAndGo, rng: np.random.Generator) -> list[float]:
-    """Draw the peak speeds of the next strokes: log-normal, stratified, within the limits."""
-    ranks = (rng.permutation(STRATA) + rng.uniform(TINY, 1.0, STRATA)) / STRATA
-    sigma = np.sqrt(np.log1p(settings.speed_spread**2))
-    deviates = np.array([NormalDist().inv_cdf(rank) for rank in ranks])
-    speeds = settings.speed_rad_s * np.exp(sigma * deviates - sigma**2 / 2)
-    return [float(speed) for speed in np.clip(speeds, *settings.speed_limits_rad_s)]
 
 
 def _draw_length(settings: StopAndGo, speed: float, place: float, direction: float, rng: np.random.Generator) -> float:
@@ -202,9 +198,9 @@ class Stroke(NamedTuple):
     rest_s: float  # rest afterwards [s]
 
     @property
-    def moving_s(self) -> float:
-        """How long it takes, without the rest. [s]"""
-        return abs(self.way_rad) / self.speed_rad_s + self.ease_s
+    def duration_s(self) -> float:
+        """How long it takes with the rest. [s]"""
+        return abs(self.way_rad) / self.speed_rad_s + self.ease_s + self.rest_s
 
 
 class Prescribed(Checked):
@@ -231,8 +227,7 @@ class Prescribed(Checked):
 
 def starts_of(settings: Prescribed) -> Float:
     """Return when each stroke begins, and when the last rest ends, shape (m + 1,). [s]"""
-    lasts = [one.moving_s + one.rest_s for one in settings.strokes]
-    return settings.start_s + np.concatenate([[0.0], np.cumsum(lasts)])
+    return settings.start_s + np.cumsum([0.0, *(one.duration_s for one in settings.strokes)])
 
 
 SHORTEST_M = 1e-3  # a hand that reaches less far stands still

@@ -5,7 +5,6 @@ from dataclasses import replace
 from math import ceil, inf, isinf, sqrt
 from typing import Any
 
-from friction_audit.compensation.comparison import trial
 from friction_audit.compensation.comparison.methods import (
     BEST,
     FULL,
@@ -17,12 +16,25 @@ from friction_audit.compensation.comparison.methods import (
     Scene,
     Tuning,
 )
-from friction_audit.compensation.comparison.result import Comparison, Curve, Point, Row
+from friction_audit.compensation.comparison.result import (
+    Comparison,
+    Course,
+    Curve,
+    Outcome,
+    Point,
+    Reference,
+    Row,
+    find_loss,
+    find_reference,
+    make_course,
+    mean_interval,
+    measure,
+)
 from friction_audit.parallel import in_processes, workers_for
+from friction_audit.simulation.bench import Progress
 from friction_audit.simulation.scenarios import simulate
 from friction_audit.simulation.settings import SomeSettings
 
-Progress = Callable[[float], None]  # receives the share that is done, 0 to 1
 REFERRED, SWEPT, TRIED = 0.05, 0.3, 0.6  # shares that are done, about, after the stages before the margins
 FIRST_TUNING_SEED = 10_000  # the sweeps are made for other persons than those that are reported
 LARGEST = 32.0  # factor of the gain up to which a stability margin is searched; more is of no interest
@@ -86,10 +98,10 @@ class _Trials:
         self.scene, self.first, self.progress, self._share = scene, seeds[0], progress, 0.0
         idle = scene.compensated(NO_COMPENSATION)
 
-        def refer(place: int) -> tuple[trial.Reference, trial.Outcome, trial.Course]:
+        def refer(place: int) -> tuple[Reference, Outcome, Course]:
             simulation = simulate(idle, seeds[place])
-            reference = trial.find_reference(simulation)
-            return reference, trial.measure(simulation, reference), trial.make_course(simulation, reference)
+            reference = find_reference(simulation)
+            return reference, measure(simulation, reference), make_course(simulation, reference)
 
         # Of each seed: the reference, and outcome and course of that trial, which is the one without compensation. The
         # first is made here: the loops that it compiles or loads are then those of all processes.
@@ -129,16 +141,14 @@ class _Trials:
             curves.append(Curve(method.name, method.label, sweep.name, sweep.axis, tuple(points)))
         return tuple(curves)
 
-    def of(
-        self, tunings: Sequence[Tuning], seeds: Sequence[int], until: float
-    ) -> list[list[tuple[trial.Outcome, Any]]]:
+    def of(self, tunings: Sequence[Tuning], seeds: Sequence[int], until: float) -> list[list[tuple[Outcome, Any]]]:
         """Return the outcome of every tuning and seed, and the course of the first person who is reported, or None."""
         settings = [self.scene.compensated(tuning) for tuning in tunings if tuning is not NO_COMPENSATION]
 
-        def work(one: SomeSettings, seed: int) -> tuple[trial.Outcome, trial.Course | None]:
+        def work(one: SomeSettings, seed: int) -> tuple[Outcome, Course | None]:
             simulation, reference = simulate(one, seed), self.idle[seed][0]
-            course = trial.make_course(simulation, reference) if seed == self.first else None
-            return trial.measure(simulation, reference), course
+            course = make_course(simulation, reference) if seed == self.first else None
+            return measure(simulation, reference), course
 
         tried, idle = iter(self._each(work, settings, seeds, until)), [self.idle[seed][1:] for seed in seeds]
         return [idle if tuning is NO_COMPENSATION else next(tried) for tuning in tunings]
@@ -152,7 +162,7 @@ class _Trials:
         def margin(one: SomeSettings, seed: int) -> float:
             def holds(factor: float) -> bool:
                 scaled = replace(one, compensator=one.compensator.scaled(factor))
-                return isinf(trial.find_loss(simulate(scaled, seed), self.idle[seed][0]))
+                return isinf(find_loss(simulate(scaled, seed), self.idle[seed][0]))
 
             return find_margin(holds)
 
@@ -161,7 +171,12 @@ class _Trials:
 
 def choose_best(points: Sequence[Point]) -> Point:
     """Return the point of all sweeps with fewest losses and, of these, the energy slope closest to zero."""
-    return min(points, key=lambda point: (point.losses, point.interval(lambda one: abs(one.energy_slope_w)).value))
+
+    def badness(point: Point) -> tuple[int, float]:
+        slopes = [abs(one.energy_slope_w) for one in point.outcomes if one.stable]
+        return point.losses, mean_interval(slopes).value
+
+    return min(points, key=badness)
 
 
 def find_margin(holds: Callable[[float], bool]) -> float:

@@ -6,17 +6,16 @@ from functools import partial
 from itertools import count
 from typing import Any, NamedTuple
 
-from friction_audit.compensation.compensators import (
+from friction_audit.compensation.competitors import (
+    PUBLISHED,
     Compensator,
     DisturbanceObserver,
-    EnergyCompensator,
     FixedCompensation,
-    Guard,
     LugreCompensation,
     TorqueRegulation,
+    fit_sigmoid,
 )
-from friction_audit.compensation.compensators.competitors import PUBLISHED, fit_sigmoid
-from friction_audit.compensation.compensators.law import payback_s
+from friction_audit.compensation.law import EnergyCompensator, Guard, payback_s
 from friction_audit.compensation.settings import limits_of
 from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.bench import PANDA_JOINTS, BenchSettings
@@ -114,13 +113,11 @@ Modelled = Callable[[Joint, float, float], Compensator]
 
 def _scaled(law: Modelled, scale: float) -> Tuning:
     """Return a law with the true Coulomb and viscous friction times a scale."""
-
-    def make(joint: Joint) -> Compensator:
-        return law(joint, scale * joint.parameters.coulomb_nm, scale * joint.parameters.viscous_nms_per_rad)
-
-    if scale == 1.0:
-        return Tuning("right", "the true friction", make)
-    return Tuning(f"{100 * (scale - 1):+.0f} %", f"friction {scale:g} times the true one", make)
+    words = f"{100 * (scale - 1):+.0f} %", f"friction {scale:g} times the true one"
+    return Tuning(
+        *(("right", "the true friction") if scale == 1.0 else words),
+        lambda joint: law(joint, scale * joint.parameters.coulomb_nm, scale * joint.parameters.viscous_nms_per_rad),
+    )
 
 
 def _model_based(name: str, label: str, law: Modelled, meaning: str, other: Callable[[Joint], Compensator]) -> Method:
@@ -158,11 +155,13 @@ def _regulation(gain: float) -> Tuning:
 
 
 def _energy(window: float) -> Tuning:
-    def make(joint: Joint) -> Compensator:
-        guard = asdict(joint.guard) | {"passivity": True, "payback_s": joint.payback_s}
-        return EnergyCompensator(model="combined", window=int(window), **guard)
-
-    return Tuning(f"k = {window:g}", f"estimated from {window:g} cycles", make)
+    return Tuning(
+        f"k = {window:g}",
+        f"estimated from {window:g} cycles",
+        lambda joint: EnergyCompensator(
+            window=int(window), **asdict(replace(joint.guard, passivity=True, payback_s=joint.payback_s))
+        ),
+    )
 
 
 # A compensator that does nothing, but counts the cycles.

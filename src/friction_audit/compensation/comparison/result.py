@@ -1,16 +1,182 @@
-"""Mean or median of a measure over seeds, and how well it is known."""
+"""One method, one tuning, one person: what the person would have noticed; and means and medians over persons."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import astuple, dataclass
 from itertools import takewhile
 from math import isfinite, nan, sqrt
-from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from friction_audit.compensation.comparison.methods import Tuning
-from friction_audit.compensation.comparison.trial import Course, Outcome
+from friction_audit.errors import AnalysisError
+from friction_audit.joint_log import Float
+from friction_audit.simulation.settings import CONTROL_RATE_HZ, Simulation, TrueMotion
+
+VIBRATION_S = 0.1  # what is faster than a moving average over this time is no motion of a person. [s]
+RINGING_SHARE = 0.5  # share of a second
+# Speed above which a joint counts as moving: the paper's threshold for the end of a cycle. [rad/s]
+MOVING_RAD_S = 0.05
+REST_S = 0.3
+# The last ``SETTLED_S`` of rests that last ``REST_S`` without compensation show what does not come to rest.
+SETTLED_S = 0.1
+SECOND = 1  # row of the second cycle
+DRAWN_HZ = 10.0  # low-pass of torques as Figs 8, 11 and 14 draw them: above what a person moves. [Hz]
+FEWEST = 4  # cycles that it takes to see a slope after the second
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Reference:
+    """What all trials of a seed are held against: the trial without compensation."""
+
+    ends: NDArray[np.intp]  # ticks at which its cycles end, shape (m,)
+    resting: NDArray[np.bool_]  # ticks at which its joints are about to have rested for long, shape (n + 1, j)
+    rms_torque_nm: Float  # its rms interaction torque after the second cycle, shape (j,) [N m]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Course:
+    """What figures show of a trial; n samples, j joints."""
+
+    t: Float  # time, shape (n,) [s]
+    dq: Float  # velocity, shape (n, j) [rad/s]
+    interaction_nm: Float  # interaction torque, shape (n, j) [N m]
+    energy_j: Float  # net energy that the person has put in, of all joints, shape (n,) [J]
+    from_s: float  # end of the second cycle [s]
+    lost_s: float  # when the loop was lost, or infinity [s]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Outcome:
+    """Measures of a trial, all but the slope after the second cycle; of an arm, sums or the worst of its joints."""
+
+    stable: bool  # False if the loop diverged or rang
+    lost_s: float  # when it did, or infinity [s]
+    energy_slope_w: float  # slope of the net energy at the ends of the cycles, from the second on; all joints [W]
+    peak_torque_nm: float  # largest interaction torque of any joint [N m]
+    drawn_peak_nm: float  # the same as the paper draws it: low-passed, of the joint that takes most torque [N m]
+    rms_torque_nm: float  # root of the mean square of the interaction torque, summed over joints [N m]
+    vibration_nm: float  # the same of its part that is faster than a person moves [N m]
+    standstill_rad_s: float  # rms speed where the joint would have rested without compensation [rad/s]
+    chatter_nm: float  # rms change of the compensator's torque from tick to tick there [N m]
+    coulomb_left: float  # Coulomb friction that the person feels, over the joint's; mean of the joints
+    viscous_left: float  # likewise viscous friction
+    inertia_left: float  # likewise the motor's inertia
+
+
+def find_reference(simulation: Simulation) -> Reference:
+    """Return what the trials of a seed are held against, from one whose compensator does nothing but count cycles."""
+    motion, cycle = simulation.truth.motion, simulation.truth.compensators["cycle"][:, 0]
+    ends = np.flatnonzero(np.diff(cycle)) + 1
+    if len(ends) < FEWEST:
+        raise AnalysisError(
+            f"compare: seed {simulation.truth.seed}: {len(ends)} cycles in {motion.t[-1]:g} s, expected at least "
+            f"{FEWEST}; choose a longer --duration"
+        )
+    resting = np.stack([_settled(column) for column in (motion.inner_dq == 0.0).T], axis=1)
+    return Reference(ends=ends, resting=resting, rms_torque_nm=_rms(motion.interaction_nm[ends[SECOND] :]))
+
+
+def _settled(at_rest: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return where a long rest is about to end, shape (n,)."""
+    edges = np.diff(np.concatenate([[0], at_rest.view(np.int8), [0]]))
+    marks = np.zeros(len(at_rest), dtype=np.bool_)
+    for start, stop in zip(np.flatnonzero(edges == 1), np.flatnonzero(edges == -1), strict=True):
+        if stop - start >= REST_S * CONTROL_RATE_HZ:
+            marks[stop - int(SETTLED_S * CONTROL_RATE_HZ) : stop] = True
+    return marks
+
+
+def measure(simulation: Simulation, reference: Reference) -> Outcome:
+    """Return the measures of a trial."""
+    from scipy.signal import butter, sosfiltfilt
+
+    low_pass = butter(2, DRAWN_HZ, fs=CONTROL_RATE_HZ, output="sos")
+    motion, after, resting = simulation.truth.motion, reference.ends[SECOND], reference.resting
+    torque, lost, ends = motion.interaction_nm, find_loss(simulation, reference), reference.ends[SECOND:]
+    felt = np.array([feel(motion, joint, after) for joint in range(torque.shape[1])])
+    true = np.array([astuple(one.at_link)[:3] for one in simulation.truth.settings.joints])
+    changes = np.diff(motion.compensation_nm + motion.passivity_nm, axis=0, prepend=0.0)
+    left = dict(
+        zip(("inertia_left", "coulomb_left", "viscous_left"), np.mean(felt / true, axis=0).tolist(), strict=True)
+    )
+    return Outcome(
+        stable=bool(np.isinf(lost)),
+        lost_s=lost,
+        energy_slope_w=float(np.polyfit(motion.t[ends], net_energy_j(motion)[ends], 1)[0]),
+        peak_torque_nm=float(np.abs(torque[after:]).max()),
+        drawn_peak_nm=float(np.abs(sosfiltfilt(low_pass, torque[:, np.argmax(reference.rms_torque_nm)])[after:]).max()),
+        rms_torque_nm=float(np.hypot.reduce(_rms(torque[after:]))),
+        vibration_nm=float(np.hypot.reduce(_rms(vibration_nm(torque)[after:]))),
+        standstill_rad_s=float(_rms(motion.inner_dq[resting])),
+        chatter_nm=float(_rms(changes[resting])),
+        **left,
+    )
+
+
+def net_energy_j(motion: TrueMotion) -> Float:
+    """Return the energy that the person has put into all joints, shape (n + 1,). [J]"""
+    from scipy.integrate import cumulative_trapezoid
+
+    power = np.einsum("ij,ij->i", motion.interaction_nm, motion.dq)
+    return np.asarray(cumulative_trapezoid(power, motion.t, initial=0))
+
+
+def vibration_nm(torque_nm: Float) -> Float:
+    """Return the part of a torque that is faster than a person moves, shape (n, j) as given. [N m]"""
+    from scipy.ndimage import uniform_filter1d
+
+    return np.asarray(torque_nm - uniform_filter1d(torque_nm, int(VIBRATION_S * CONTROL_RATE_HZ) + 1, axis=0))
+
+
+def feel(motion: TrueMotion, joint: int, after: int) -> Float:
+    """Return inertia, Coulomb and viscous friction that the interaction torque of a moving joint shows, shape (3,)."""
+    dq = motion.inner_dq[after:, joint]
+    rows = np.abs(dq) > MOVING_RAD_S
+    dq, ddq, torque = dq[rows], motion.inner_ddq[after:, joint][rows], motion.interaction_nm[after:, joint][rows]
+    columns = np.stack([ddq, np.sign(dq), dq, np.ones_like(dq)], axis=1)
+    return np.asarray(np.linalg.lstsq(columns, torque, rcond=None)[0][:3])
+
+
+def find_loss(simulation: Simulation, reference: Reference) -> float:
+    """Return when a loop was lost, or infinity: when its compensator gives up, or when it rings. [s]
+
+    It rings when for half of a second a torque vibrates by more than the rms effort that the joint takes without any
+    compensation, a sinusoid by an rms of just that.
+    """
+    motion, second = simulation.truth.motion, int(CONTROL_RATE_HZ)
+    unstable = simulation.truth.compensators["unstable"].any(axis=1)
+    loud = np.abs(vibration_nm(motion.interaction_nm)) > reference.rms_torque_nm
+    counts = np.cumsum(loud, axis=0, dtype=np.float64)
+    before = np.zeros_like(counts)
+    before[second:] = counts[:-second]
+    rings = (counts - before > RINGING_SHARE * second).any(axis=1)
+    lost = np.flatnonzero(unstable | rings)
+    return float(motion.t[lost[0]]) if len(lost) else np.inf
+
+
+def make_course(simulation: Simulation, reference: Reference) -> Course:
+    """Return what figures show of a trial, up to where it was lost."""
+    motion, lost = simulation.truth.motion, find_loss(simulation, reference)
+    shown = motion.t <= lost
+    return Course(
+        t=motion.t[shown],
+        dq=motion.dq[shown],
+        interaction_nm=motion.interaction_nm[shown],
+        energy_j=net_energy_j(motion)[shown],
+        from_s=float(motion.t[reference.ends[SECOND]]),
+        lost_s=lost,
+    )
+
+
+def _rms(values: Float) -> Float:
+    """Return the root of the mean square along the first axis, NaN of none."""
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.sqrt(np.divide(np.sum(values**2, axis=0), len(values))))
+
+
+# Over persons.
 
 CONFIDENCE = 0.95
 
@@ -52,19 +218,14 @@ class Tried:
     tuning: Tuning
     outcomes: tuple[Outcome, ...]  # one per seed
 
-    @property
-    def losses(self) -> int:
-        """Number of seeds that lost the loop."""
-        return sum(not outcome.stable for outcome in self.outcomes)
+    # Number of seeds that lost the loop, share of those that did not, and when it was lost in the former. [s]
+    losses = property(lambda self: sum(not one.stable for one in self.outcomes))
+    stable_share = property(lambda self: 1.0 - self.losses / len(self.outcomes))
+    lost_s = property(lambda self: tuple(one.lost_s for one in self.outcomes if isfinite(one.lost_s)))
 
-    @property
-    def stable_share(self) -> float:
-        """Share of the seeds in which the loop held."""
-        return 1.0 - self.losses / len(self.outcomes)
-
-    def interval(self, measure: Callable[[Outcome], float]) -> Interval:
-        """Return mean and interval of a measure over the seeds in which the loop held."""
-        return mean_interval([measure(outcome) for outcome in self.outcomes if outcome.stable])
+    def interval(self, measure: str) -> Interval:
+        """Return mean and interval of a measure, by its name, over the seeds in which the loop held."""
+        return mean_interval([getattr(outcome, measure) for outcome in self.outcomes if outcome.stable])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -72,16 +233,7 @@ class Point(Tried):
     """One value of a sweep, tried by the persons who are not reported."""
 
     value: float
-
-    @property
-    def stable(self) -> bool:
-        """True if no seed lost the loop."""
-        return self.losses == 0
-
-    @property
-    def energy_slope_w(self) -> Interval:
-        """Slope of the net energy. [W]"""
-        return self.interval(attrgetter("energy_slope_w"))
+    stable = property(lambda self: self.losses == 0)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -115,16 +267,8 @@ class Row(Tried):
     # for, 0 if the loop is lost as it is
     margins: tuple[float, ...]
     course: Course  # what figures show of the first seed
-
-    @property
-    def margin(self) -> Interval:
-        """Median of the stability margins; NaN if none was looked for."""
-        return median_interval(self.margins)
-
-    @property
-    def lost_s(self) -> tuple[float, ...]:
-        """When the loop was lost, of the seeds in which it was. [s]"""
-        return tuple(outcome.lost_s for outcome in self.outcomes if isfinite(outcome.lost_s))
+    # Median of the stability margins; NaN if none was looked for.
+    margin = property(lambda self: median_interval(self.margins))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -138,15 +282,6 @@ class Comparison:
     margin_seeds: tuple[int, ...]  # seeds for which stability margins were looked for
     rows: tuple[Row, ...]  # methods and tunings, in the order of the methods
     curves: tuple[Curve, ...]  # the sweeps
-
-    def of_role(self, role: str) -> list[Row]:
-        """Return the rows of a role."""
-        return [row for row in self.rows if row.role == role]
-
-    @property
-    def loaded_joint(self) -> int:
-        """Column of the joint that takes most torque to move without compensation."""
-        return int(np.argmax((self.rows[0].course.interaction_nm ** 2).mean(axis=0)))
 
     def row(self, method: str, role: str) -> Row | None:
         """Return the row of a method and a role; a method without sweep is at its best as it is."""

@@ -6,6 +6,7 @@ from math import isfinite
 from textwrap import fill
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -38,7 +39,7 @@ def draw_comparison(comparison: Comparison) -> dict[str, Figure]:
 
 def _draw_energies(comparison: Comparison) -> Figure:
     """Draw the net energies of all methods over time, in one panel as in the paper."""
-    rows, figure = comparison.of_role(PAPER), parts.new_figure(theme.COLUMN_IN, 2.9)
+    rows, figure = [row for row in comparison.rows if row.role == PAPER], parts.new_figure(theme.COLUMN_IN, 2.9)
     axes = figure.subplots()
     parts.mark_zero(axes)
     for row in rows:
@@ -61,7 +62,9 @@ GROUND = "#c8c8c8"  # colour of the curve without compensation, which all others
 
 def _draw_loops(comparison: Comparison) -> Figure:
     """Draw torque over velocity after the second cycle, a panel for every method over the curve without any."""
-    rows, joint = comparison.of_role(PAPER), comparison.loaded_joint
+    rows = [row for row in comparison.rows if row.role == PAPER]
+    # The joint that takes most torque to move without compensation.
+    joint = int(np.argmax((rows[0].course.interaction_nm ** 2).mean(axis=0)))
     figure, panels = parts.grid([1.3] * len(rows), ACROSS, theme.COLUMN_IN, 0.3, sharex=True, sharey=True)
     for axes, row in zip(panels, rows, strict=True):
         parts.mark_zero(axes, x=True, lw=0.3, zorder=0)
@@ -98,7 +101,7 @@ def _draw_all_sweeps(comparison: Comparison) -> Figure:
         sweeps = [curve for curve in comparison.curves if curve.method == method]
         parts.mark_zero(axes)
         if none is not None:
-            slope = MILLI * none.interval(lambda outcome: outcome.energy_slope_w).value
+            slope = MILLI * none.interval("energy_slope_w").value
             axes.axhline(slope, color=theme.MUTED, lw=0.6, ls=(0, (1, 1)), zorder=1)
         parts.label_panel(axes, sweeps[0].label)  # before the scale, whose ticks are its own
         _draw_sweeps(axes, sweeps)
@@ -116,11 +119,12 @@ def _draw_sweeps(axes: Axes, sweeps: Sequence[Curve]) -> None:
     for number, sweep in enumerate(sweeps):
         held = [point for point in sweep.points if point.stable]
         look: theme.Look = {"marker": MARKERS[number], "alpha": SHADES[number], "color": LOOKS[sweep.method][0]}
-        slopes = [MILLI * point.energy_slope_w.value for point in held]
+        slopes = [MILLI * point.interval("energy_slope_w").value for point in held]
         axes.plot([one.value for one in held], slopes, ms=2.6, mew=0, lw=0.8, zorder=3, label=sweep.name, **look)
         for neighbour, lost in (*pairwise(sweep.points), *pairwise(reversed(sweep.points))):
             if neighbour.stable and not lost.stable:
-                axes.plot(lost.value, MILLI * neighbour.energy_slope_w.value, ms=3.5, mew=0.8, zorder=4, **LOST)
+                slope = MILLI * neighbour.interval("energy_slope_w").value
+                axes.plot(lost.value, slope, ms=3.5, mew=0.8, zorder=4, **LOST)
     if not any(sweep.points[-1].stable for sweep in sweeps):
         # From the first value on from which every loop is always lost.
         ends = [list(takewhile(lambda point: not point.stable, reversed(sweep.points))) for sweep in sweeps]
@@ -151,9 +155,9 @@ def _draw_summary(comparison: Comparison) -> Figure:
     for row in rows:
         alone = sum(other.label == row.label for other in rows) == 1
         place = labels.index(row.label) + (0.0 if alone else SHIFTS[row.role])
-        slope = row.interval(lambda outcome: outcome.energy_slope_w)
+        slope = row.interval("energy_slope_w")
         _draw_interval(left, row, place, Interval(*(MILLI * end for end in slope)))
-        _draw_interval(right, row, place, row.interval(lambda outcome: outcome.rms_torque_nm))
+        _draw_interval(right, row, place, row.interval("rms_torque_nm"))
     for axes, title in ((left, "(a) slope [mW]"), (right, "(b) rms torque [N m]")):
         parts.mark_zero(axes, x=True, y=False)
         parts.label_panel(axes, title, across=4)

@@ -7,9 +7,9 @@ from functools import partial
 from math import inf, isclose, nan, sqrt
 from typing import Any, ClassVar, NamedTuple, Self, dataclass_transform
 
-from friction_audit.compensation.compensators.law import kind_name
+from friction_audit.compensation.law import kind_name
 from friction_audit.effects.parameter import Parameter
-from friction_audit.effects.registry import effect_of, near_names
+from friction_audit.effects.registry import FAMILY_OF, effect_of, near_names
 from friction_audit.errors import UsageError
 from friction_audit.simulation.settings import JointParameters
 
@@ -70,15 +70,14 @@ class HiddenEffect:
     same_law: ClassVar[str | None] = None
     stands_for: ClassVar[tuple[str, ...]] = ()  # other terms of a joint model that it equals
     name: ClassVar[str] = ""
+    strength_name: ClassVar[str]  # of the parameter that switches it off at zero
+    family: ClassVar[str] = ""  # ``velocity``, ``load and place``, ``sensors``, ``structure`` or ``slow and events``
 
     def __init_subclass__(cls) -> None:
         cls.name = kind_name(cls)
+        cls.family = FAMILY_OF.get(cls.name, "")
         dataclass(frozen=True, kw_only=True)(cls)
-
-    @classmethod
-    def family(cls) -> str:
-        """Return ``velocity``, ``load and place``, ``sensors``, ``structure`` or ``slow and events``."""
-        return effect_of(cls.name).family
+        cls.strength_name = fields(cls)[0].name
 
     @classmethod
     def parameters(cls) -> tuple[Parameter, ...]:
@@ -88,16 +87,11 @@ class HiddenEffect:
             about = dict(item.metadata)
             if like := alike.get(about.pop("like")):
                 # The strength may be zero: then there is no effect.
-                about["lower"] = min(like.lower, 0.0) if item.name == cls.strength_name() else like.lower
+                about["lower"] = min(like.lower, 0.0) if item.name == cls.strength_name else like.lower
                 about["upper"] = like.upper if like.upper == inf else min(like.upper, LARGEST)
                 about["unit"] = like.unit
             found.append(Parameter(item.name, **about))
         return tuple(found)
-
-    @classmethod
-    def strength_name(cls) -> str:
-        """Return the name of the parameter that switches it off at zero."""
-        return fields(cls)[0].name
 
     @classmethod
     def make(cls, given: Mapping[str, str | float]) -> Self:
@@ -135,7 +129,7 @@ class HiddenEffect:
     @property
     def hidden(self) -> bool:
         """True if it does anything."""
-        return bool(getattr(self, self.strength_name()) != 0.0)
+        return bool(getattr(self, self.strength_name) != 0.0)
 
     def values(self) -> dict[str, Any]:
         """Return its parameters by name, the form as its word."""

@@ -225,20 +225,6 @@ class JointLimitStop(HiddenEffect):
     form: int = SPRING_DAMPER
 
 
-@compiled()
-def _wall_push(group: Record, depth: float, inward: float) -> float:
-    """Return how hard one wall pushes back, not negative."""
-    if group.form == EXPONENTIAL_WALL:
-        depth = WIDTH_RAD * math.exp(min(depth / WIDTH_RAD, HIGHEST_EXPONENT))
-        return float(group.stiffness_nm_per_rad * depth * max(0.0, 1.0 + inward * group.damping_s / WIDTH_RAD))
-    if depth <= 0.0:
-        return 0.0
-    if group.form == QUADRATIC_WALL:
-        push = depth * depth / REFERENCE_RAD * max(0.0, 1.0 + inward * group.damping_s / REFERENCE_RAD)
-        return float(group.stiffness_nm_per_rad * push)
-    return float(group.stiffness_nm_per_rad * max(0.0, depth + group.damping_s * inward))
-
-
 @compiled(inline=True)
 def limit_stop_nm(group: Record, q: float, velocity: float) -> float:
     """Return the torque of both walls, on the motor's side of the sensor. [N m]
@@ -247,4 +233,15 @@ def limit_stop_nm(group: Record, q: float, velocity: float) -> float:
     (Colgate and Brown 1994), quadratic with the damping of Hunt and Crossley (1975), exponential as a repulsive
     potential that is felt before the stop.
     """
-    return _wall_push(group, -group.at_rad - q, -velocity) - _wall_push(group, q - group.at_rad, velocity)
+    torque, stiffness, damping = 0.0, group.stiffness_nm_per_rad, group.damping_s
+    for side in (-1.0, 1.0):
+        depth, inward, push = side * q - group.at_rad, side * velocity, 0.0
+        if group.form == EXPONENTIAL_WALL:
+            width = WIDTH_RAD * math.exp(min(depth / WIDTH_RAD, HIGHEST_EXPONENT))
+            push = stiffness * width * max(0.0, 1.0 + inward * damping / WIDTH_RAD)
+        elif depth > 0.0 and group.form == QUADRATIC_WALL:
+            push = stiffness * (depth * depth / REFERENCE_RAD * max(0.0, 1.0 + inward * damping / REFERENCE_RAD))
+        elif depth > 0.0:
+            push = stiffness * max(0.0, depth + damping * inward)
+        torque -= side * push
+    return torque

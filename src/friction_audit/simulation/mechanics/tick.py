@@ -16,8 +16,7 @@ from friction_audit.compiled import Record, compiled
 from friction_audit.joint_log import Float
 from friction_audit.simulation.effects import slow_and_events, structure
 from friction_audit.simulation.mechanics import records as row
-from friction_audit.simulation.mechanics.friction import load_drive, load_joint
-from friction_audit.simulation.mechanics.step import accelerate, slide
+from friction_audit.simulation.mechanics.step import accelerate, load_drive, load_joint, slide
 from friction_audit.simulation.sensors import rounded
 
 HALVINGS = 60  # of an interval, until nothing is left of it

@@ -17,11 +17,20 @@ control of flexible joint robots, International Journal of Robotics Research 26(
 
 import math
 from dataclasses import MISSING, replace
-from typing import Self
+from typing import Any, Self, get_args
 
 import numpy as np
 
-from friction_audit.compensation.compensators.law import FINITE, Gained, Law, positive, soft_sign, within
+from friction_audit.compensation.law import (
+    FINITE,
+    EnergyCompensator,
+    Gained,
+    Guard,
+    Law,
+    positive,
+    soft_sign,
+    within,
+)
 from friction_audit.compiled import Record, compiled
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.errors import UsageError
@@ -234,3 +243,24 @@ def filter_torque(group: Record, memory: Record, interaction_nm: float, dt: floa
 def regulated_nm(group: Record, memory: Record) -> float:
     """Return the torque that shapes the inertia. [N m]"""
     return float((group.inertia_kg_m2 / group.desired_inertia_kg_m2 - 1.0) * memory.filtered_interaction_nm)
+
+
+# What runs on one joint; None where nothing does.
+Compensator = (
+    FixedCompensation
+    | EnergyCompensator
+    | SigmoidCompensation
+    | LugreCompensation
+    | DisturbanceObserver
+    | TorqueRegulation
+    | JointModelCompensation
+)
+
+# In the order of the documentation, which is that of the codes in ``law``, from 1 on.
+COMPENSATORS: tuple[type[Any], ...] = get_args(Compensator)
+
+
+def guard_of(compensator: Compensator | None) -> Guard:
+    """Return passivity controller and limits of a compensator; where it has none, those that do nothing."""
+    guard = compensator if isinstance(compensator, Guard) else getattr(compensator, "guard", None)
+    return guard or Guard()

@@ -129,9 +129,8 @@ class EnergyCompensator(Guard):
     zero_crossings: bool = False
     initiation_rad_s: float = 0.2  # filtered speed above which a cycle begins [rad/s]
     termination_rad_s: float = 0.05  # filtered speed below which it may end; it ends when the joint then rests [rad/s]
-    cutoff_hz: float = positive(
-        20.0
-    )  # corner of the causal first-order low-pass on the velocity, for detection only [Hz]
+    # corner of the causal first-order low-pass on the velocity, for detection only [Hz]
+    cutoff_hz: float = positive(20.0)
     passivity: bool = True
 
     def __post_init__(self) -> None:
