@@ -15,7 +15,7 @@ from friction_audit.preprocessing.interaction import Caution
 from friction_audit.reporting import words
 from friction_audit.reporting.diagnosis import diagnose_lines
 from friction_audit.reporting.diagnosis_words import joint_message
-from friction_audit.reporting.drift_text import batch_lines
+from friction_audit.reporting.drift import batch_lines
 from friction_audit.reporting.drift_words import change_text, slope_text, total_text
 from friction_audit.reporting.estimate import estimate_lines
 from friction_audit.reporting.notices import Notice, diagnose_notices, notice_lines, reason_lines

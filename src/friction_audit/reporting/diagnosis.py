@@ -99,7 +99,7 @@ TABLES = tuple(record for record, _ in FILES)
 def diagnose_tables(found: Diagnosis) -> tuple[TidyTable, ...]:
     """Return the tables of a diagnosis for files."""
     joints, unit = found.discrepancy.joints, found.estimate.log.source.torque_unit
-    return tuple(record.joints_file(joints, rows, unit) for record, rows in FILES)
+    return tuple(record.file(joints, rows, unit) for record, rows in FILES)
 
 
 def diagnose_lines(found: Diagnosis, *, verbose: bool = False) -> list[str]:

@@ -25,8 +25,8 @@ CURVE = Record(
 SESSION_JOINT = Record(
     JOINT,
     NAME,
-    Column("coulomb", Coefficient, "estimate", lambda one: one.coefficients.get("coulomb_nm"), unit="N m"),
-    Column("viscous", Coefficient, "estimate", lambda j: j.coefficients.get("viscous_nms_per_rad"), unit="N m s/rad"),
+    Column("coulomb", Coefficient, "estimate", "coefficients.coulomb_nm", unit="N m"),
+    Column("viscous", Coefficient, "estimate", "coefficients.viscous_nms_per_rad", unit="N m s/rad"),
     Column("cycles", int, "cycles that count"),
     Column("moving", float, "time in motion", unit="s"),
     Column("speed_quartiles_rad_s", [float], "quartiles of the speed in motion", "speed_rad_s"),
@@ -157,7 +157,7 @@ def coefficient_column(joint: JointDrift, name: str) -> Column:
 
 def session_columns(arms: Sequence[ArmDrift]) -> tuple[dict[str, type], Iterator[dict[str, list[Any]]]]:
     """Return the table of all sessions: what is in its columns, and the columns of some rows after the other."""
-    columns = {column.key: column for column in SESSIONS.file_columns()}
+    columns = {column.key(): column for column in SESSIONS.file_columns()}
     rows = (row for arm in arms for row in _value_rows(arm))
     lots = iter(lambda: list(islice(rows, ROWS_AT_ONCE)), [])
     cells = ({key: [to_json(column.value(row)) for row in lot] for key, column in columns.items()} for lot in lots)

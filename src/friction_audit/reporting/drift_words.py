@@ -1,4 +1,4 @@
-"""Words and numbers in which drift is reported, the same in tables, documents, figures and pages."""
+"""Words and numbers in which drift is reported, the same in tables, documents, figures and pages; limits as JUnit."""
 
 import math
 import re
@@ -7,15 +7,25 @@ from collections.abc import Iterable, Mapping, Sequence
 from math import isfinite
 from pathlib import PurePath
 from statistics import median
+from xml.etree import ElementTree as ET
 
+from friction_audit.drift import report as limits
 from friction_audit.drift.change_points import REACH
-from friction_audit.drift.report import FEWEST_SESSIONS, ArmDrift, ChangePoint, CoefficientDrift, JointDrift
+from friction_audit.drift.report import (
+    FEWEST_SESSIONS,
+    ArmDrift,
+    ChangePoint,
+    CoefficientDrift,
+    DriftReport,
+    JointDrift,
+)
 from friction_audit.drift.session import Session
-from friction_audit.friction.history import Coefficient
+from friction_audit.errors import printable
+from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_numbers import write_joint_numbers
 from friction_audit.reporting import words
 from friction_audit.reporting.table import Tone
-from friction_audit.reporting.words import NOTHING, count_of, format_date, format_start
+from friction_audit.reporting.words import NEWTON_METRES, NOTHING, count_of, format_date, format_start, in_unit
 
 NAMES = {"coulomb_nm": "Coulomb", "viscous_nms_per_rad": "viscous"}
 UNITS = {"coulomb_nm": "N m", "viscous_nms_per_rad": "N m s/rad"}
@@ -248,3 +258,66 @@ def sessions_text(arm: ArmDrift) -> str:
     """Return how many sessions an arm has, when they were recorded, and how many were compared."""
     span = span_of(arm.sessions)
     return f"{count_of(len(arm.sessions), 'session')}{f', {span}' if span else ''}, {len(arm.compared)} compared"
+
+
+def limit_lines(exceeded: Iterable[str], cannot_tell: Iterable[str]) -> list[str]:
+    """Return the sentences on limits that are not kept, each led by what is wrong."""
+    return [f"limit exceeded: {one}" for one in exceeded] + [f"cannot test: {one}" for one in cannot_tell]
+
+
+# Of what is not kept: the element, and what it counts as. A limit that cannot be tested is an error and not skipped,
+# for servers count what is skipped as passed, and the command exits with 7.
+OUTCOMES = {"exceeded": ("failure", "failures"), "untestable": ("error", "errors")}
+
+
+def limit_sentences(report: DriftReport, asked: Iterable[limits.Limit]) -> tuple[tuple[str, ...], ...]:
+    """Return one sentence for each coefficient beyond a limit, and for each that cannot be tested by one."""
+    judged = list(limits.judge(report, tuple(asked)))
+    return tuple(tuple(_limit_sentence(one) for one in judged if one.verdict == kind) for kind in OUTCOMES)
+
+
+def _limit_sentence(one: limits.Judged) -> str:
+    """Return what a limit that is not kept is exceeded by, or why it cannot be tested."""
+    found, limit = one.found, one.limit
+    if found is None:
+        return f"the limit {limit.text}: no session has an estimate that it is meant for"
+    change = found.total if limit.relative else found.change
+    name = f"{one.robot}, joint {one.joint}: {NAMES[found.coefficient]} friction"
+    if one.verdict == "exceeded":
+        size = how_much(found.total if limit.relative else UNDETERMINED, found.change, UNITS[found.coefficient])
+        sure = min(abs(change.low), abs(change.high)) >= limit.size and change.low * change.high > 0
+        went = f"{verb_of(change)} by {size} since the reference"
+        return f"{name} {went}, {'surely' if sure else 'probably'} beyond the limit {limit.text}"
+    least = found.smallest_drift if limit.relative else found.smallest_change
+    size = amount(least if limit.relative else math.nan, least, found.coefficient)
+    why = f"only a change of {size} or more is detectable; record more or longer sessions"
+    if found.shape == "temperature":
+        why = "drift and temperature cannot be separated; record sessions at like temperature"
+    elif found.drift:
+        why = "the reference is near zero, so there is no relative change; give a limit without %"
+    elif found.shape == "too_few" or not isfinite(least):
+        sessions = count_of(len(found.sessions) - len(found.isolated), "comparable session")
+        return f"{name}: the limit {limit.text} cannot be tested with {sessions}; record more"
+    return f"{name}: the limit {limit.text} cannot be tested: {why}"
+
+
+def junit_text(command: str, report: DriftReport, asked: Sequence[limits.Limit], unit: str = NEWTON_METRES) -> str:
+    """Return the XML of the limits of a command, a suite per limit; torques are in a unit."""
+    root = ET.Element("testsuites", name=f"friction-audit {command}")
+    for limit in asked:
+        suite = ET.SubElement(root, "testsuite", name=limit.text)
+        for one in limits.judge(report, [limit]):
+            words = () if one.found is None else (f"joint {one.joint}", f"{NAMES[one.found.coefficient]} friction, ")
+            place = (printable(part).replace(".", "_") for part in ("friction-audit", command, one.robot or "no arm"))
+            name = f"{': '.join(words)}limit {limit.text}"
+            case = ET.SubElement(suite, "testcase", classname=".".join(place), name=name)
+            if one.verdict in OUTCOMES:
+                sentence = printable(in_unit(_limit_sentence(one), unit))
+                ET.SubElement(case, OUTCOMES[one.verdict][0], message=sentence, type=one.verdict).text = sentence
+            elif one.found is not None:
+                ET.SubElement(case, "system-out").text = f"change {in_unit(total_text(one.found), unit)}"
+    for whole in (root, *root):
+        for element, counted in (("testcase", "tests"), *OUTCOMES.values()):
+            whole.set(counted, str(len(whole.findall(f".//{element}"))))
+    ET.indent(root)
+    return ET.tostring(root, "unicode", xml_declaration=True) + "\n"

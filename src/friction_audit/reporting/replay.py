@@ -108,7 +108,7 @@ HISTORY = Record(
 
 def _number(name: str, meaning: str, unit: str = "", **more: Any) -> Column:  # noqa: ANN401
     """Return a column of the numbers of a replay, null where there is a reason."""
-    return Column(name, float, meaning, f"numbers.{Column(name, unit=unit).key}", unit=unit, form=_short, **more)
+    return Column(name, float, meaning, f"numbers.{Column(name, unit=unit).key()}", unit=unit, form=_short, **more)
 
 
 JOINT_REPLAY = Record(
@@ -145,7 +145,7 @@ JOINT_REPLAY = Record(
     Column("operator", OPERATOR, "with `same-operator`: impedance of the person", on="j", null=True),
     Column("model_error", float, "velocity error of the simulated joint over the velocity", on="j"),
     Column("passivity", PASSIVITY, "passivity of the compensated joint", on="j", null=True),
-    *(replace(one, get=f"passivity.{one.key}", on="f") for one in PASSIVITY.columns if one.name in FILED),
+    *(replace(one, get=f"passivity.{one.key()}", on="f") for one in PASSIVITY.columns if one.name in FILED),
     Column("damped", float, get="passivity.injected_j", unit="J", form=_short, title="damped", on=PEOPLE),
     Column(
         "passive", str, get="passivity", title="passive\n(acted)", on="t",
@@ -211,15 +211,15 @@ def replay_tables(found: LogReplay) -> tuple[TidyTable, ...]:
     joints, unit = found.replay.joints, found.estimate.log.source.torque_unit
     replayed = [one for one in joints if one.replayed is not None]
     return (
-        JOINT_REPLAY.joints_file(joints, lambda one: [one], unit),
+        JOINT_REPLAY.file(joints, lambda one: [one], unit),
         history_table(found),
-        SIGNALS.joints_file(replayed, lambda one: (one.without, one.replayed), unit),
+        SIGNALS.file(replayed, lambda one: (one.without, one.replayed), unit),
     )
 
 
 def history_table(found: LogReplay) -> TidyTable:
     """Return the cycles of the compensator."""
-    return HISTORY.joints_file(found.replay.joints, "history", found.estimate.log.source.torque_unit)
+    return HISTORY.file(found.replay.joints, "history", found.estimate.log.source.torque_unit)
 
 
 def replay_lines(found: LogReplay) -> list[str]:
