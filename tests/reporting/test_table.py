@@ -12,7 +12,7 @@ from friction_audit.reporting.figures.panels import label_in_unit
 from friction_audit.reporting.table import INTERVAL, Column, Record, to_json
 
 INNER = Record(Column("share"), Column("word", ("a", "b")))
-HISTORY = Record(Column("cycle", int), Column("energy", unit="J"), name="history", time="cycle", arrays=True)
+HISTORY = Record(Column("cycle", int), Column("energy", unit="J"), name="history", over="cycle")
 SPEC = Record(
     Column("coulomb", Coefficient, "friction", "found.coulomb", unit="N m", title="Coulomb", on="jftp"),
     Column("reason", str, "why not", null=True),

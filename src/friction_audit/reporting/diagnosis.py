@@ -41,8 +41,7 @@ RESIDUAL = Record(
     Column("residual_after", get=lambda traces: traces.measured - traces.after, unit="N m"),
     name="residual",
     summary="torque of a joint: measured, of the nominal and of the augmented model, low-passed alike",
-    time="time_s",
-    arrays=True,
+    over="time_s",
 )
 
 
@@ -58,8 +57,7 @@ SIMULATED = Record(
     Column("dq_augmented", get=_simulated("augmented"), unit="rad/s"),
     name="simulated_motion",
     summary="velocity of a joint measured and simulated, on held-out cycles",
-    time="time_s",
-    arrays=True,
+    over="time_s",
 )
 DIAGNOSE: Document = Document(
     "diagnose/3",

@@ -49,8 +49,7 @@ HISTORY = Record(
     Column("square_speed_rad2_s", float, "integral of the squared velocity, likewise for the viscous one"),
     name="coefficient_history",
     summary="friction coefficients of a joint after a cycle that counts, from the last cycles, with 95 % intervals",
-    time="stop_s",
-    arrays=True,
+    over="stop_s",
 )  # fmt: skip
 
 
@@ -107,8 +106,7 @@ CYCLES = Record(
     Column("rejected", str, get=lambda own: [REASONS[reason] for reason in own.reason]),
     name="cycles",
     summary="an energy cycle of a joint, from rest to rest, also one that is rejected",
-    time="stop_s",
-    arrays=True,
+    over="stop_s",
 )
 INTERACTION = Record(
     Column("time", get="0.t", unit="s"),
@@ -118,8 +116,7 @@ INTERACTION = Record(
     Column("compensation", get=lambda at: at[0].compensation[:, at[1]], unit="N m"),
     name="interaction",
     summary="motion of a joint and torque at its friction port at a sample of the log",
-    time="time_s",
-    arrays=True,
+    over="time_s",
 )
 ESTIMATE: Document = Document(
     "estimate/1",

@@ -35,10 +35,7 @@ def _diverged(joint: JointReplay) -> bool:
 
 def _removed(name: str, title: str, short: str = "") -> Column:
     """Return the column of a share removed, of loops that did not diverge."""
-
-    def stable(joint: JointReplay) -> float | None:
-        return None if _diverged(joint) else getattr(joint.numbers, name, None)
-
+    stable = lambda joint: None if _diverged(joint) else getattr(joint.numbers, name, None)  # noqa: E731
     form = lambda share: f"<{100 * WORST:.0f}" if share < WORST else f"{100 * share:.1f}"  # noqa: E731
     return Column(name, float, get=stable, unit="%", form=form, title=title, short=short, on=PEOPLE)
 
@@ -101,8 +98,7 @@ HISTORY = Record(
     Column("status", STATUSES, "what came of the cycle", lambda h: [STATUSES[status] for status in h.status]),
     name="replay_cycles",
     summary="a cycle of the compensator on a joint: energy, coefficients applied and estimated",
-    time="stop_s",
-    arrays=True,
+    over="stop_s",
 )
 
 
@@ -181,8 +177,7 @@ SIGNALS = Record(
     name="replay_signals",
     summary="motion and torque of a joint without the compensator and with it at a sample of the log; "
     "a compensator's torque is the one in force at the sample, computed at the sample before",
-    time="time_s",
-    arrays=True,
+    over="time_s",
 )
 REPLAY: Document = Document(
     "replay/3",
@@ -229,11 +224,10 @@ def replay_lines(found: LogReplay) -> list[str]:
     unit = found.estimate.log.source.torque_unit
     who = "person" if found.estimate.interaction.choice.drive == "hand" else "drive"
     sentences = [*_models(found), *(line for joint in joints for line in _moved(joint, who))]
-    for joint in joints:
-        if (step := joint.recovery) is not None:
-            change = f"joint {joint.joint}: friction steps to {step.change:.2f} times at {step.step_s:.4g} s"
-            right = f"after {step.cycles} cycles, {step.seconds:.3g} s" if step.cycles else "not in this log"
-            sentences.append(f"{change}; compensation right again: {right}")
+    for number, step in ((joint.joint, joint.recovery) for joint in joints if joint.recovery is not None):
+        change = f"joint {number}: friction steps to {step.change:.2f} times at {step.step_s:.4g} s"
+        right = f"after {step.cycles} cycles, {step.seconds:.3g} s" if step.cycles else "not in this log"
+        sentences.append(f"{change}; compensation right again: {right}")
     sentences += [f"not replayed: {line}" for line in reason_lines(joints)]
     return [
         log_line(found.estimate.log),

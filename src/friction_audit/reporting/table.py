@@ -122,15 +122,13 @@ JOINT, NAME = Column("joint", int, "number, from 1", on="j"), Column("name", str
 class Record:
     """Columns of one kind of row."""
 
-    def __init__(
-        self, *columns: Column, name: str = "", summary: str = "", time: str | None = None, arrays: bool = False
-    ) -> None:
+    def __init__(self, *columns: Column, name: str = "", summary: str = "", over: str | None = None) -> None:
         """Take the columns in order, and what the table of files is called and what a row of it is.
 
-        ``time``: key of the moment at which a row was known; ``arrays``: a value is a joint's whole column.
+        ``over``: key of the moment at which a row was known; a value of such a table is a joint's whole column.
         """
         self.columns = columns
-        self.name, self.summary, self.time, self.arrays = name, summary, time, arrays
+        self.name, self.summary, self.over, self.arrays = name, summary, over, over is not None
 
     def on(self, form: Form) -> tuple[Column, ...]:
         """Return the columns of a form."""
@@ -173,7 +171,7 @@ class Record:
             name=self.name,
             summary=self.summary,
             types={key: str if isinstance(column.kind, tuple) else column.kind for key, column in columns.items()},
-            time=next((key for key, column in columns.items() if column.key() == self.time), None),
+            time=next((key for key, column in columns.items() if column.key() == self.over), None),
             rows=tuple(
                 JointRows(joint=one.joint, name=one.name, columns={key: cells(c, rows) for key, c in columns.items()})
                 for one, rows in found
