@@ -12,7 +12,7 @@ from friction_audit.compensation.settings import ReplaySettings, energy_compensa
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import AuditSettings, replay_log
 from friction_audit.preprocessing.settings import CycleSettings
-from friction_audit.reporting.sentences import sentence_of
+from friction_audit.reporting.notices import sentence_of
 from friction_audit.simulation import ArmSettings, simulate
 from friction_audit.simulation.bench import BenchSettings, Operator
 from friction_audit.simulation.effects import Hidden

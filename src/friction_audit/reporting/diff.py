@@ -9,8 +9,7 @@ from friction_audit.drift.two_sides import CoefficientChange, JointChange, TwoSi
 from friction_audit.friction.history import Coefficient
 from friction_audit.reporting.documents import SETTINGS, WARNINGS
 from friction_audit.reporting.drift_words import NAMES, UNITS, amount, how_much, limit_lines, total_text, verb_of
-from friction_audit.reporting.notices import Notice, notice
-from friction_audit.reporting.sentences import session_sentences
+from friction_audit.reporting.notices import Notice, notice, session_sentences
 from friction_audit.reporting.table import JOINT, NAME, Column, Document, Record, joint_column
 from friction_audit.reporting.words import NOTHING, format_p, in_unit, iso_start, joints_label, signed
 
@@ -52,14 +51,15 @@ LAW = Record(
 )
 
 
-def _people(place: int, title: str, unit: str) -> tuple[Column, ...]:
-    def from_to(change: CoefficientChange) -> str:
-        values = [f"{one.value:.3g}" if isfinite(one.value) else NOTHING for one in (change.before, change.after)]
-        return NOTHING if values == [NOTHING, NOTHING] else " -> ".join(values)
+def _from_to(change: CoefficientChange) -> str:
+    values = [f"{one.value:.3g}" if isfinite(one.value) else NOTHING for one in (change.before, change.after)]
+    return NOTHING if values == [NOTHING, NOTHING] else " -> ".join(values)
 
+
+def _people(place: int, title: str, unit: str) -> tuple[Column, ...]:
     get = f"coefficients.{place}"
     return (
-        Column("from_to", str, get=get, form=from_to, unit=unit, title=title, on="t"),
+        Column("from_to", str, get=get, form=_from_to, unit=unit, title=title, on="t"),
         Column("change", float, get=f"{get}.found", form=total_text, on="t"),
         Column("p", float, get=f"{get}.found.p_value", form=format_p, on="t"),
     )

@@ -288,6 +288,19 @@ def batch_lines(summary: BatchSummary, *, verbose: bool = False) -> list[str]:
     return [f"{sessions} of {arms}: {done}", *by_arm, *([""] if last else []), *last]
 
 
+def _details(arm: ArmDrift, joint: JointDrift) -> Iterator[str]:
+    """Yield the steps of each coefficient of a joint, or its slope if it drifts without one."""
+    for found in joint.coefficients:
+        name = f"joint {joint.joint}, {phrases.NAMES[found.coefficient]}"
+        for one in found.change_points:
+            day = f", {words.format_date(arm.sessions[one.session].start_s)}".removesuffix(f", {words.NOTHING}")
+            yield f"{name}: step at session {phrases.first_after(one)}{day}: {phrases.format_change(one)}"
+        if found.drift and not found.change_points:
+            slopes, unit = (found.trend_per_session, found.trend_per_day), phrases.UNITS[found.coefficient]
+            session, day = (f"{words.format_slope(slope)} {unit}" for slope in slopes)
+            yield f"{name}: {session} per session, {day} per day"
+
+
 def _arm_lines(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
     yield f"{arm.robot}: {phrases.sessions_text(arm)}; {phrases.arm_sentence(arm)}"
     yield "changes are from the reference to the last sessions; intervals are 95 %"
@@ -296,13 +309,7 @@ def _arm_lines(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
     for joint in arm.joints:
         if verbose or (joint.drift and joint is not stated):
             yield f"joint {joint.joint}: {phrases.joint_sentence(arm, joint)}"
-        for found in joint.coefficients if verbose else ():
-            name = f"joint {joint.joint}, {phrases.NAMES[found.coefficient]}"
-            yield from (f"{name}: step at {phrases.change_text(arm, change)}" for change in found.change_points)
-            if found.drift and not found.change_points:
-                slopes, unit = (found.trend_per_session, found.trend_per_day), phrases.UNITS[found.coefficient]
-                session, day = (f"{words.format_slope(slope)} {unit}" for slope in slopes)
-                yield f"{name}: {session} per session, {day} per day"
+        yield from _details(arm, joint) if verbose else ()
     alike: dict[tuple[str, int | None], list[int]] = {}  # those alike in one line, or each with its file
     for session, reason in arm.left_out:
         alike.setdefault((reason, session if verbose else None), []).append(session)

@@ -11,7 +11,7 @@ from friction_audit.drift.session import Session
 from friction_audit.errors import shortened
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.reporting.drift_words import UNITS
-from friction_audit.reporting.sentences import session_sentences
+from friction_audit.reporting.notices import session_sentences
 from friction_audit.reporting.table import JOINT, NAME, Column, Record, to_json
 from friction_audit.reporting.words import SHORTEST_NAME, format_start, iso_start, joint_label
 
@@ -88,16 +88,12 @@ SESSIONS = Record(
     Column("compared", bool, get="is_compared"),
     Column("reference", bool),
     Column("left_out", str),
-    Column("joint", int, get="joint.joint"),
-    Column("name", str, get="joint.name"),
-    Column("cycles", int, get="joint.cycles"),
-    Column("moving", float, get="joint.moving_s", unit="s"),
+    *(one.at("joint", on="f") for one in SESSION_JOINT.columns if one.name in ("joint", "name", "cycles", "moving")),
     *(
         Column(f"speed_{name}", float, get=f"joint.speed_rad_s.{k}", unit="rad/s")
         for k, name in enumerate(("lower_quartile", "median", "upper_quartile"))
     ),
-    Column("temperature", float, get="joint.temperature_c", unit="°C"),
-    Column("reason", str, get="joint.reason"),
+    *(one.at("joint", on="f") for one in SESSION_JOINT.columns if one.name in ("temperature", "reason")),
     Column("verdict", str, get=lambda row: row.joint.verdict or ""),
     Column("effects", str, get=lambda row: " ".join(row.joint.effects)),
     Column("coefficient", str),
@@ -116,11 +112,6 @@ SESSIONS = Record(
 SESSION_NUMBER = Column("session", str, get=lambda row: str(row.place + 1), sort="place", on="p")
 FILE = Column("file", str, get="session.path", code=True, on="p")
 LEFT_OUT = Record(SESSION_NUMBER, FILE, Column("reason", str, get="note", on="p"))
-
-
-def _notes(session: Session) -> str:
-    damaged = ("damaged, part of it left out",) if session.damaged else ()
-    return "; ".join(text for text in (session.note, *damaged, *session_sentences(session.warnings)) if text)
 
 
 def _temperature(row: SessionRow) -> float | None:
@@ -144,7 +135,12 @@ SHOWN = Record(
     ),
     Column("payload", str, get="session.conditions.payload", on="p"),
     FILE,
-    Column("notes", str, get="session", form=_notes, on="p"),
+    Column(
+        "notes", str, on="p", get=lambda row: "; ".join(filter(None, (
+            row.session.note, "damaged, part of it left out" * row.session.damaged,
+            *session_sentences(row.session.warnings),
+        ))),
+    ),
 )  # fmt: skip
 
 

@@ -194,16 +194,9 @@ def arm_sentence(arm: ArmDrift) -> str:
     every = [one for joint in arm.joints for one in joint.coefficients if one.smallest_drift <= LARGEST_DETECTABLE]
     for name, word in NAMES.items():
         if sizes := [one.smallest_drift for one in every if one.coefficient == name]:
-            ends = dict.fromkeys(percent(size) for size in (min(sizes), max(sizes)))
-            parts.append(f"{' to '.join(ends)} % of {word} friction")
+            parts.append(f"{words.range_of(sizes, percent)} % of {word} friction")
     least = f": changes of {' and of '.join(parts)} are detectable, joint by joint" if parts else ""
     return f"no drift in {compared} sessions{least}"
-
-
-def change_text(arm: ArmDrift, change: ChangePoint) -> str:
-    """Return a step in words: ``session 13 (12 to 14), 2026-03-04: +15.2 ± 1.9 %``."""
-    day = f", {format_date(arm.sessions[change.session].start_s)}".removesuffix(f", {NOTHING}")
-    return f"session {first_after(change)}{day}: {format_change(change)}"
 
 
 def first_after(change: ChangePoint) -> str:
@@ -244,8 +237,8 @@ def slope_text(found: CoefficientDrift, slope: Coefficient) -> str:
 
 def span_of(sessions: Iterable[Session]) -> str:
     """Return from when to when sessions were recorded, or nothing where no start is known."""
-    starts = sorted(one.start_s for one in sessions if format_date(one.start_s) != NOTHING and one.start_s)
-    return " to ".join(dict.fromkeys(map(format_date, (starts[0], starts[-1])))) if starts else ""
+    starts = [one.start_s for one in sessions if format_date(one.start_s) != NOTHING and one.start_s]
+    return words.range_of(starts, format_date) if starts else ""
 
 
 def curve_sessions(arm: ArmDrift) -> tuple[tuple[int, ...], ...]:

@@ -142,15 +142,10 @@ def estimate_tables(estimate: Estimate) -> tuple[TidyTable, ...]:
     column, absent = seen.joint_numbers.index, () if seen.compensation is not None else ("compensation",)
     return (
         FRICTION.file(joints, lambda one: [one], unit),
-        history_table(estimate),
+        HISTORY.file(joints, "history", unit),
         CYCLES.file(joints, lambda one: estimate.cycles.of_joint(column(one.joint)), unit),
         INTERACTION.file(joints, lambda one: (seen, column(one.joint)), unit, absent),
     )
-
-
-def history_table(estimate: Estimate) -> TidyTable:
-    """Return the coefficients after each cycle."""
-    return HISTORY.file(estimate.friction.joints, "history", estimate.log.source.torque_unit)
 
 
 def estimate_lines(estimate: Estimate) -> list[str]:

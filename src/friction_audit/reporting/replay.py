@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -141,7 +140,7 @@ JOINT_REPLAY = Record(
     Column("operator", OPERATOR, "with `same-operator`: impedance of the person", on="j", null=True),
     Column("model_error", float, "velocity error of the simulated joint over the velocity", on="j"),
     Column("passivity", PASSIVITY, "passivity of the compensated joint", on="j", null=True),
-    *(replace(one, get=f"passivity.{one.key()}", on="f") for one in PASSIVITY.columns if one.name in FILED),
+    *(one.at("passivity", on="f") for one in PASSIVITY.columns if one.name in FILED),
     Column("damped", float, get="passivity.injected_j", unit="J", form=_short, title="damped", on=PEOPLE),
     Column(
         "passive", str, get="passivity", title="passive\n(acted)", on="t",
@@ -207,14 +206,9 @@ def replay_tables(found: LogReplay) -> tuple[TidyTable, ...]:
     replayed = [one for one in joints if one.replayed is not None]
     return (
         JOINT_REPLAY.file(joints, lambda one: [one], unit),
-        history_table(found),
+        HISTORY.file(joints, "history", unit),
         SIGNALS.file(replayed, lambda one: (one.without, one.replayed), unit),
     )
-
-
-def history_table(found: LogReplay) -> TidyTable:
-    """Return the cycles of the compensator."""
-    return HISTORY.file(found.replay.joints, "history", found.estimate.log.source.torque_unit)
 
 
 def replay_lines(found: LogReplay) -> list[str]:

@@ -77,6 +77,10 @@ class Column:
         """Return the value in a row."""
         return _found(row, self.key() if self.get is None else self.get)
 
+    def at(self, path: str, **changed: Any) -> "Column":  # noqa: ANN401 - fields of a column
+        """Return this column for rows from which ``path`` leads to what has its values."""
+        return replace(self, get=lambda row: self.value(_found(row, path)), **changed)
+
     def json(self, row: Row, torque_unit: str = NEWTON_METRES) -> Any:  # noqa: ANN401
         """Return the value in a row as a document has it."""
         value = self.value(row)
