@@ -16,6 +16,7 @@ from friction_audit.reporting.table import JOINT, NAME, Column, Record, to_json
 from friction_audit.reporting.words import SHORTEST_NAME, format_start, iso_start, joint_label
 
 ROWS_AT_ONCE = 2000
+PAGE = "jfp"  # what document, files and page have
 
 CURVE = Record(
     Column("speed_rad_s", [float], "mean speed in each bin"),
@@ -47,15 +48,26 @@ class SessionRow(NamedTuple):
     note: str = ""
 
 
+def _temperature(row: SessionRow) -> float | None:
+    """Return the temperature from the manifest, or the mean of the joints. [degC]"""
+    logged = [one.temperature_c for one in row.session.joints if one.temperature_c is not None]
+    given = row.session.temperature_c
+    return math.fsum(logged) / len(logged) if given is None and logged else given
+
+
+NUMBER = Column("session", str, get=lambda row: str(row.place + 1), sort="place", on="p")
+FILE = Column("file", str, get="session.path", code=True, on="p")
 HEAD = (
     Column("robot", str, "which arm", "session.robot"),
     Column("session", int, "number within the arm, from 1", lambda row: row.place + 1),
+    NUMBER,
+    Column("start", get="session.start_s", form=format_start, title="started (UTC)", on="p"),
     Column("start", str, "ISO 8601, UTC", lambda row: iso_start(row.session.start_s) or "", null=True),
     Column("start", float, "Unix time", "session.start_s", unit="s"),
-    Column("start_from", str, "`manifest`, `log`, `name` or `nothing`", "session.start_from"),
+    Column("start_from", str, "`manifest`, `log`, `name` or `nothing`", "session.start_from", on=PAGE),
     Column("path", str, "as found", "session.path"),
     Column("sha256", str, "of the file", "session.sha256"),
-    Column("duration", float, "length", "session.duration_s", unit="s"),
+    Column("duration", float, "length", "session.duration_s", unit="s", form=".0f", title="length", on=PAGE),
 )
 NOTES = (
     Column("note", str, "from the manifest", "session.note"),
@@ -68,7 +80,22 @@ SESSION = Record(
     *NOTES,
     Column("warnings", [str], "what was noticed", lambda row: session_sentences(row.session.warnings)),
     Column("joints", [SESSION_JOINT], "per joint", "session.joints"),
-)
+    Column("part", str, get="note", on="p"),
+    Column("temperature", get=_temperature, form=".1f", unit="°C", on="p"),
+    Column(
+        "read_as", str, get="session.conditions", title="recorded and read as", on="p",
+        form=lambda how: f"{how.drive}, {how.torque}, gravity {how.gravity}, inertia {how.inertia}",
+    ),
+    Column("payload", str, get="session.conditions.payload", on="p"),
+    FILE,
+    Column(
+        "notes", str, on="p", get=lambda row: "; ".join(filter(None, (
+            row.session.note, "damaged, part of it left out" * row.session.damaged,
+            *session_sentences(row.session.warnings),
+        ))),
+    ),
+)  # fmt: skip
+LEFT_OUT = Record(NUMBER, FILE, Column("reason", str, get="note", on="p"))
 
 
 def _interval(prefix: str, get: str) -> tuple[Column, ...]:
@@ -107,41 +134,6 @@ SESSIONS = Record(
     name="sessions",
     summary="a coefficient of a joint in a session, as the session has it and as it was compared, at like temperature",
 )
-
-
-SESSION_NUMBER = Column("session", str, get=lambda row: str(row.place + 1), sort="place", on="p")
-FILE = Column("file", str, get="session.path", code=True, on="p")
-LEFT_OUT = Record(SESSION_NUMBER, FILE, Column("reason", str, get="note", on="p"))
-
-
-def _temperature(row: SessionRow) -> float | None:
-    """Return the temperature from the manifest, or the mean of the joints. [degC]"""
-    logged = [one.temperature_c for one in row.session.joints if one.temperature_c is not None]
-    given = row.session.temperature_c
-    return math.fsum(logged) / len(logged) if given is None and logged else given
-
-
-# On the page of a batch.
-SHOWN = Record(
-    SESSION_NUMBER,
-    Column("start", get="session.start_s", form=format_start, title="started (UTC)", on="p"),
-    Column("start_from", str, get="session.start_from", title="start from", on="p"),
-    Column("duration", get="session.duration_s", form=".0f", unit="s", title="length", on="p"),
-    Column("part", str, get="note", on="p"),
-    Column("temperature", get=_temperature, form=".1f", unit="°C", on="p"),
-    Column(
-        "read_as", str, get="session.conditions", title="recorded and read as", on="p",
-        form=lambda how: f"{how.drive}, {how.torque}, gravity {how.gravity}, inertia {how.inertia}",
-    ),
-    Column("payload", str, get="session.conditions.payload", on="p"),
-    FILE,
-    Column(
-        "notes", str, on="p", get=lambda row: "; ".join(filter(None, (
-            row.session.note, "damaged, part of it left out" * row.session.damaged,
-            *session_sentences(row.session.warnings),
-        ))),
-    ),
-)  # fmt: skip
 
 
 def coefficient_column(joint: JointDrift, name: str) -> Column:

@@ -92,15 +92,12 @@ def headline(found: CoefficientDrift, sessions: Sequence[Session]) -> str:
         size = abs(found.level.value) if isfinite(found.total.value) else math.nan
         trend = found.trend_per_session
         rises = f"{verb_of(trend, 'rises', 'falls')} by {how_much(words.scaled(trend, 1.0 / size), trend, unit)}"
-        total = how_much(found.total, found.change, unit)
         first, last = (sessions[found.sessions[k]].start_s for k in (0, -1))
         weeks = math.nan if first is None or last is None else (last - first) / WEEK_S
-        if weeks >= 1.0:
-            weekly = trend.value * (found.sessions[-1] - found.sessions[0]) / weeks
-            rises += f" a session, about {amount(abs(weekly) / size, abs(weekly), found.coefficient)} a week"
-        else:
-            rises += " a session"
-        return f"{name} {rises}, {total} from the reference to the last sessions"
+        weekly = abs(trend.value) * (found.sessions[-1] - found.sessions[0]) / weeks if weeks >= 1.0 else math.nan
+        about = f", about {amount(weekly / size, weekly, found.coefficient)} a week" if isfinite(weekly) else ""
+        total = how_much(found.total, found.change, unit)
+        return f"{name} {rises} a session{about}, {total} from the reference to the last sessions"
     return f"{changed} from the reference to the last sessions; a step and a slow change describe it equally well"
 
 
@@ -119,13 +116,12 @@ def _step(point: ChangePoint, unit: str, sessions: Sequence[Session]) -> str:
 
 def how_much(relative: Coefficient, absolute: Coefficient, unit: str) -> str:
     """Return a size with its interval, in per cent where that means something."""
-    if isfinite(relative.value):
-        sign = -1.0 if relative.value < 0 else 1.0
-        low, high = sorted((100 * sign * relative.low, 100 * sign * relative.high))
-        return f"{percent(sign * relative.value)} % ({low:.2g} to {high:.2g} %)"
-    sign = -1.0 if absolute.value < 0 else 1.0
-    low, high = sorted((absolute.low, absolute.high), key=abs)
-    return f"{abs(absolute.value):.2g} {unit} ({sign * low:.2g} to {sign * high:.2g})"
+    shown = words.scaled(relative, 100.0) if isfinite(relative.value) else absolute
+    low, high = sorted(math.copysign(1.0, shown.value) * end for end in (shown.low, shown.high))
+    ends = f"{low:.2g} to {high:.2g}"
+    if shown is absolute:
+        return f"{abs(absolute.value):.2g} {unit} ({ends})"
+    return f"{percent(abs(relative.value))} % ({ends} %)"
 
 
 def percent(share: float) -> str:

@@ -78,7 +78,7 @@ FRICTION = Record(
         "cycles", int, get="", form=lambda one: f"{one.cycles} ({one.rejected_cycles})",
         title="cycles\n(rejected)", on="t",
     ),
-    Column("condition_number", float, "of scaled regression", title="condition number", short="cond.\nnumber", on=ALL),
+    Column("condition_number", float, "of scaled regression", short="cond.\nnumber", on=ALL),
     Column("correlation", float, "between the two coefficients"),
     Column("coulomb", Coefficient, get="regression.coulomb", unit="N m", title="regression: Coulomb", on="p"),
     Column("viscous", Coefficient, get="regression.viscous", unit="N m s/rad", title="regression: viscous", on="p"),

@@ -86,7 +86,7 @@ MOTION = Record(
     JOINT,
     NAME,
     joint_column(),
-    Column("peak_speed", float, "largest speed", unit="rad/s", title="peak speed", on=ALL),
+    Column("peak_speed", float, "largest speed", unit="rad/s", on=ALL),
     Column("range", float, "largest less smallest position", unit="rad", on=ALL),
     Column("moving", float, "time above the initiation threshold", unit="s", on=ALL),
     Column("cycles", int, "energy cycles", on=ALL, null=True),

@@ -141,13 +141,13 @@ JOINT_REPLAY = Record(
     Column("model_error", float, "velocity error of the simulated joint over the velocity", on="j"),
     Column("passivity", PASSIVITY, "passivity of the compensated joint", on="j", null=True),
     *(one.at("passivity", on="f") for one in PASSIVITY.columns if one.name in FILED),
-    Column("damped", float, get="passivity.injected_j", unit="J", form=_short, title="damped", on=PEOPLE),
+    Column("damped", float, get="passivity.injected_j", unit="J", form=_short, on=PEOPLE),
     Column(
         "passive", str, get="passivity", title="passive\n(acted)", on="t",
         form=lambda found: f"{'no' if found.violations else 'yes'} ({found.active_cycles})",
     ),
     Column(
-        "passive", str, get="passivity", title="passive", on="p",
+        "passive", str, get="passivity", on="p",
         form=lambda found: "no" if found.violations else f"yes, acted in {found.active_cycles} cycles",
     ),
     Column("friction_step", STEP, "a step of friction in the log, or null", "recovery", on="j", null=True),

@@ -42,7 +42,7 @@ class Column:
     get: Get | None = None
     _: KW_ONLY
     unit: str = ""  # unit of the value; its suffix ends the key
-    # head of the column for people, without the unit, the name if empty; ``short`` the same in the terminal
+    # head of the column for people, without the unit, the words of the name if empty; ``short`` that of the terminal
     title: str = ""
     short: str = ""
     # format of a number, or what gives the text of a value
@@ -65,8 +65,8 @@ class Column:
 
     def head(self, torque_unit: str) -> str:
         """Return the head of the column on a page."""
-        unit = in_unit(self.unit, torque_unit)
-        return f"{self.title or self.name} [{unit}]" if unit else self.title or self.name
+        unit, title = in_unit(self.unit, torque_unit), self.title or self.name.replace("_", " ")
+        return f"{title} [{unit}]" if unit else title
 
     @property
     def number(self) -> bool:
@@ -229,8 +229,8 @@ class Table:
 
         drawn = RichTable(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False, collapse_padding=True)
         for column in self.columns:
-            title, unit = column.short or column.title or column.name, in_unit(column.unit, self.unit)
-            head = Text(f"{title}\n[{unit}]" if unit else title)
+            head = Text(column.short or column.title or column.name.replace("_", " "))
+            head.append(f"\n[{in_unit(column.unit, self.unit)}]" if column.unit else "")
             drawn.add_column(head, justify="right" if column.number else "left", no_wrap=not column.words)
         for number, row in enumerate(self.rows):
             first, *others = (column.text(row) for column in self.columns)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from friction_audit.drift.report import ArmDrift
 from friction_audit.reporting import drift as tables, drift_words as phrases
-from friction_audit.reporting.drift_sessions import LEFT_OUT, SESSION_NUMBER, SHOWN, SessionRow, coefficient_column
+from friction_audit.reporting.drift_sessions import LEFT_OUT, NUMBER, SESSION, SessionRow, coefficient_column
 from friction_audit.reporting.figures.registry import Figure as FigureKind, figures_of
 from friction_audit.reporting.html import page as html
 from friction_audit.reporting.table import Record, Table
@@ -135,12 +135,12 @@ def _session_tables(arm: ArmDrift, most: int) -> Iterator[Table]:
     rows = [SessionRow(k, arm.sessions[k], part.get(k, "left out")) for k in range(max(0, count - most), count)]
     cut = f"; the last {most} of {count}, all of them are in the file of sessions" if count > most else ""
     caption = f"Sessions, in the order of their {arm.ordered_by}s{cut}"
-    yield SHOWN.people(rows, caption=caption, folded=count > ACROSS)
+    yield SESSION.people(rows, caption=caption, folded=count > ACROSS)
     for name, unit in phrases.UNITS.items():
         for first in range(0, len(arm.joints), ACROSS):
             joints = arm.joints[first : first + ACROSS]
             which = f"of each session, {joints_label(one.joint for one in joints)}, with its 95 % interval [{unit}]"
-            columns = (SESSION_NUMBER, *(coefficient_column(joint, name) for joint in joints))
+            columns = (NUMBER, *(coefficient_column(joint, name) for joint in joints))
             caption = f"{phrases.NAMES[name].capitalize()} coefficient {which}{cut}"
             yield Record(*columns).people(rows, caption=caption, folded=True)
 
