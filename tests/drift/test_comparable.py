@@ -10,7 +10,7 @@ from friction_audit.drift.covariates import choose_comparable
 from friction_audit.drift.report import DriftReport, DriftSettings, judge, parse_baseline, parse_limit
 from friction_audit.drift.session import Conditions, Session, put_in_order
 from friction_audit.errors import UsageError
-from friction_audit.reporting.drift_text import limit_sentences
+from friction_audit.reporting.drift_words import limit_sentences
 from tests.drift.made_sessions import FIRST_S, HAND, make_joint, make_session, make_sessions, noisy
 
 

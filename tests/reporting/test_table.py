@@ -12,7 +12,7 @@ from friction_audit.reporting.figures.panels import label_in_unit
 from friction_audit.reporting.table import INTERVAL, Column, Record, to_json
 
 INNER = Record(Column("share"), Column("word", ("a", "b")))
-HISTORY = Record(Column("cycle", int), Column("energy", unit="J"), name="history", time="cycle", arrays=True)
+HISTORY = Record(Column("cycle", int), Column("energy", unit="J"), name="history", over="cycle")
 SPEC = Record(
     Column("coulomb", Coefficient, "friction", "found.coulomb", unit="N m", title="Coulomb", on="jftp"),
     Column("reason", str, "why not", null=True),
@@ -57,10 +57,11 @@ def test_a_document_has_units_in_its_keys_and_null_for_no_number() -> None:
 
 @pytest.mark.parametrize(("unit", "ends"), [("N m", ("nm", "j")), ("A", ("a", "a_rad")), ("mA", ("ma", "ma_rad"))])
 def test_files_have_the_unit_of_the_torque_in_their_columns(unit: str, ends: tuple[str, str]) -> None:
-    table = SPEC.file([(1, "one", [row(), row()])], unit)
+    one, two = SimpleNamespace(joint=1, name="one", found=row()), SimpleNamespace(joint=2, name="two", found=None)
+    table = SPEC.file([one], lambda one: [one.found, one.found], unit)
     assert list(table.types) == [*(f"coulomb{end}_{ends[0]}" for end in ("", "_low", "_high")), "reason"]
     assert list(table.rows[0].columns[f"coulomb_low_{ends[0]}"]) == [0.2, 0.2]
-    history = HISTORY.file([(1, "one", row().history), (2, "two", None)], unit)
+    history = HISTORY.file([one, two], "found.history", unit)
     assert list(history.types) == ["cycle", f"energy_{ends[1]}"]
     assert [(rows.joint, len(rows)) for rows in history.rows] == [(1, 2)]
 

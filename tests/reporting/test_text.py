@@ -15,12 +15,19 @@ from friction_audit.preprocessing.interaction import Caution
 from friction_audit.reporting import words
 from friction_audit.reporting.diagnosis import diagnose_lines
 from friction_audit.reporting.diagnosis_words import joint_message
-from friction_audit.reporting.drift_text import batch_lines
-from friction_audit.reporting.drift_words import change_text, slope_text, total_text
+from friction_audit.reporting.drift import batch_lines
+from friction_audit.reporting.drift_words import slope_text, total_text
 from friction_audit.reporting.estimate import estimate_lines
-from friction_audit.reporting.notices import Notice, diagnose_notices, notice_lines, reason_lines
+from friction_audit.reporting.notices import (
+    SENTENCES,
+    WORDS,
+    Notice,
+    diagnose_notices,
+    notice_lines,
+    reason_lines,
+    sentence_of,
+)
 from friction_audit.reporting.replay import replay_lines
-from friction_audit.reporting.sentences import SENTENCES, WORDS, sentence_of
 from tests.reporting import batch_by_hand, log_report_by_hand
 from tests.reporting.conftest import build_estimate
 from tests.reporting.diagnosis_by_hand import ALONE, BIAS, LIMIT, NAMED, NOT_TESTABLE, STRIBECK, coefficient, diagnosis
@@ -156,10 +163,14 @@ def test_near_a_level_of_zero_drift_is_absolute() -> None:
     zero = replace(RISE, total=UNDETERMINED, change=change, smallest_drift=math.nan)
     assert total_text(zero) == "+0.020 ± 0.010 N m"
     assert slope_text(zero, zero.trend_per_session) == "+0.0027 ± 0.0003 N m"
-    step = replace(STEP.change_points[0], relative=UNDETERMINED)
-    assert change_text(ARM, step).endswith("2026-03-21: 0.1520 ± 0.0023 to 0.1748 ± 0.0023")
-    sharp = replace(STEP.change_points[0], low=12, high=12)
-    assert change_text(batch_by_hand.arm(dated=False), sharp) == "session 13: +15.0 ± 1.5 %"
+    point = STEP.change_points[0]
+    for arm, change, text in (
+        (ARM, replace(point, relative=UNDETERMINED), "13 (12 to 14), 2026-03-21: 0.1520 ± 0.0023 to 0.1748 ± 0.0023"),
+        (batch_by_hand.arm(dated=False), replace(point, low=12, high=12), "13: +15.0 ± 1.5 %"),
+    ):
+        joint = replace(arm.joints[1], coefficients=(replace(STEP, change_points=(change,)),))
+        lines = batch_lines(batch_by_hand.batch(replace(arm, joints=(joint,))), verbose=True)
+        assert f"joint 2, Coulomb: step at session {text}" in lines
 
 
 def test_the_words_that_a_sentence_takes_from_numbers_are_made_for_codes_that_there_are() -> None:

@@ -15,9 +15,9 @@ from friction_audit.drift.report import ArmDrift
 from friction_audit.errors import AnalysisError, InputError, few
 from friction_audit.io.files import whole_file
 from friction_audit.io.writers.tables import write_rows
-from friction_audit.reporting.drift import BatchSummary, write_batch_document
+from friction_audit.reporting.drift import BatchSummary, batch_lines, write_batch_document
 from friction_audit.reporting.drift_sessions import session_columns
-from friction_audit.reporting.drift_text import batch_lines, junit_text, limit_sentences
+from friction_audit.reporting.drift_words import junit_text, limit_sentences
 from friction_audit.reporting.html.batch_page import draw, drawings_of, write_page
 from friction_audit.reporting.html.page import Figure
 from friction_audit.reporting.notices import reason_lines

@@ -66,7 +66,7 @@ def command(
     notices = (*(one for _, lost in sources for one in lost), *diff_notices(sides))
     code = _report(sides, limits, notices, out, shared, friction)
     if junit is not None:
-        from friction_audit.reporting.drift_text import junit_text
+        from friction_audit.reporting.drift_words import junit_text
 
         write_junit(junit, junit_text("diff", sides.report, limits, sides.unit), overwrite=shared.overwrite)
     own = ("the comparison", [one.code for one in notices])
@@ -127,7 +127,7 @@ def _report(
     friction: opt.EstimateOptions,
 ) -> int:
     from friction_audit.reporting.diff import CHANGES, DIFF, diff_lines
-    from friction_audit.reporting.drift_text import limit_sentences
+    from friction_audit.reporting.drift_words import limit_sentences
     from friction_audit.reporting.notices import notice_lines
     from friction_audit.reporting.table import to_json
     from friction_audit.reporting.words import in_unit
@@ -137,7 +137,7 @@ def _report(
     values = {"sides": sides, "settings": to_json(chain.audit_settings(shared, friction)), "warnings": warnings}
     document = partial(DIFF.json, values | {"exceeded": beyond, "cannot_tell": unknown}, sides.unit)
     text = out.write_document(DOCUMENT, document, json=json)
-    out.write_csv(TABLE, CHANGES.file((one.joint, one.name, one.coefficients) for one in sides.joints))
+    out.write_csv(TABLE, CHANGES.file(sides.joints, "coefficients"))
     out.write_figures({"diff": sides}, [joint.joint for joint in sides.joints], sides.unit, voice)
     if not json:
         voice.warn(notice_lines(warnings))

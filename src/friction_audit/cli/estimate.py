@@ -41,7 +41,12 @@ def command(
             how = streamed.of(options) if folder is None else options
             recorded = chain.read(log, how, stages, while_read(settings))
         result = chain.estimate(recorded, settings, stages)
-        from friction_audit.reporting.estimate import estimate_document, estimate_lines, estimate_tables, history_table
+        from friction_audit.reporting.estimate import (
+            HISTORY as CYCLES,
+            estimate_document,
+            estimate_lines,
+            estimate_tables,
+        )
         from friction_audit.reporting.notices import estimate_notices
 
         joints, json = result.friction.joints, shared.general.json
@@ -50,7 +55,7 @@ def command(
         chain.require_one(recorded, joints)
         document = partial(estimate_document, result, chain.reading_settings(options))
         text = out.write_document(DOCUMENT, document, json=json)
-        out.write_csv(HISTORY, history_table(result))
+        out.write_csv(HISTORY, CYCLES.file(joints, "history", recorded.source.torque_unit))
         out.write_figures({"estimate": result}, [one.joint for one in joints], recorded.source.torque_unit, stages)
         if export:
             out.write_exports(estimate_tables(result), recorded, stages)

@@ -128,7 +128,7 @@ def command(
         estimated = chain.estimate(recorded, audit, stages)
         from friction_audit.pipeline import replay_estimate
         from friction_audit.reporting.notices import replay_notices
-        from friction_audit.reporting.replay import history_table, replay_document, replay_lines, replay_tables
+        from friction_audit.reporting.replay import HISTORY as CYCLES, replay_document, replay_lines, replay_tables
 
         with stages.step("replay"):
             found = replay_estimate(estimated, settings)
@@ -139,7 +139,7 @@ def command(
         chain.require_one(recorded, joints, "no joint can be replayed")
         document = partial(replay_document, found, chain.reading_settings(reading))
         text = out.write_document(DOCUMENT, document, json=json)
-        out.write_csv(HISTORY, history_table(found))
+        out.write_csv(HISTORY, CYCLES.file(joints, "history", recorded.source.torque_unit))
         out.write_figures({"replay": found}, [joint.joint for joint in joints], recorded.source.torque_unit, stages)
         out.write_exports(replay_tables(found), recorded, stages)
     show(text, lambda: replay_lines(found), json=json)

@@ -28,7 +28,7 @@ def _measured(name: str, meaning: str) -> Column:
 def _shown(text: Callable[[Row], str], title: str, unit: str = "") -> Column:
     """Return a column of the terminal; rows that head a method, which are its label, have none of it."""
     shown = lambda row: " " if isinstance(row, str) else text(row)  # noqa: E731
-    return Column("shown", float, get=lambda row: row, form=shown, title=title, unit=unit, on="t")
+    return Column("shown", float, get="", form=shown, title=title, unit=unit, on="t")
 
 
 def _with_interval(name: str, factor: float, digits: int) -> Callable[[Row], str]:

@@ -13,7 +13,7 @@ from friction_audit.reporting import diagnosis_tables as tables, diagnosis_words
 from friction_audit.reporting.documents import CHAIN, NO_OPTIONS, chain_document
 from friction_audit.reporting.notices import SENTENCE_END, diagnose_notices, log_line, physics_of
 from friction_audit.reporting.table import Column, Document, Get, Record, to_json
-from friction_audit.reporting.words import format_share, in_unit, joints_label
+from friction_audit.reporting.words import format_share, in_unit, joints_label, range_of
 
 LONGEST = 225  # characters of a line about an effect without its joint; what is longer is for ``-v``
 BIN = Record(
@@ -41,8 +41,7 @@ RESIDUAL = Record(
     Column("residual_after", get=lambda traces: traces.measured - traces.after, unit="N m"),
     name="residual",
     summary="torque of a joint: measured, of the nominal and of the augmented model, low-passed alike",
-    time="time_s",
-    arrays=True,
+    over="time_s",
 )
 
 
@@ -58,8 +57,7 @@ SIMULATED = Record(
     Column("dq_augmented", get=_simulated("augmented"), unit="rad/s"),
     name="simulated_motion",
     summary="velocity of a joint measured and simulated, on held-out cycles",
-    time="time_s",
-    arrays=True,
+    over="time_s",
 )
 DIAGNOSE: Document = Document(
     "diagnose/3",
@@ -99,7 +97,7 @@ TABLES = tuple(record for record, _ in FILES)
 def diagnose_tables(found: Diagnosis) -> tuple[TidyTable, ...]:
     """Return the tables of a diagnosis for files."""
     joints, unit = found.discrepancy.joints, found.estimate.log.source.torque_unit
-    return tuple(record.joints_file(joints, rows, unit) for record, rows in FILES)
+    return tuple(record.file(joints, rows, unit) for record, rows in FILES)
 
 
 def diagnose_lines(found: Diagnosis, *, verbose: bool = False) -> list[str]:
@@ -108,7 +106,7 @@ def diagnose_lines(found: Diagnosis, *, verbose: bool = False) -> list[str]:
     unit = log.source.torque_unit
     marked, physics = physics_of(diagnose_notices(found), joints)
     counts = [joint.gap.cycles for joint in joints if joint.gap is not None]
-    span = " to ".join(map(str, sorted({min(counts), max(counts)}))) if counts else "0"
+    span = range_of(counts, str) if counts else "0"
     lines = [
         log_line(log),
         f"interaction torque: {found.estimate.interaction.choice.formula}",

@@ -8,9 +8,8 @@ from friction_audit.drift.session import COEFFICIENTS
 from friction_audit.drift.two_sides import CoefficientChange, JointChange, TwoSides
 from friction_audit.friction.history import Coefficient
 from friction_audit.reporting.documents import SETTINGS, WARNINGS
-from friction_audit.reporting.drift_words import NAMES, UNITS, amount, how_much, total_text, verb_of
-from friction_audit.reporting.notices import Notice, notice
-from friction_audit.reporting.sentences import session_sentences
+from friction_audit.reporting.drift_words import NAMES, UNITS, amount, how_much, limit_lines, total_text, verb_of
+from friction_audit.reporting.notices import Notice, notice, session_sentences
 from friction_audit.reporting.table import JOINT, NAME, Column, Document, Record, joint_column
 from friction_audit.reporting.words import NOTHING, format_p, in_unit, iso_start, joints_label, signed
 
@@ -52,11 +51,12 @@ LAW = Record(
 )
 
 
-def _people(place: int, title: str, unit: str) -> tuple[Column, ...]:
-    def from_to(change: CoefficientChange) -> str:
-        values = [f"{one.value:.3g}" if isfinite(one.value) else NOTHING for one in (change.level, change.after)]
-        return NOTHING if values == [NOTHING, NOTHING] else " -> ".join(values)
+def _from_to(change: CoefficientChange) -> str:
+    values = [f"{one.value:.3g}" if isfinite(one.value) else NOTHING for one in (change.level, change.after)]
+    return NOTHING if values == [NOTHING, NOTHING] else " -> ".join(values)
 
+
+def _people(place: int, title: str, unit: str) -> tuple[Column, ...]:
     get = f"coefficients.{place}"
     return (
         Column("from_to", str, get=get, form=from_to, unit=unit, title=title, on="t"),
@@ -127,8 +127,7 @@ def diff_lines(sides: TwoSides, exceeded: Iterable[str] = (), cannot_tell: Itera
     lines += JOINT_CHANGE.people(sides.joints, "t", unit=sides.unit).lines()
     tested = (one for one in sides.joints if any(isfinite(found.single_p_value) for found in one.coefficients))
     lines += [in_unit(_sentence(joint), sides.unit) for joint in tested]
-    lines += [f"limit exceeded: {sentence}" for sentence in exceeded]
-    return lines + [f"cannot test: {sentence}" for sentence in cannot_tell]
+    return lines + limit_lines(exceeded, cannot_tell)
 
 
 def _sentence(joint: JointChange) -> str:

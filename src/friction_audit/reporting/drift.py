@@ -3,9 +3,10 @@
 import json
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from operator import attrgetter
+from typing import NamedTuple
 
 from friction_audit import __version__
 from friction_audit.batch.identity import FailedLog
@@ -14,7 +15,9 @@ from friction_audit.drift.session import Session
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.reporting import drift_words as phrases, words
 from friction_audit.reporting.drift_sessions import SESSION, SessionRow
-from friction_audit.reporting.table import INTERVAL, Column, Document, Get, Record, joint_column
+from friction_audit.reporting.table import INTERVAL, Column, Document, Record, joint_column
+
+MOST_NAMED = 8  # sessions that a line names; more are counted
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -54,16 +57,6 @@ def coefficient_rows(arm: ArmDrift, *joints: JointDrift) -> list[CoefficientRow]
     return [CoefficientRow(arm, joint, one, k) for joint in every for k, one in enumerate(joint.coefficients)]
 
 
-def _numbers(name: str, meaning: str, get: Get) -> Column:
-    """Return a column of sessions, which people count from 1."""
-    return Column(name, [int], meaning, lambda row: [index + 1 for index in Column(name, get=get).value(row)], on="j")
-
-
-def _shown(title: str, text: Callable[[Any], str], sort: Get, on: str = "p", short: str = "") -> Column:
-    """Return a column whose text is made of the whole row."""
-    return Column(title, get=lambda row: row, form=text, sort=sort, title=title, short=short, on=on)
-
-
 CHANGE_POINT = Record(
     Column("session", int, "first session after the step", lambda change: change.session + 1),
     Column("ci95", INTERVAL, "sessions that may be it", lambda change: (change.low + 1, change.high + 1)),
@@ -87,18 +80,12 @@ VALUE = Record(
 )
 
 
-def _trend_column(title: str, name: str, **more: str) -> Column:
+def _trend_column(title: str, name: str, on: str, short: str = "") -> Column:
     """Return the column of a trend, sorted by its share of the level."""
-
-    def share(row: CoefficientRow) -> float:
-        level = row.found.level.value
-        return float(getattr(row.found, name).value / level) if level else math.nan
-
-    return _shown(title, lambda row: phrases.slope_text(row.found, getattr(row.found, name)), share, **more)
-
-
-def _outside(row: CoefficientRow) -> int:
-    return sum(point.outside for point in row.found.control)
+    slope = attrgetter(name)
+    share = lambda row: slope(row.found).value / (row.found.level.value or math.nan)  # noqa: E731
+    text = lambda row: phrases.slope_text(row.found, slope(row.found))  # noqa: E731
+    return Column(title, get="", form=text, sort=share, short=short, on=on)
 
 
 def _within(row: CoefficientRow) -> tuple[int, int]:
@@ -122,7 +109,7 @@ COEFFICIENT = Record(
         "step", str, get="found.change_points", form=lambda found: ", ".join(str(one.session + 1) for one in found),
         words=True, on="t",
     ),
-    _trend_column("trend", "trend_per_session", short="trend\n/session", on="t"),
+    _trend_column("trend", "trend_per_session", "t", "trend\n/session"),
     Column(
         "smallest", get="found", form=phrases.smallest_text, sort="found.smallest_drift",
         title="minimum detectable", short="minimum\ndetect.", on="tp",
@@ -160,46 +147,52 @@ COEFFICIENT = Record(
         form=words.format_share, title="scatter", on="jw",
     ),
     Column("control", [CONTROL], "every session against the reference", "found.control"),
-    _shown(
-        "level in the reference", lambda row: words.with_unit(row.found.level, phrases.UNITS[row.found.coefficient]),
-        "found.level.value", "n",
+    Column(
+        "level in the reference", get="found", sort="found.level.value", on="n",
+        form=lambda found: words.with_unit(found.level, phrases.UNITS[found.coefficient]),
     ),
-    _trend_column("trend per session", "trend_per_session", on="n"),
-    _trend_column("per day", "trend_per_day", on="n"),
-    _shown("outside", lambda row: row.found.control and f"{_outside(row)} of {len(row.found.control)}", _outside, "n"),
+    _trend_column("trend per session", "trend_per_session", "n"),
+    _trend_column("per day", "trend_per_day", "n"),
+    Column(
+        "outside", get=lambda row: [point.outside for point in row.found.control],
+        sort=lambda row: sum(point.outside for point in row.found.control), on="n",
+        form=lambda outside: f"{sum(outside)} of {len(outside)}" if outside else "",
+    ),
     Column("p", get=lambda row: row.found.p_value if row.found.values else None, form=words.format_p, on="n"),
-    _numbers("isolated", "sessions that none of their neighbours comes near", "found.isolated"),
+    Column(
+        "isolated", [int], "sessions that none of their neighbours comes near",
+        lambda row: [index + 1 for index in row.found.isolated], on="j",
+    ),
     Column("values", [VALUE], "as compared", lambda r: zip(r.found.sessions, r.found.values, strict=True), on="j"),
 )  # fmt: skip
 
 
-def _counts(names: Sequence[str]) -> str:
+def _counts(names: Iterable[str]) -> str:
     return ", ".join(f"{name} {count}" for name, count in Counter(names).most_common())
 
 
-# A joint, and the verdicts and effects that the diagnosis gave for it, session by session.
+# A joint, and of its sessions that were diagnosed the verdicts and effects, with how often each was given.
 DIAGNOSED = Record(
     joint_column("0"),
-    Column("verdicts", str, get="1", form=_counts, on="p"),
-    Column("effects", str, get="2", form=_counts, on="p"),
+    Column("verdicts", str, get="1", form=lambda own: _counts(one.verdict.replace("_", " ") for one in own), on="p"),
+    Column("effects", str, get="1", form=lambda own: _counts(name for one in own for name in one.effects), on="p"),
 )
 
 
 def _side(side: str) -> Column:
-    def text(row: CoefficientRow) -> str:
-        return words.with_unit(getattr(row.change, side), phrases.UNITS[row.found.coefficient])
-
-    return _shown(side, text, f"change.{side}.value")
+    level = attrgetter(f"change.{side}")
+    text = lambda row: words.with_unit(level(row), phrases.UNITS[row.found.coefficient])  # noqa: E731
+    return Column(side, get="", form=text, sort=f"change.{side}.value", on="p")
 
 
 STEPS = Record(
     *HEAD,
-    _shown("session", lambda row: phrases.first_after(row.change), "change.session"),
+    Column("session", get="change", form=phrases.first_after, sort="change.session", on="p"),
     Column(
         "start", get=lambda row: row.arm.sessions[row.change.session].start_s, form=words.format_start,
         title="started (UTC)", on="p",
     ),
-    _shown("change", lambda row: phrases.format_change(row.change), "change.relative.value"),
+    Column("change", get="change", form=phrases.format_change, sort="change.relative.value", on="p"),
     _side("before"),
     _side("after"),
 )  # fmt: skip
@@ -213,17 +206,13 @@ ARM = Record(
     Column("sentence", str, get=phrases.arm_sentence, title="answer", words=True, on="p"),
     Column("message", str, "one sentence", lambda arm: f"{arm.robot}: {phrases.arm_sentence(arm)}"),
     Column("sessions", int, "number of sessions", lambda arm: len(arm.sessions)),
-    _numbers("compared", "sessions compared", "compared"),
-    _numbers("reference", "sessions of the reference", "reference"),
+    Column("compared", [int], "sessions compared", lambda arm: [index + 1 for index in arm.compared]),
+    Column("reference", [int], "sessions of the reference", lambda arm: [index + 1 for index in arm.reference]),
     Column("left_out", [Record(PLACE, Column("reason", str, "why", "1"))], "sessions not compared, with the reason"),
     Column("ordered_by", str, "`start` or `name`"),
     Column("autocorrelation", float, "of one session's scatter with the next one's"),
     Column("warnings", [str], "what limits the comparison"),
 )  # fmt: skip
-
-
-def _trend(name: str) -> Callable[[tuple[ArmDrift, JointDrift]], Coefficient | None]:
-    return lambda row: next((one.trend_per_session for one in row[1].coefficients if one.coefficient == name), None)
 
 
 # An arm and a joint of it.
@@ -234,8 +223,8 @@ JOINT_DRIFT = Record(
     Column("drift", bool, "whether a coefficient drifts", "1.drift"),
     Column("verdict", phrases.VERDICTS, "the strongest of its coefficients", lambda row: phrases.joint_verdict(row[1])),
     Column("message", str, "one sentence", lambda row: f"joint {row[1].joint}: {phrases.joint_sentence(*row)}"),
-    Column("coulomb_trend_nm_per_session", Coefficient, "robust slope", _trend("coulomb_nm")),
-    Column("viscous_trend_nms_per_rad_per_session", Coefficient, "robust slope", _trend("viscous_nms_per_rad")),
+    Column("coulomb_trend_nm_per_session", Coefficient, "robust slope", "1.coefficients.0.trend_per_session"),
+    Column("viscous_trend_nms_per_rad_per_session", Coefficient, "robust slope", "1.coefficients.1.trend_per_session"),
     Column(
         "change_points", [int], "first sessions after a step",
         lambda row: sorted({step.session + 1 for one in row[1].coefficients for step in one.change_points}),
@@ -279,14 +268,54 @@ def write_batch_document(summary: BatchSummary) -> Iterator[str]:
     """Yield the document as text, a line per key, arm, joint and session: as a whole it may take tens of megabytes."""
     yield f'{{\n  "schema": "{BATCH.name}",\n  "version": {json.dumps(__version__)}'
     for column in BATCH.columns:
-        yield f',\n  "{column.key}": '
-        if column.key not in ("robots", "joints", "sessions"):
+        yield f',\n  "{column.key()}": '
+        if column.key() not in ("robots", "joints", "sessions"):
             yield json.dumps(column.json(summary), allow_nan=False)
             continue
         (record,) = column.kind
-        lines = (json.dumps(record.json(row), allow_nan=False) for row in column.value(summary))
-        first = next(lines, None)
-        yield "[]" if first is None else f"[\n    {first}"
-        yield from (f",\n    {line}" for line in lines)
-        yield "" if first is None else "\n  ]"
+        rows = ",\n    ".join(json.dumps(record.json(row), allow_nan=False) for row in column.value(summary))
+        yield f"[\n    {rows}\n  ]" if rows else "[]"
     yield "\n}\n"
+
+
+def batch_lines(summary: BatchSummary, *, verbose: bool = False) -> list[str]:
+    """Return per arm a table and its verdict in words, and the files that failed; with ``verbose`` also the reasons."""
+    sessions, arms = words.count_of(len(summary.sessions), "session"), words.count_of(len(summary.report.arms), "arm")
+    done = f"{summary.computed} computed, {summary.known} known from the ledger, {len(summary.failed)} of these failed"
+    last = phrases.limit_lines(summary.exceeded, summary.cannot_tell)
+    last += [f"failed: {path}: {message}" for path, message in summary.failed]
+    by_arm = (line for arm in summary.report.arms for line in ("", *_arm_lines(arm, verbose=verbose)))
+    return [f"{sessions} of {arms}: {done}", *by_arm, *([""] if last else []), *last]
+
+
+def _details(arm: ArmDrift, joint: JointDrift) -> Iterator[str]:
+    """Yield the steps of each coefficient of a joint, or its slope if it drifts without one."""
+    for found in joint.coefficients:
+        name = f"joint {joint.joint}, {phrases.NAMES[found.coefficient]}"
+        for one in found.change_points:
+            day = f", {words.format_date(arm.sessions[one.session].start_s)}".removesuffix(f", {words.NOTHING}")
+            yield f"{name}: step at session {phrases.first_after(one)}{day}: {phrases.format_change(one)}"
+        if found.drift and not found.change_points:
+            slopes, unit = (found.trend_per_session, found.trend_per_day), phrases.UNITS[found.coefficient]
+            session, day = (f"{words.format_slope(slope)} {unit}" for slope in slopes)
+            yield f"{name}: {session} per session, {day} per day"
+
+
+def _arm_lines(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
+    yield f"{arm.robot}: {phrases.sessions_text(arm)}; {phrases.arm_sentence(arm)}"
+    yield "changes are from the reference to the last sessions; intervals are 95 %"
+    yield from COEFFICIENT.people(coefficient_rows(arm), "t").lines()
+    stated = next((joint for joint in arm.joints if joint.drift), None)  # by the sentence on the arm
+    for joint in arm.joints:
+        if verbose or (joint.drift and joint is not stated):
+            yield f"joint {joint.joint}: {phrases.joint_sentence(arm, joint)}"
+        yield from _details(arm, joint) if verbose else ()
+    alike: dict[tuple[str, int | None], list[int]] = {}  # those alike in one line, or each with its file
+    for session, reason in arm.left_out:
+        alike.setdefault((reason, session if verbose else None), []).append(session)
+    for (reason, alone), sessions in alike.items():
+        which = words.count_of(len(sessions), "session") if alone is None else arm.sessions[alone].path
+        if alone is None and len(sessions) <= MOST_NAMED:
+            which = f"session{'s' if sessions[1:] else ''} {words.enumerate_words(one + 1 for one in sessions)}"
+        yield f"not compared: {which}: {reason}"
+    yield from (f"note: {warning}" for warning in arm.warnings)

@@ -11,11 +11,12 @@ from friction_audit.drift.session import Session
 from friction_audit.errors import shortened
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.reporting.drift_words import UNITS
-from friction_audit.reporting.sentences import session_sentences
+from friction_audit.reporting.notices import session_sentences
 from friction_audit.reporting.table import JOINT, NAME, Column, Record, to_json
 from friction_audit.reporting.words import SHORTEST_NAME, format_start, iso_start, joint_label
 
 ROWS_AT_ONCE = 2000
+PAGE = "jfp"  # what document, files and page have
 
 CURVE = Record(
     Column("speed_rad_s", [float], "mean speed in each bin"),
@@ -25,8 +26,8 @@ CURVE = Record(
 SESSION_JOINT = Record(
     JOINT,
     NAME,
-    Column("coulomb", Coefficient, "estimate", lambda one: one.coefficients.get("coulomb_nm"), unit="N m"),
-    Column("viscous", Coefficient, "estimate", lambda j: j.coefficients.get("viscous_nms_per_rad"), unit="N m s/rad"),
+    Column("coulomb", Coefficient, "estimate", "coefficients.coulomb_nm", unit="N m"),
+    Column("viscous", Coefficient, "estimate", "coefficients.viscous_nms_per_rad", unit="N m s/rad"),
     Column("cycles", int, "cycles that count"),
     Column("moving", float, "time in motion", unit="s"),
     Column("speed_quartiles_rad_s", [float], "quartiles of the speed in motion", "speed_rad_s"),
@@ -47,15 +48,26 @@ class SessionRow(NamedTuple):
     note: str = ""
 
 
+def _temperature(row: SessionRow) -> float | None:
+    """Return the temperature from the manifest, or the mean of the joints. [degC]"""
+    logged = [one.temperature_c for one in row.session.joints if one.temperature_c is not None]
+    given = row.session.temperature_c
+    return math.fsum(logged) / len(logged) if given is None and logged else given
+
+
+NUMBER = Column("session", str, get=lambda row: str(row.place + 1), sort="place", on="p")
+FILE = Column("file", str, get="session.path", code=True, on="p")
 HEAD = (
     Column("robot", str, "which arm", "session.robot"),
     Column("session", int, "number within the arm, from 1", lambda row: row.place + 1),
+    NUMBER,
+    Column("start", get="session.start_s", form=format_start, title="started (UTC)", on="p"),
     Column("start", str, "ISO 8601, UTC", lambda row: iso_start(row.session.start_s) or "", null=True),
     Column("start", float, "Unix time", "session.start_s", unit="s"),
-    Column("start_from", str, "`manifest`, `log`, `name` or `nothing`", "session.start_from"),
+    Column("start_from", str, "`manifest`, `log`, `name` or `nothing`", "session.start_from", on=PAGE),
     Column("path", str, "as found", "session.path"),
     Column("sha256", str, "of the file", "session.sha256"),
-    Column("duration", float, "length", "session.duration_s", unit="s"),
+    Column("duration", float, "length", "session.duration_s", unit="s", form=".0f", title="length", on=PAGE),
 )
 NOTES = (
     Column("note", str, "from the manifest", "session.note"),
@@ -68,7 +80,22 @@ SESSION = Record(
     *NOTES,
     Column("warnings", [str], "what was noticed", lambda row: session_sentences(row.session.warnings)),
     Column("joints", [SESSION_JOINT], "per joint", "session.joints"),
-)
+    Column("part", str, get="note", on="p"),
+    Column("temperature", get=_temperature, form=".1f", unit="°C", on="p"),
+    Column(
+        "read_as", str, get="session.conditions", title="recorded and read as", on="p",
+        form=lambda how: f"{how.drive}, {how.torque}, gravity {how.gravity}, inertia {how.inertia}",
+    ),
+    Column("payload", str, get="session.conditions.payload", on="p"),
+    FILE,
+    Column(
+        "notes", str, on="p", get=lambda row: "; ".join(filter(None, (
+            row.session.note, "damaged, part of it left out" * row.session.damaged,
+            *session_sentences(row.session.warnings),
+        ))),
+    ),
+)  # fmt: skip
+LEFT_OUT = Record(NUMBER, FILE, Column("reason", str, get="note", on="p"))
 
 
 def _interval(prefix: str, get: str) -> tuple[Column, ...]:
@@ -88,16 +115,12 @@ SESSIONS = Record(
     Column("compared", bool, get="is_compared"),
     Column("reference", bool),
     Column("left_out", str),
-    Column("joint", int, get="joint.joint"),
-    Column("name", str, get="joint.name"),
-    Column("cycles", int, get="joint.cycles"),
-    Column("moving", float, get="joint.moving_s", unit="s"),
+    *(one.at("joint", on="f") for one in SESSION_JOINT.columns if one.name in ("joint", "name", "cycles", "moving")),
     *(
         Column(f"speed_{name}", float, get=f"joint.speed_rad_s.{k}", unit="rad/s")
         for k, name in enumerate(("lower_quartile", "median", "upper_quartile"))
     ),
-    Column("temperature", float, get="joint.temperature_c", unit="°C"),
-    Column("reason", str, get="joint.reason"),
+    *(one.at("joint", on="f") for one in SESSION_JOINT.columns if one.name in ("temperature", "reason")),
     Column("verdict", str, get=lambda row: row.joint.verdict or ""),
     Column("effects", str, get=lambda row: " ".join(row.joint.effects)),
     Column("coefficient", str),
@@ -113,41 +136,6 @@ SESSIONS = Record(
 )
 
 
-SESSION_NUMBER = Column("session", str, get=lambda row: str(row.place + 1), sort="place", on="p")
-FILE = Column("file", str, get="session.path", code=True, on="p")
-LEFT_OUT = Record(SESSION_NUMBER, FILE, Column("reason", str, get="note", on="p"))
-
-
-def _notes(session: Session) -> str:
-    damaged = ("damaged, part of it left out",) if session.damaged else ()
-    return "; ".join(text for text in (session.note, *damaged, *session_sentences(session.warnings)) if text)
-
-
-def _temperature(row: SessionRow) -> float | None:
-    """Return the temperature from the manifest, or the mean of the joints. [degC]"""
-    logged = [one.temperature_c for one in row.session.joints if one.temperature_c is not None]
-    given = row.session.temperature_c
-    return math.fsum(logged) / len(logged) if given is None and logged else given
-
-
-# On the page of a batch.
-SHOWN = Record(
-    SESSION_NUMBER,
-    Column("start", get="session.start_s", form=format_start, title="started (UTC)", on="p"),
-    Column("start_from", str, get="session.start_from", title="start from", on="p"),
-    Column("duration", get="session.duration_s", form=".0f", unit="s", title="length", on="p"),
-    Column("part", str, get="note", on="p"),
-    Column("temperature", get=_temperature, form=".1f", unit="°C", on="p"),
-    Column(
-        "read_as", str, get="session.conditions", title="recorded and read as", on="p",
-        form=lambda how: f"{how.drive}, {how.torque}, gravity {how.gravity}, inertia {how.inertia}",
-    ),
-    Column("payload", str, get="session.conditions.payload", on="p"),
-    FILE,
-    Column("notes", str, get="session", form=_notes, on="p"),
-)  # fmt: skip
-
-
 def coefficient_column(joint: JointDrift, name: str) -> Column:
     """Return the column of a coefficient of a joint in the table of sessions."""
     title = shortened(joint_label(joint.joint, joint.name), SHORTEST_NAME)
@@ -157,7 +145,7 @@ def coefficient_column(joint: JointDrift, name: str) -> Column:
 
 def session_columns(arms: Sequence[ArmDrift]) -> tuple[dict[str, type], Iterator[dict[str, list[Any]]]]:
     """Return the table of all sessions: what is in its columns, and the columns of some rows after the other."""
-    columns = {column.key: column for column in SESSIONS.file_columns()}
+    columns = {column.key(): column for column in SESSIONS.file_columns()}
     rows = (row for arm in arms for row in _value_rows(arm))
     lots = iter(lambda: list(islice(rows, ROWS_AT_ONCE)), [])
     cells = ({key: [to_json(column.value(row)) for row in lot] for key, column in columns.items()} for lot in lots)

@@ -1,4 +1,4 @@
-"""Words and numbers in which drift is reported, the same in tables, documents, figures and pages."""
+"""Words and numbers in which drift is reported, the same in tables, documents, figures and pages; limits as JUnit."""
 
 import math
 import re
@@ -7,15 +7,25 @@ from collections.abc import Iterable, Mapping, Sequence
 from math import isfinite
 from pathlib import PurePath
 from statistics import median
+from xml.etree import ElementTree as ET
 
+from friction_audit.drift import report as limits
 from friction_audit.drift.change_points import REACH
-from friction_audit.drift.report import FEWEST_SESSIONS, ArmDrift, ChangePoint, CoefficientDrift, JointDrift
+from friction_audit.drift.report import (
+    FEWEST_SESSIONS,
+    ArmDrift,
+    ChangePoint,
+    CoefficientDrift,
+    DriftReport,
+    JointDrift,
+)
 from friction_audit.drift.session import Session
-from friction_audit.friction.history import Coefficient
+from friction_audit.errors import printable
+from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_numbers import write_joint_numbers
 from friction_audit.reporting import words
 from friction_audit.reporting.table import Tone
-from friction_audit.reporting.words import NOTHING, count_of, format_date, format_start
+from friction_audit.reporting.words import NEWTON_METRES, NOTHING, count_of, format_date, format_start, in_unit
 
 NAMES = {"coulomb_nm": "Coulomb", "viscous_nms_per_rad": "viscous"}
 UNITS = {"coulomb_nm": "N m", "viscous_nms_per_rad": "N m s/rad"}
@@ -82,15 +92,12 @@ def headline(found: CoefficientDrift, sessions: Sequence[Session]) -> str:
         size = abs(found.level.value) if isfinite(found.total.value) else math.nan
         trend = found.trend_per_session
         rises = f"{verb_of(trend, 'rises', 'falls')} by {how_much(words.scaled(trend, 1.0 / size), trend, unit)}"
-        total = how_much(found.total, found.change, unit)
         first, last = (sessions[found.sessions[k]].start_s for k in (0, -1))
         weeks = math.nan if first is None or last is None else (last - first) / WEEK_S
-        if weeks >= 1.0:
-            weekly = trend.value * (found.sessions[-1] - found.sessions[0]) / weeks
-            rises += f" a session, about {amount(abs(weekly) / size, abs(weekly), found.coefficient)} a week"
-        else:
-            rises += " a session"
-        return f"{name} {rises}, {total} from the reference to the last sessions"
+        weekly = abs(trend.value) * (found.sessions[-1] - found.sessions[0]) / weeks if weeks >= 1.0 else math.nan
+        about = f", about {amount(weekly / size, weekly, found.coefficient)} a week" if isfinite(weekly) else ""
+        total = how_much(found.total, found.change, unit)
+        return f"{name} {rises} a session{about}, {total} from the reference to the last sessions"
     return f"{changed} from the reference to the last sessions; a step and a slow change describe it equally well"
 
 
@@ -109,13 +116,12 @@ def _step(point: ChangePoint, unit: str, sessions: Sequence[Session]) -> str:
 
 def how_much(relative: Coefficient, absolute: Coefficient, unit: str) -> str:
     """Return a size with its interval, in per cent where that means something."""
-    if isfinite(relative.value):
-        sign = -1.0 if relative.value < 0 else 1.0
-        low, high = sorted((100 * sign * relative.low, 100 * sign * relative.high))
-        return f"{percent(sign * relative.value)} % ({low:.2g} to {high:.2g} %)"
-    sign = -1.0 if absolute.value < 0 else 1.0
-    low, high = sorted((absolute.low, absolute.high), key=abs)
-    return f"{abs(absolute.value):.2g} {unit} ({sign * low:.2g} to {sign * high:.2g})"
+    shown = words.scaled(relative, 100.0) if isfinite(relative.value) else absolute
+    low, high = sorted(math.copysign(1.0, shown.value) * end for end in (shown.low, shown.high))
+    ends = f"{low:.2g} to {high:.2g}"
+    if shown is absolute:
+        return f"{abs(absolute.value):.2g} {unit} ({ends})"
+    return f"{percent(abs(relative.value))} % ({ends} %)"
 
 
 def percent(share: float) -> str:
@@ -184,16 +190,9 @@ def arm_sentence(arm: ArmDrift) -> str:
     every = [one for joint in arm.joints for one in joint.coefficients if one.smallest_drift <= LARGEST_DETECTABLE]
     for name, word in NAMES.items():
         if sizes := [one.smallest_drift for one in every if one.coefficient == name]:
-            ends = dict.fromkeys(percent(size) for size in (min(sizes), max(sizes)))
-            parts.append(f"{' to '.join(ends)} % of {word} friction")
+            parts.append(f"{words.range_of(sizes, percent)} % of {word} friction")
     least = f": changes of {' and of '.join(parts)} are detectable, joint by joint" if parts else ""
     return f"no drift in {compared} sessions{least}"
-
-
-def change_text(arm: ArmDrift, change: ChangePoint) -> str:
-    """Return a step in words: ``session 13 (12 to 14), 2026-03-04: +15.2 ± 1.9 %``."""
-    day = f", {format_date(arm.sessions[change.session].start_s)}".removesuffix(f", {NOTHING}")
-    return f"session {first_after(change)}{day}: {format_change(change)}"
 
 
 def first_after(change: ChangePoint) -> str:
@@ -234,8 +233,8 @@ def slope_text(found: CoefficientDrift, slope: Coefficient) -> str:
 
 def span_of(sessions: Iterable[Session]) -> str:
     """Return from when to when sessions were recorded, or nothing where no start is known."""
-    starts = sorted(one.start_s for one in sessions if format_date(one.start_s) != NOTHING and one.start_s)
-    return " to ".join(dict.fromkeys(map(format_date, (starts[0], starts[-1])))) if starts else ""
+    starts = [one.start_s for one in sessions if format_date(one.start_s) != NOTHING and one.start_s]
+    return words.range_of(starts, format_date) if starts else ""
 
 
 def curve_sessions(arm: ArmDrift) -> tuple[tuple[int, ...], ...]:
@@ -248,3 +247,66 @@ def sessions_text(arm: ArmDrift) -> str:
     """Return how many sessions an arm has, when they were recorded, and how many were compared."""
     span = span_of(arm.sessions)
     return f"{count_of(len(arm.sessions), 'session')}{f', {span}' if span else ''}, {len(arm.compared)} compared"
+
+
+def limit_lines(exceeded: Iterable[str], cannot_tell: Iterable[str]) -> list[str]:
+    """Return the sentences on limits that are not kept, each led by what is wrong."""
+    return [f"limit exceeded: {one}" for one in exceeded] + [f"cannot test: {one}" for one in cannot_tell]
+
+
+# Of what is not kept: the element, and what it counts as. A limit that cannot be tested is an error and not skipped,
+# for servers count what is skipped as passed, and the command exits with 7.
+OUTCOMES = {"exceeded": ("failure", "failures"), "untestable": ("error", "errors")}
+
+
+def limit_sentences(report: DriftReport, asked: Iterable[limits.Limit]) -> tuple[tuple[str, ...], ...]:
+    """Return one sentence for each coefficient beyond a limit, and for each that cannot be tested by one."""
+    judged = list(limits.judge(report, tuple(asked)))
+    return tuple(tuple(_limit_sentence(one) for one in judged if one.verdict == kind) for kind in OUTCOMES)
+
+
+def _limit_sentence(one: limits.Judged) -> str:
+    """Return what a limit that is not kept is exceeded by, or why it cannot be tested."""
+    found, limit = one.found, one.limit
+    if found is None:
+        return f"the limit {limit.text}: no session has an estimate that it is meant for"
+    change = found.total if limit.relative else found.change
+    name = f"{one.robot}, joint {one.joint}: {NAMES[found.coefficient]} friction"
+    if one.verdict == "exceeded":
+        size = how_much(found.total if limit.relative else UNDETERMINED, found.change, UNITS[found.coefficient])
+        sure = min(abs(change.low), abs(change.high)) >= limit.size and change.low * change.high > 0
+        went = f"{verb_of(change)} by {size} since the reference"
+        return f"{name} {went}, {'surely' if sure else 'probably'} beyond the limit {limit.text}"
+    least = found.smallest_drift if limit.relative else found.smallest_change
+    size = amount(least if limit.relative else math.nan, least, found.coefficient)
+    why = f"only a change of {size} or more is detectable; record more or longer sessions"
+    if found.shape == "temperature":
+        why = "drift and temperature cannot be separated; record sessions at like temperature"
+    elif found.drift:
+        why = "the reference is near zero, so there is no relative change; give a limit without %"
+    elif found.shape == "too_few" or not isfinite(least):
+        sessions = count_of(len(found.sessions) - len(found.isolated), "comparable session")
+        return f"{name}: the limit {limit.text} cannot be tested with {sessions}; record more"
+    return f"{name}: the limit {limit.text} cannot be tested: {why}"
+
+
+def junit_text(command: str, report: DriftReport, asked: Sequence[limits.Limit], unit: str = NEWTON_METRES) -> str:
+    """Return the XML of the limits of a command, a suite per limit; torques are in a unit."""
+    root = ET.Element("testsuites", name=f"friction-audit {command}")
+    for limit in asked:
+        suite = ET.SubElement(root, "testsuite", name=limit.text)
+        for one in limits.judge(report, [limit]):
+            words = () if one.found is None else (f"joint {one.joint}", f"{NAMES[one.found.coefficient]} friction, ")
+            place = (printable(part).replace(".", "_") for part in ("friction-audit", command, one.robot or "no arm"))
+            name = f"{': '.join(words)}limit {limit.text}"
+            case = ET.SubElement(suite, "testcase", classname=".".join(place), name=name)
+            if one.verdict in OUTCOMES:
+                sentence = printable(in_unit(_limit_sentence(one), unit))
+                ET.SubElement(case, OUTCOMES[one.verdict][0], message=sentence, type=one.verdict).text = sentence
+            elif one.found is not None:
+                ET.SubElement(case, "system-out").text = f"change {in_unit(total_text(one.found), unit)}"
+    for whole in (root, *root):
+        for element, counted in (("testcase", "tests"), *OUTCOMES.values()):
+            whole.set(counted, str(len(whole.findall(f".//{element}"))))
+    ET.indent(root)
+    return ET.tostring(root, "unicode", xml_declaration=True) + "\n"

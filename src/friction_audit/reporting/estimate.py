@@ -34,7 +34,7 @@ def _over_time(name: str, unit: str) -> tuple[Column, ...]:
     value = Column(name, float, f"{name} friction of the last cycles", unit=unit)
     low, high = (Column(f"{name}_{end}", unit=unit, on="f") for end in ("low", "high"))
     both = lambda h: zip(low.value(h), high.value(h), strict=True)  # noqa: E731
-    return value, Column(f"{value.key}_ci95", INTERVAL, "its 95 % interval", both, on="j"), low, high
+    return value, Column(f"{value.key()}_ci95", INTERVAL, "its 95 % interval", both, on="j"), low, high
 
 
 HISTORY = Record(
@@ -49,21 +49,17 @@ HISTORY = Record(
     Column("square_speed_rad2_s", float, "integral of the squared velocity, likewise for the viscous one"),
     name="coefficient_history",
     summary="friction coefficients of a joint after a cycle that counts, from the last cycles, with 95 % intervals",
-    time="stop_s",
-    arrays=True,
+    over="stop_s",
 )  # fmt: skip
 
 
-def _value(coefficient: Coefficient) -> str:
-    """Return a coefficient without its interval, for a comparison by eye."""
-    return format_coefficient(coefficient).split()[0]
-
-
+# Of the torque regression the terminal has the value alone, for a comparison by eye.
+REGRESSED: dict[str, Any] = {"form": lambda one: format_coefficient(one).split()[0], "title": "regr.", "on": "t"}
 FRICTION = Record(
     JOINT,
     NAME,
     Column(
-        "joint", str, get=lambda one: one, on="t",
+        "joint", str, get="", on="t",
         form=lambda one: joint_label(one.joint, one.name) + f" {MARK}" * (one.method != "energy" and not one.reason),
     ),
     joint_column(on="p"),
@@ -73,16 +69,16 @@ FRICTION = Record(
     Column("rejected_cycles", int, "cycles rejected", title="rejected", on="jfp"),
     Column("moving", float, "time above the initiation threshold", unit="s"),
     Column("coulomb", Coefficient, "over the whole log", "coulomb", unit="N m", title="Coulomb", on=ALL),
-    Column("coulomb", Coefficient, get="regression.coulomb", form=_value, unit="N m", title="regr.", on="t"),
+    Column("coulomb", Coefficient, get="regression.coulomb", unit="N m", **REGRESSED),
     Column("viscous", Coefficient, "over the whole log", "viscous", unit="N m s/rad", on=ALL),
-    Column("viscous", Coefficient, get="regression.viscous", form=_value, unit="N m s/rad", title="regr.", on="t"),
+    Column("viscous", Coefficient, get="regression.viscous", unit="N m s/rad", **REGRESSED),
     Column("offset", float, "torque offset", unit="N m"),
     Column("gravity_error", float, "amplitude of the gravity error", unit="N m"),
     Column(
-        "cycles", int, get=lambda one: one, form=lambda one: f"{one.cycles} ({one.rejected_cycles})",
+        "cycles", int, get="", form=lambda one: f"{one.cycles} ({one.rejected_cycles})",
         title="cycles\n(rejected)", on="t",
     ),
-    Column("condition_number", float, "of scaled regression", title="condition number", short="cond.\nnumber", on=ALL),
+    Column("condition_number", float, "of scaled regression", short="cond.\nnumber", on=ALL),
     Column("correlation", float, "between the two coefficients"),
     Column("coulomb", Coefficient, get="regression.coulomb", unit="N m", title="regression: Coulomb", on="p"),
     Column("viscous", Coefficient, get="regression.viscous", unit="N m s/rad", title="regression: viscous", on="p"),
@@ -110,8 +106,7 @@ CYCLES = Record(
     Column("rejected", str, get=lambda own: [REASONS[reason] for reason in own.reason]),
     name="cycles",
     summary="an energy cycle of a joint, from rest to rest, also one that is rejected",
-    time="stop_s",
-    arrays=True,
+    over="stop_s",
 )
 INTERACTION = Record(
     Column("time", get="0.t", unit="s"),
@@ -121,8 +116,7 @@ INTERACTION = Record(
     Column("compensation", get=lambda at: at[0].compensation[:, at[1]], unit="N m"),
     name="interaction",
     summary="motion of a joint and torque at its friction port at a sample of the log",
-    time="time_s",
-    arrays=True,
+    over="time_s",
 )
 ESTIMATE: Document = Document(
     "estimate/1",
@@ -145,19 +139,13 @@ TABLES = (FRICTION, HISTORY, CYCLES, INTERACTION)
 def estimate_tables(estimate: Estimate) -> tuple[TidyTable, ...]:
     """Return the tables of an estimate for files: coefficients, their history, cycles, interaction torque."""
     seen, joints, unit = estimate.interaction, estimate.friction.joints, estimate.log.source.torque_unit
-    columns = list(zip(seen.joint_numbers, seen.joint_names, range(len(seen.joint_numbers)), strict=True))
-    absent = () if seen.compensation is not None else ("compensation",)
+    column, absent = seen.joint_numbers.index, () if seen.compensation is not None else ("compensation",)
     return (
-        FRICTION.joints_file(joints, lambda one: [one], unit),
-        history_table(estimate),
-        CYCLES.file(((number, name, estimate.cycles.of_joint(k)) for number, name, k in columns), unit),
-        INTERACTION.file(((number, name, (seen, k)) for number, name, k in columns), unit, absent),
+        FRICTION.file(joints, lambda one: [one], unit),
+        HISTORY.file(joints, "history", unit),
+        CYCLES.file(joints, lambda one: estimate.cycles.of_joint(column(one.joint)), unit),
+        INTERACTION.file(joints, lambda one: (seen, column(one.joint)), unit, absent),
     )
-
-
-def history_table(estimate: Estimate) -> TidyTable:
-    """Return the coefficients after each cycle."""
-    return HISTORY.joints_file(estimate.friction.joints, "history", estimate.log.source.torque_unit)
 
 
 def estimate_lines(estimate: Estimate) -> list[str]:

@@ -1,7 +1,7 @@
 """What is in a log: its summary, document and text."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import NamedTuple
 
@@ -86,7 +86,7 @@ MOTION = Record(
     JOINT,
     NAME,
     joint_column(),
-    Column("peak_speed", float, "largest speed", unit="rad/s", title="peak speed", on=ALL),
+    Column("peak_speed", float, "largest speed", unit="rad/s", on=ALL),
     Column("range", float, "largest less smallest position", unit="rad", on=ALL),
     Column("moving", float, "time above the initiation threshold", unit="s", on=ALL),
     Column("cycles", int, "energy cycles", on=ALL, null=True),
@@ -102,16 +102,11 @@ TOPIC = Record(
 PATH, TOPICS = Column("path", str, "path as given"), Column("topics", [TOPIC], "topics or tables of the file")
 
 
-def _of_log(column: Column) -> Column:
-    """Return a column of the log of an entry; a part of a log has no hash."""
-    get = lambda entry: column.value(entry.summary.log)  # noqa: E731
-    return replace(column, get=get, null=column.null or column.name == "sha256")
-
-
 LOG = Record(
     PATH,
     TOPICS,
-    *map(_of_log, log_columns("joint_count")[1:]),
+    # A part of a log has no hash.
+    *(one.at("summary.log", null=one.null or one.name == "sha256") for one in log_columns("joint_count")[1:]),
     Column("jitter", float, "standard deviation of the time steps, drops left out", "summary.jitter_s", unit="s"),
     Column("gaps", int, "steps longer than five median ones", "summary.gaps"),
     Column("longest_gap", float, "the longest of them", "summary.longest_gap_s", unit="s"),

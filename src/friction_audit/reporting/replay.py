@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -36,10 +35,7 @@ def _diverged(joint: JointReplay) -> bool:
 
 def _removed(name: str, title: str, short: str = "") -> Column:
     """Return the column of a share removed, of loops that did not diverge."""
-
-    def stable(joint: JointReplay) -> float | None:
-        return None if _diverged(joint) else getattr(joint.numbers, name, None)
-
+    stable = lambda joint: None if _diverged(joint) else getattr(joint.numbers, name, None)  # noqa: E731
     form = lambda share: f"<{100 * WORST:.0f}" if share < WORST else f"{100 * share:.1f}"  # noqa: E731
     return Column(name, float, get=stable, unit="%", form=form, title=title, short=short, on=PEOPLE)
 
@@ -102,14 +98,13 @@ HISTORY = Record(
     Column("status", STATUSES, "what came of the cycle", lambda h: [STATUSES[status] for status in h.status]),
     name="replay_cycles",
     summary="a cycle of the compensator on a joint: energy, coefficients applied and estimated",
-    time="stop_s",
-    arrays=True,
+    over="stop_s",
 )
 
 
 def _number(name: str, meaning: str, unit: str = "", **more: Any) -> Column:  # noqa: ANN401
     """Return a column of the numbers of a replay, null where there is a reason."""
-    return Column(name, float, meaning, f"numbers.{Column(name, unit=unit).key}", unit=unit, form=_short, **more)
+    return Column(name, float, meaning, f"numbers.{Column(name, unit=unit).key()}", unit=unit, form=_short, **more)
 
 
 JOINT_REPLAY = Record(
@@ -146,14 +141,14 @@ JOINT_REPLAY = Record(
     Column("operator", OPERATOR, "with `same-operator`: impedance of the person", on="j", null=True),
     Column("model_error", float, "velocity error of the simulated joint over the velocity", on="j"),
     Column("passivity", PASSIVITY, "passivity of the compensated joint", on="j", null=True),
-    *(replace(one, get=f"passivity.{one.key}", on="f") for one in PASSIVITY.columns if one.name in FILED),
-    Column("damped", float, get="passivity.injected_j", unit="J", form=_short, title="damped", on=PEOPLE),
+    *(one.at("passivity", on="f") for one in PASSIVITY.columns if one.name in FILED),
+    Column("damped", float, get="passivity.injected_j", unit="J", form=_short, on=PEOPLE),
     Column(
         "passive", str, get="passivity", title="passive\n(acted)", on="t",
         form=lambda found: f"{'no' if found.violations else 'yes'} ({found.active_cycles})",
     ),
     Column(
-        "passive", str, get="passivity", title="passive", on="p",
+        "passive", str, get="passivity", on="p",
         form=lambda found: "no" if found.violations else f"yes, acted in {found.active_cycles} cycles",
     ),
     Column("friction_step", STEP, "a step of friction in the log, or null", "recovery", on="j", null=True),
@@ -182,8 +177,7 @@ SIGNALS = Record(
     name="replay_signals",
     summary="motion and torque of a joint without the compensator and with it at a sample of the log; "
     "a compensator's torque is the one in force at the sample, computed at the sample before",
-    time="time_s",
-    arrays=True,
+    over="time_s",
 )
 REPLAY: Document = Document(
     "replay/3",
@@ -212,15 +206,10 @@ def replay_tables(found: LogReplay) -> tuple[TidyTable, ...]:
     joints, unit = found.replay.joints, found.estimate.log.source.torque_unit
     replayed = [one for one in joints if one.replayed is not None]
     return (
-        JOINT_REPLAY.joints_file(joints, lambda one: [one], unit),
-        history_table(found),
-        SIGNALS.joints_file(replayed, lambda one: (one.without, one.replayed), unit),
+        JOINT_REPLAY.file(joints, lambda one: [one], unit),
+        HISTORY.file(joints, "history", unit),
+        SIGNALS.file(replayed, lambda one: (one.without, one.replayed), unit),
     )
-
-
-def history_table(found: LogReplay) -> TidyTable:
-    """Return the cycles of the compensator."""
-    return HISTORY.joints_file(found.replay.joints, "history", found.estimate.log.source.torque_unit)
 
 
 def replay_lines(found: LogReplay) -> list[str]:
@@ -230,11 +219,10 @@ def replay_lines(found: LogReplay) -> list[str]:
     unit = found.estimate.log.source.torque_unit
     who = "person" if found.estimate.interaction.choice.drive == "hand" else "drive"
     sentences = [*_models(found), *(line for joint in joints for line in _moved(joint, who))]
-    for joint in joints:
-        if (step := joint.recovery) is not None:
-            change = f"joint {joint.joint}: friction steps to {step.change:.2f} times at {step.step_s:.4g} s"
-            right = f"after {step.cycles} cycles, {step.seconds:.3g} s" if step.cycles else "not in this log"
-            sentences.append(f"{change}; compensation right again: {right}")
+    for number, step in ((joint.joint, joint.recovery) for joint in joints if joint.recovery is not None):
+        change = f"joint {number}: friction steps to {step.change:.2f} times at {step.step_s:.4g} s"
+        right = f"after {step.cycles} cycles, {step.seconds:.3g} s" if step.cycles else "not in this log"
+        sentences.append(f"{change}; compensation right again: {right}")
     sentences += [f"not replayed: {line}" for line in reason_lines(joints)]
     return [
         log_line(found.estimate.log),

@@ -31,8 +31,7 @@ Step = Callable[[str], AbstractContextManager[Callable[[float], None] | None]]
 """Takes the name of a step and returns what is entered while it is under way: what takes the share done, or None."""
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Unanswered:
+class Unanswered(NamedTuple):
     """A part of the report that has no answer: its name and why; the traceback if a bug ended it."""
 
     part: str
@@ -121,11 +120,11 @@ def _answer(part: str, compute: Callable[[], T], unanswered: list[Unanswered]) -
     try:
         return compute()
     except AnalysisError as error:
-        unanswered.append(Unanswered(part=part, message=str(error)))
+        unanswered.append(Unanswered(part, str(error)))
     except (FrictionAuditError, MemoryError, Warning):  # warnings are errors where the tests run
         raise
     except Exception as error:  # noqa: BLE001 - reported as a bug: on the page, with traceback and exit code 1
-        unanswered.append(Unanswered(part=part, message=bug_sentence(part, error), traceback=traced(error)))
+        unanswered.append(Unanswered(part, bug_sentence(part, error), traced(error)))
     return None
 
 
@@ -179,9 +178,7 @@ def lead_sentence(report: LogReport) -> str:
     alone, where = len(joints) == 1, _joints(known, len(joints))
     if len(known) < len(joints):
         where = f"{len(known)} of {len(joints)} joints{f': {where}' if len(known) <= MOST_LISTED else ''}"
-    estimated = f"Friction is estimated on {where}."
-    if alone:
-        estimated = f"Friction is estimated: {friction_words(known[0].friction)}."
+    estimated = f"Friction is estimated{f': {friction_words(known[0].friction)}' if alone else f' on {where}'}."
     groups: dict[str, list[JointReport]] = {}
     judged = [one for one in joints if verdict_word(one) != NO_ESTIMATE]  # the diagnosis needs no estimate
     for one in judged:
@@ -221,6 +218,13 @@ def report_settings(report: LogReport) -> dict[str, Any]:
     return settings_document(report.estimate, report.reading) | own
 
 
+def report_tables(report: LogReport) -> tuple[TidyTable, ...]:
+    """Return the tables of all parts for files; a part without an answer has none."""
+    replayed = () if report.replay is None else replay_tables(report.replay)
+    missing = () if report.diagnosis is None else diagnose_tables(report.diagnosis)
+    return (*estimate_tables(report.estimate), *replayed, *missing)
+
+
 UNANSWERED = Record(Column("part", str, "the command"), Column("message", str, "why it has no answer"))
 VERDICT = Record(
     JOINT,
@@ -234,11 +238,11 @@ VERDICT = Record(
 )  # fmt: skip
 
 
-def _part(document: Document) -> Record:
-    """Return the keys of a part, without those that the whole document has once."""
-    return Record(*(column for column in document.columns if column not in CHAIN))
-
-
+# The keys of each part, without those that the whole document has once.
+PARTS = {
+    name: Record(*(column for column in document.columns if column not in CHAIN))
+    for name, document in (("estimate", ESTIMATE), ("diagnose", DIAGNOSE), ("replay", REPLAY))
+}
 REPORT = Document(
     "report/4",
     "All parts of a report, as on its page",
@@ -250,14 +254,7 @@ REPORT = Document(
     Column("sections", [str], "sections that were asked for"),
     Column("unanswered", [UNANSWERED], "parts without an answer; each is null"),
     Column("joints", [VERDICT], "per joint"),
-    Column("estimate", _part(ESTIMATE), "document of `estimate` without the shared keys", "estimate.friction"),
-    Column("diagnose", _part(DIAGNOSE), "document of `diagnose` likewise", "diagnosis.discrepancy", null=True),
-    Column("replay", _part(REPLAY), "document of `replay` likewise", "replay.replay", null=True),
+    Column("estimate", PARTS["estimate"], "document of `estimate` without the shared keys", "estimate.friction"),
+    Column("diagnose", PARTS["diagnose"], "document of `diagnose` likewise", "diagnosis.discrepancy", null=True),
+    Column("replay", PARTS["replay"], "document of `replay` likewise", "replay.replay", null=True),
 )
-
-
-def report_tables(report: LogReport) -> tuple[TidyTable, ...]:
-    """Return the tables of all parts for files; a part without an answer has none."""
-    replayed = () if report.replay is None else replay_tables(report.replay)
-    missing = () if report.diagnosis is None else diagnose_tables(report.diagnosis)
-    return (*estimate_tables(report.estimate), *replayed, *missing)

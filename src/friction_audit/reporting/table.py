@@ -38,10 +38,11 @@ class Column:
     # one kind (``[float]``) or a mapping of names to one kind (``{"*": Coefficient}``)
     kind: Any = float
     meaning: str = ""  # one line for people
-    get: Get | None = None  # path of attributes, keys and places from a row, or a function of the row; the key if None
+    # path of attributes, keys and places from a row ("" is the row itself), or a function of it; the key if None
+    get: Get | None = None
     _: KW_ONLY
     unit: str = ""  # unit of the value; its suffix ends the key
-    # head of the column for people, without the unit, the name if empty; ``short`` the same in the terminal
+    # head of the column for people, without the unit, the words of the name if empty; ``short`` that of the terminal
     title: str = ""
     short: str = ""
     # format of a number, or what gives the text of a value
@@ -55,13 +56,8 @@ class Column:
     words: bool = False  # whether it is a phrase for which the page leaves room
     optional: bool = False  # whether a document has the key only where there is something
 
-    @property
-    def key(self) -> str:
-        """Name with the unit, as in documents."""
-        return self.key_in(NEWTON_METRES)
-
-    def key_in(self, torque_unit: str) -> str:
-        """Return the name with the unit that follows from that of the torque, as in files."""
+    def key(self, torque_unit: str = NEWTON_METRES) -> str:
+        """Return the name with its unit; in files that unit follows from that of the torque."""
         suffix = SUFFIXES.get(self.unit, "")
         if torque_unit != NEWTON_METRES:  # a motor current: a or ma
             suffix = ("nm_rad" if suffix == "j" else suffix).replace("nm", torque_unit.lower())
@@ -69,8 +65,8 @@ class Column:
 
     def head(self, torque_unit: str) -> str:
         """Return the head of the column on a page."""
-        unit = in_unit(self.unit, torque_unit)
-        return f"{self.title or self.name} [{unit}]" if unit else self.title or self.name
+        unit, title = in_unit(self.unit, torque_unit), self.title or self.name.replace("_", " ")
+        return f"{title} [{unit}]" if unit else title
 
     @property
     def number(self) -> bool:
@@ -79,7 +75,11 @@ class Column:
 
     def value(self, row: Row) -> Any:  # noqa: ANN401 - any value of a result
         """Return the value in a row."""
-        return _found(row, self.key if self.get is None else self.get)
+        return _found(row, self.key() if self.get is None else self.get)
+
+    def at(self, path: str, **changed: Any) -> "Column":  # noqa: ANN401 - fields of a column
+        """Return this column for rows from which ``path`` leads to what has its values."""
+        return replace(self, get=lambda row: self.value(_found(row, path)), **changed)
 
     def json(self, row: Row, torque_unit: str = NEWTON_METRES) -> Any:  # noqa: ANN401
         """Return the value in a row as a document has it."""
@@ -115,10 +115,9 @@ class Column:
         return math.nan if value is None else float(value)
 
 
-def joint_column(get: Get = lambda row: row, on: str = PEOPLE) -> Column:
-    """Return the column that heads the rows of joints for people; ``get`` gives what has ``joint`` and ``name``."""
-    sort = lambda row: _found(row, get).joint  # noqa: E731
-    return Column("joint", str, get=get, form=lambda one: joint_label(one.joint, one.name), sort=sort, on=on)
+def joint_column(get: str = "", on: str = PEOPLE) -> Column:
+    """Return the column that heads the rows of joints for people; ``get`` leads to what has ``joint`` and ``name``."""
+    return Column("joint", str, get=get, form=lambda j: joint_label(j.joint, j.name), sort=f"{get}.joint", on=on)
 
 
 JOINT, NAME = Column("joint", int, "number, from 1", on="j"), Column("name", str, "name in the log", on="j")
@@ -127,15 +126,13 @@ JOINT, NAME = Column("joint", int, "number, from 1", on="j"), Column("name", str
 class Record:
     """Columns of one kind of row."""
 
-    def __init__(
-        self, *columns: Column, name: str = "", summary: str = "", time: str | None = None, arrays: bool = False
-    ) -> None:
+    def __init__(self, *columns: Column, name: str = "", summary: str = "", over: str | None = None) -> None:
         """Take the columns in order, and what the table of files is called and what a row of it is.
 
-        ``time``: key of the moment at which a row was known; ``arrays``: a value is a joint's whole column.
+        ``over``: key of the moment at which a row was known; a value of such a table is a joint's whole column.
         """
         self.columns = columns
-        self.name, self.summary, self.time, self.arrays = name, summary, time, arrays
+        self.name, self.summary, self.over, self.arrays = name, summary, over, over is not None
 
     def on(self, form: Form) -> tuple[Column, ...]:
         """Return the columns of a form."""
@@ -146,34 +143,42 @@ class Record:
         columns = self.on("j")
         if not self.arrays:
             there = (column for column in columns if not column.optional or column.value(row))
-            return {column.key: column.json(row, torque_unit) for column in there}
-        cells = zip(*(_column_json(column.value(row)) for column in columns), strict=True)
-        keys = [column.key for column in columns]
-        return [dict(zip(keys, values, strict=True)) for values in cells]
+            return {column.key(): column.json(row, torque_unit) for column in there}
+        values = (column.value(row) for column in columns)
+        cells = zip(*(to_json(one if isinstance(one, np.ndarray) else [*one]) for one in values), strict=True)
+        keys = [column.key() for column in columns]
+        return [dict(zip(keys, own, strict=True)) for own in cells]
 
     def schema(self) -> dict[str, Any]:
         """Return the JSON Schema of a row."""
-        properties = {column.key: column.schema() for column in self.on("j")}
-        required = [column.key for column in self.on("j") if not column.optional]
+        columns = self.on("j")
+        required = [column.key() for column in columns if not column.optional]
+        properties = {column.key(): column.schema() for column in columns}
         return {"type": "object", "required": required, "properties": properties}
 
-    def joints_file(self, joints: Iterable[Any], get: Get, torque_unit: str = NEWTON_METRES) -> TidyTable:
-        """Return the table for files of joints with a number and a name; ``get`` gives the rows of each."""
-        return self.file(((one.joint, one.name, _found(one, get)) for one in joints), torque_unit)
-
     def file(
-        self, joints: Iterable[tuple[int, str, Any]], torque_unit: str = NEWTON_METRES, absent: Collection[str] = ()
+        self, joints: Iterable[Any], get: Get, torque_unit: str = NEWTON_METRES, absent: Collection[str] = ()
     ) -> TidyTable:
-        """Return the table for files, without ``absent`` columns, of number, name and rows (or arrays) of joints."""
-        columns = {one.key_in(torque_unit): one for one in self.file_columns() if one.name not in absent}
+        """Return the table for files, without ``absent`` columns; ``get`` gives the rows (or arrays) of a joint."""
+
+        def cells(column: Column, rows: Any) -> Any:  # noqa: ANN401
+            if self.arrays:
+                return column.value(rows)
+            values = [column.value(row) for row in rows]
+            if column.kind is float:
+                return np.array(values, dtype=np.float64)  # NaN for None
+            return ["" if value is None and column.kind is str else value for value in values]
+
+        columns = {one.key(torque_unit): one for one in self.file_columns() if one.name not in absent}
+        found = ((one, _found(one, get)) for one in joints)
         return TidyTable(
             name=self.name,
             summary=self.summary,
             types={key: str if isinstance(column.kind, tuple) else column.kind for key, column in columns.items()},
-            time=next((key for key, column in columns.items() if column.key == self.time), None),
+            time=next((key for key, column in columns.items() if column.key() == self.over), None),
             rows=tuple(
-                JointRows(joint=joint, name=name, columns={key: self._cells(one, rows) for key, one in columns.items()})
-                for joint, name, rows in joints
+                JointRows(joint=one.joint, name=one.name, columns={key: cells(c, rows) for key, c in columns.items()})
+                for one, rows in found
                 if rows is not None and (self.arrays or rows)
             ),
         )
@@ -187,14 +192,6 @@ class Record:
 
         own = ([one] if one.kind is not Coefficient else [part(one, *end) for end in ENDS] for one in self.on("f"))
         return [column for columns in own for column in columns]
-
-    def _cells(self, column: Column, rows: Any) -> Any:  # noqa: ANN401
-        if self.arrays:
-            return column.value(rows)
-        values = [column.value(row) for row in rows]
-        if column.kind is float:
-            return np.array(values, dtype=np.float64)  # NaN for None
-        return ["" if value is None and column.kind is str else value for value in values]
 
     def people(self, rows: Iterable[Row], form: Form = "p", **shown: Any) -> "Table":  # noqa: ANN401 - fields of Table
         """Return the table for people: on the terminal or on a page."""
@@ -232,8 +229,8 @@ class Table:
 
         drawn = RichTable(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False, collapse_padding=True)
         for column in self.columns:
-            title, unit = column.short or column.title or column.name, in_unit(column.unit, self.unit)
-            head = Text(f"{title}\n[{unit}]" if unit else title)
+            head = Text(column.short or column.title or column.name.replace("_", " "))
+            head.append(f"\n[{in_unit(column.unit, self.unit)}]" if column.unit else "")
             drawn.add_column(head, justify="right" if column.number else "left", no_wrap=not column.words)
         for number, row in enumerate(self.rows):
             first, *others = (column.text(row) for column in self.columns)
@@ -279,6 +276,8 @@ def to_json(value: Any) -> Any:  # noqa: ANN401, PLR0911 - any value of a result
     match value:
         case Mapping():
             return {str(key): to_json(item) for key, item in value.items()}
+        case np.ndarray() if value.dtype.kind == "f":  # at once: a day has 200 000 cycles
+            return np.where(np.isfinite(value), value.astype(object), None).tolist()
         case np.ndarray() | np.generic():
             return to_json(value.tolist())
         case list() | tuple():
@@ -290,20 +289,11 @@ def to_json(value: Any) -> Any:  # noqa: ANN401, PLR0911 - any value of a result
     return value
 
 
-def _column_json(values: Iterable[Any]) -> list[Any]:
-    """Return the values of a column as JSON knows them; an array at once."""
-    if not isinstance(values, np.ndarray) or values.dtype.kind != "f":
-        return [to_json(value) for value in values]
-    cells = values.astype(object)
-    cells[~np.isfinite(values)] = None
-    return list(cells.tolist())
-
-
 def _found(row: Row, get: Get) -> Any:  # noqa: ANN401
     """Return what a path leads to, None where a part of it is None."""
     if not isinstance(get, str):
         return get(row)
-    for name in get.split("."):
+    for name in filter(None, get.split(".")):
         if row is None:
             return None
         key = int(name) if name.isdigit() else name

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from datetime import UTC, datetime
 
 from friction_audit.errors import printable, shortened
@@ -147,6 +147,12 @@ def enumerate_words(words: Iterable[object]) -> str:
     """Return words as people list them: ``1, 2 and 3``; nothing for none."""
     *rest, last = [*map(str, words)] or [""]
     return f"{', '.join(rest)} and {last}" if rest else last
+
+
+def range_of(values: Iterable[float], form: Callable[[float], str]) -> str:
+    """Return the smallest and the largest of some numbers, ``1 to 3``, or one text where both have the same."""
+    found = list(values)
+    return " to ".join(dict.fromkeys(map(form, (min(found), max(found)))))
 
 
 def joints_label(numbers: Iterable[int]) -> str:

@@ -1,4 +1,4 @@
-"""ArmDrift -> coefficients over sessions with levels and trends, the control chart, the changes of all joints."""
+"""ArmDrift, TwoSides -> coefficients over sessions, control chart, changes of all joints, velocity-torque curves."""
 
 import math
 from collections.abc import Sequence
@@ -11,7 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, JointDrift
-from friction_audit.drift.session import COEFFICIENTS
+from friction_audit.drift.session import SpeedCurve
+from friction_audit.drift.two_sides import JointChange, TwoSides
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.reporting import drift_words
@@ -23,8 +24,7 @@ MOST_MARKED = 150  # sessions in a panel above which markers would only be a blo
 MOST_TICKS = 6
 
 
-def _title(coefficient: str) -> str:
-    return drift_words.NAMES[coefficient].capitalize()
+TITLES = {coefficient: word.capitalize() for coefficient, word in drift_words.NAMES.items()}
 
 
 def _verdict(found: CoefficientDrift) -> str:
@@ -38,21 +38,18 @@ def _verdict(found: CoefficientDrift) -> str:
 
 def _draw_both(draw: Any, panels: Sequence[Axes], arm: ArmDrift, joint: JointDrift) -> None:
     """Draw Coulomb above or left of viscous friction over the sessions, or why there is nothing."""
-    known = {found.coefficient: found for found in joint.coefficients}
-    for axes, coefficient in zip(panels, COEFFICIENTS, strict=True):
+    for axes, found in zip(panels, joint.coefficients, strict=True):
         if not parts.is_narrow(axes):
             axes.set_title(panels[0].get_title(loc="left"), loc="left")
         _number_sessions(axes, arm)
-        found = known.get(coefficient)
-        axes.set_ylabel(_title(coefficient))
-        if found is not None and _estimated(found):
-            words, alert = draw(axes, arm, joint, found)
-            # No panel has ticks above; to look for them takes a third of the time, and a place given ends it.
-            axes.set_title(words, loc="right", y=1.0, color=FITTED if alert else "black")
+        axes.set_ylabel(TITLES[found.coefficient])
+        if not _estimated(found):
+            axes.set_yticks([])
+            parts.write_message(axes, drift_words.headline(found, arm.sessions).partition(";")[0])
             continue
-        axes.set_yticks([])
-        reason = drift_words.headline(found, arm.sessions).partition(";")[0] if found else "not estimated"
-        parts.write_message(axes, reason)
+        words, alert = draw(axes, arm, joint, found)
+        # No panel has ticks above; to look for them takes a third of the time, and a place given ends it.
+        axes.set_title(words, loc="right", y=1.0, color=FITTED if alert else "black")
 
 
 def _estimated(found: CoefficientDrift) -> bool:
@@ -90,7 +87,7 @@ SMALLEST_SHARE = 0.1  # of the value: a panel is never higher resolved, so that 
 def _draw_coefficient(axes: Axes, arm: ArmDrift, joint: JointDrift, found: CoefficientDrift) -> tuple[str, bool]:
     """Draw values, levels or trend; return the verdict in words, and whether it is drift."""
     separator = " " if parts.is_narrow(axes) else "\n"
-    axes.set_ylabel(f"{_title(found.coefficient)}{separator}[{drift_words.UNITS[found.coefficient]}]")
+    axes.set_ylabel(f"{TITLES[found.coefficient]}{separator}[{drift_words.UNITS[found.coefficient]}]")
     _shade_reference(axes, arm)
     _draw_values(axes, found)
     if found.change_points:
@@ -122,9 +119,8 @@ def _draw_values(axes: Axes, found: CoefficientDrift) -> None:
     place = np.array([k + 1.0 for k in found.sessions])
     value, low, high = _columns(found.values)
     # One path for all intervals: a file of a thousand sessions stays small.
-    bars = np.full((len(place), 3), np.nan)
-    bars[:, 0], bars[:, 1] = low, high
-    axes.plot(np.repeat(place, 3), bars.ravel(), color=FILTERED, lw=0.7, alpha=0.5, label=INTERVAL)
+    bars = np.stack([low, high, np.full(len(place), np.nan)], axis=1).ravel()
+    axes.plot(np.repeat(place, 3), bars, color=FILTERED, lw=0.7, alpha=0.5, label=INTERVAL)
     style: Look = {"lw": 0.7} if len(place) > MOST_MARKED else {"ls": "none", "marker": "o", "ms": 2.6, "mew": 0.0}
     axes.plot(place, value, color=FILTERED, label=SESSION, **style)
     ringed = np.isin(found.sessions, found.isolated)
@@ -197,7 +193,7 @@ def _draw_chart(axes: Axes, arm: ArmDrift, _: JointDrift, found: CoefficientDrif
         return "no reference", False
     relative = any(math.isfinite(point.relative.value) for point in control)
     unit = "%" if relative else drift_words.UNITS[found.coefficient]
-    axes.set_ylabel(f"{_title(found.coefficient)}\n[{unit}]")
+    axes.set_ylabel(f"{TITLES[found.coefficient]}\n[{unit}]")
     numbers = [point.relative if relative else point.deviation for point in control]
     scale = 100.0 if relative else 1.0
     value, low, high = (scale * np.array([getattr(one, end) for one in numbers]) for end in ("value", "low", "high"))
@@ -239,16 +235,14 @@ def draw_changes(arm: ArmDrift, numbers: parts.Numbers = None) -> Figure:
     width = theme.COLUMN_IN if isinstance(numbers, int) else theme.SHEET_IN
     figure = parts.new_figure(width, 0.85 + max(0.24 * len(joints), 0.6))
     both = figure.subplots(1, 2, sharey=True)
-    for axes, coefficient in zip(both, COEFFICIENTS, strict=True):
-        parts.label_panel(axes, _title(coefficient))
+    for k, (axes, title) in enumerate(zip(both, TITLES.values(), strict=True)):
+        parts.label_panel(axes, title)
         axes.tick_params(axis="y", length=0)
         parts.mark_zero(axes, x=True, y=False, lw=0.5, zorder=0)
         reach, undetectable = NARROWEST, [0.0]
-        for place, one in enumerate(joints):
-            found = next((found for found in one.coefficients if found.coefficient == coefficient), None)
-            verdict = drift_words.UNTESTED if found is None else drift_words.drift_verdict(found)
-            if found is None or math.isnan(found.total.value) or verdict == drift_words.UNTESTED:
-                words = NOTHING if found is None else drift_words.total_text(found)
+        for place, found in enumerate(one.coefficients[k] for one in joints):
+            verdict, words = drift_words.drift_verdict(found), drift_words.total_text(found)
+            if math.isnan(found.total.value) or verdict == drift_words.UNTESTED:
                 where: Look = {"xycoords": ("axes fraction", "data"), "va": "center", "fontsize": 6.5, "color": MUTED}
                 axes.annotate(verdict if words == NOTHING else words, (0.02, place), **where)
                 continue
@@ -272,3 +266,90 @@ def draw_changes(arm: ArmDrift, numbers: parts.Numbers = None) -> Figure:
 
 
 CHANGES = draw_changes
+
+
+def _draw_curves(panels: Sequence[Axes], arm: ArmDrift, joint: JointDrift) -> None:
+    (axes,), (first, reference, last) = panels, drift_words.curve_sessions(arm)
+    for label, sessions, colour, dash, width in (
+        (f"first (session {first[0] + 1})", first, theme.DISSIPATED, ":", 1.3),
+        (f"reference (mean of {len(reference)})", reference, GREEN, "-", 1.0),
+        (f"last (session {last[0] + 1})", last, FILTERED, DASHED, 1.1),
+    ):
+        found = [one.curve for k in sessions for one in arm.sessions[k].joints if one.joint == joint.joint]
+        speed, torque, low, high = mean_curve(found)
+        if len(speed):
+            axes.plot(speed, torque, color=colour, ls=dash, lw=width, label=label)
+            if len(sessions) > 1:
+                parts.band(axes, speed, low, high, colour, "range of the reference")
+    if axes.lines:
+        parts.mark_zero(axes, x=True, color="0.6", lw=0.3, zorder=0)
+    else:
+        parts.write_message(axes, "no session moves this joint", characters=36, instead=True)
+
+
+def mean_curve(curves: Sequence[SpeedCurve]) -> Float:
+    """Return speeds of the first of some curves, and mean, smallest and largest torque of all where they reach.
+
+    They are of shape (4, m), with a gap where the direction changes; m is 0 without any curve.
+    """
+    broken = [
+        np.insert((one.speed_rad_s, one.torque_nm), np.searchsorted(one.speed_rad_s, 0.0), (0.0, np.nan), axis=1)
+        for one in curves
+        if len(one.speed_rad_s) > 1
+    ]
+    if not broken:
+        return np.empty((4, 0))
+    speed = broken[0][0]
+    table = np.ma.masked_invalid([np.interp(speed, one[0], one[1], left=np.nan, right=np.nan) for one in broken])
+    return np.stack([speed, *(np.ma.filled(one, np.nan) for one in (table.mean(0), table.min(0), table.max(0)))])
+
+
+CURVES = parts.Layout(
+    joints=lambda arm: arm.joints, lacks="no curve", draw=_draw_curves, across=4,
+    has=lambda arm, joint: any(
+        one.curve.speed_rad_s
+        for sessions in drift_words.curve_sessions(arm) for k in sessions
+        for one in arm.sessions[k].joints if one.joint == joint.joint
+    ),
+    x="Velocity [rad/s]", y="Interaction torque [N m]",
+)  # fmt: skip
+
+COLOURS = {"before": FILTERED, "after": FITTED}  # of the two sides
+
+
+def _draw_sides(panels: Sequence[Axes], _: TwoSides, joint: JointChange) -> None:
+    """Draw the mean curve of each side; of a result, which holds none, the fitted friction."""
+    (axes,) = panels
+    parts.mark_zero(axes, x=True, color="0.6", lw=0.3, zorder=0)
+    for place, (label, colour) in enumerate(COLOURS.items()):
+        speed, torque, low, high = mean_curve(joint.curves[place])
+        if not len(speed):
+            coulomb, viscous = ((one.before, one.after)[place].value for one in joint.coefficients)
+            speed = np.array([-1.0, -1e-9, np.nan, 1e-9, 1.0]) * _reach(joint)  # no line crosses zero
+            torque = coulomb * np.sign(speed) + viscous * speed
+            axes.plot(speed, torque, color=colour, lw=1.1, ls=":", label=f"{label}, fitted")
+            continue
+        axes.plot(speed, torque, color=colour, lw=1.1, ls=DASHED if place else "-", label=label)
+        if np.any(high > low):
+            parts.band(axes, speed, low, high, colour, f"{label}, range of the recordings")
+
+
+def _reach(joint: JointChange) -> float:
+    speeds = [abs(speed) for side in joint.curves for curve in side for speed in curve.speed_rad_s]
+    return max(speeds, default=0.0 if joint.law is None else float(joint.law.speed_rad_s[-1]))
+
+
+SIDES = replace(CURVES, has=lambda _, joint: _reach(joint), lacks="no curve and no estimate", draw=_draw_sides)
+
+
+def _draw_law_change(panels: Sequence[Axes], _: TwoSides, joint: JointChange) -> None:
+    (axes,), law = panels, joint.law
+    if law is None:
+        parts.write_message(axes, "both coefficients are needed on both sides", characters=24, instead=True)
+        return
+    parts.band(axes, law.speed_rad_s, law.low_nm, law.high_nm, FILTERED, "95 % interval")
+    axes.plot(law.speed_rad_s, law.change_nm, color=FILTERED, lw=1.1, label="after less before")
+    parts.mark_zero(axes)
+
+
+LAW_CHANGE = replace(SIDES, draw=_draw_law_change, x="Speed [rad/s]", y="Friction torque, after less before [N m]")

@@ -15,7 +15,7 @@ from friction_audit.joint_log import Float
 from friction_audit.pipeline import Diagnosis
 from friction_audit.reporting.diagnosis_words import MOST_NUMBERS, effect_numbers, joint_message, plain_names
 from friction_audit.reporting.figures import panels as parts, style as theme
-from friction_audit.reporting.words import enumerate_words
+from friction_audit.reporting.words import enumerate_words, range_of
 
 NOMINAL, AUGMENTED = theme.FITTED, theme.GREEN
 CHARACTERS = 52  # of a line of a title
@@ -91,8 +91,8 @@ def _draw_row(panels: list[Axes], joint: JointDiagnosis, row: Row) -> None:
 
 def _residual_label(found: Diagnosis) -> str:
     corners = [one.traces.corner_hz for one in found.discrepancy.joints if one.traces is not None]
-    ends = " to ".join(f"{hz:.3g}" for hz in dict.fromkeys(map(float, (min(corners), max(corners))))) if corners else ""
-    return f"Residual torque{f', low-pass {ends} Hz' if corners else ''} [N m]"
+    low_pass = f", low-pass {range_of(corners, lambda hz: f'{hz:.3g}')} Hz" if corners else ""
+    return f"Residual torque{low_pass} [N m]"
 
 
 RESIDUAL = parts.Layout(

@@ -83,12 +83,12 @@ FIGURES = (
         "that does not change, together with 95 % probability; the panel cuts the band of uncertain sessions.",
     ),
     Figure(
-        "curves", "drift", "curves", "Velocity-torque curves",
+        "curves", "drift", "drift", "Velocity-torque curves",
         "Mean interaction torque in bins of velocity: the first session, the mean of the reference with the range "
         "of its sessions, and the last session.",
     ),
-    Figure("sides", "diff", "curves", "Velocity-torque curves before and after"),
-    Figure("law-change", "diff", "curves", "Change of the friction torque over the speed"),
+    Figure("sides", "diff", "drift", "Velocity-torque curves before and after"),
+    Figure("law-change", "diff", "drift", "Change of the friction torque over the speed"),
 )  # fmt: skip
 
 

@@ -1,11 +1,12 @@
 """BatchSummary -> its figures and one HTML page: verdicts, figures, every session, every setting."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 from friction_audit.drift.report import ArmDrift
 from friction_audit.reporting import drift as tables, drift_words as phrases
-from friction_audit.reporting.drift_sessions import LEFT_OUT, SESSION_NUMBER, SHOWN, SessionRow, coefficient_column
+from friction_audit.reporting.drift_sessions import LEFT_OUT, NUMBER, SESSION, SessionRow, coefficient_column
 from friction_audit.reporting.figures.registry import Figure as FigureKind, figures_of
 from friction_audit.reporting.html import page as html
 from friction_audit.reporting.table import Record, Table
@@ -44,17 +45,17 @@ def write_page(summary: tables.BatchSummary, drawn: Mapping[str, html.Figure]) -
     """Return the page of a batch as HTML text, with figures by their anchors."""
     arms = summary.report.arms
     verdicts = tables.ARM.people(arms, caption="Drift of each arm")
-    limits = [f"Limit exceeded: {one}" for one in summary.exceeded]
-    limits += [f"Cannot test: {one}" for one in summary.cannot_tell]
+    limits = [one[:1].upper() + one[1:] for one in phrases.limit_lines(summary.exceeded, summary.cannot_tell)]
     lead = html.Text(("These files gave no session. They do not affect the others.",))
     files = tables.FAILED.people(summary.failed, caption="Files that gave no session")
     failed = html.Section("failed", "Files that failed", (lead, files))
-    advice = html.noted([TO_DO] if any(arm.drift for arm in arms) else [])
-    span, pictures = phrases.span_of(summary.sessions), _pictures(arms, drawn)
+    advice = html.noted([TO_DO] if summary.report.drift else [])
+    pictures = _pictures(arms, drawn)
     most = max(1, MOST_CELLS // max(1, sum(len(phrases.UNITS) * max(len(arm.joints), 1) for arm in arms)))
-    counts = {"Sessions": len(summary.sessions), "Arms": len(arms), "Recorded (UTC)": span}
-    counts["Files that failed"] = len(summary.failed)
-    facts = [(name, str(count)) for name, count in counts.items() if count != ""]
+    facts = {
+        "Sessions": str(len(summary.sessions)), "Arms": str(len(arms)),
+        "Recorded (UTC)": phrases.span_of(summary.sessions), "Files that failed": str(len(summary.failed)),
+    }  # fmt: skip
     sections = (
         html.Section("verdicts", "Verdicts", (verdicts, *advice, *html.noted(limits, "alert"))),
         *(_arm_section(arm, f"arm-{k}", pictures.get(k, ()), most) for k, arm in enumerate(arms, start=1)),
@@ -117,12 +118,8 @@ def _joint_tables(rows: list[tables.CoefficientRow]) -> Iterator[Table]:
 
 def _diagnosis(arm: ArmDrift, anchor: str) -> Iterator[html.Section]:
     """Yield how often each effect was found on each joint, if the sessions were diagnosed."""
-    rows = []
-    for joint in arm.joints:
-        own = [one for session in arm.sessions for one in session.joints if one.joint == joint.joint and one.verdict]
-        verdicts = [(one.verdict or "").replace("_", " ") for one in own]
-        if own:
-            rows.append((joint, verdicts, [effect for one in own for effect in one.effects]))
+    tested = [one for session in arm.sessions for one in session.joints if one.verdict]
+    rows = [(joint, own) for joint in arm.joints if (own := [one for one in tested if one.joint == joint.joint])]
     if rows:
         caption = "Verdicts and effects of the diagnosis, with the number of sessions"
         table = tables.DIAGNOSED.people(rows, caption=caption)
@@ -138,18 +135,17 @@ def _session_tables(arm: ArmDrift, most: int) -> Iterator[Table]:
     rows = [SessionRow(k, arm.sessions[k], part.get(k, "left out")) for k in range(max(0, count - most), count)]
     cut = f"; the last {most} of {count}, all of them are in the file of sessions" if count > most else ""
     caption = f"Sessions, in the order of their {arm.ordered_by}s{cut}"
-    yield SHOWN.people(rows, caption=caption, folded=count > ACROSS)
+    yield SESSION.people(rows, caption=caption, folded=count > ACROSS)
     for name, unit in phrases.UNITS.items():
         for first in range(0, len(arm.joints), ACROSS):
             joints = arm.joints[first : first + ACROSS]
             which = f"of each session, {joints_label(one.joint for one in joints)}, with its 95 % interval [{unit}]"
-            columns = (SESSION_NUMBER, *(coefficient_column(joint, name) for joint in joints))
+            columns = (NUMBER, *(coefficient_column(joint, name) for joint in joints))
             caption = f"{phrases.NAMES[name].capitalize()} coefficient {which}{cut}"
             yield Record(*columns).people(rows, caption=caption, folded=True)
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Drawing:
+class Drawing(NamedTuple):
     """A figure to be drawn; it can be given to another process."""
 
     kind: FigureKind
@@ -171,10 +167,10 @@ def drawings_of(arms: Sequence[ArmDrift], prefixes: Mapping[str, str], formats: 
             for k, (joints, which) in enumerate(sheets):
                 part = as_drawn(replace(arm, joints=tuple(joints)))
                 anchor = f"arm-{number}-{kind.name}-{html.ON_A_SHEET * k + 1}"
-                sheet = Drawing(kind=kind, arm=part, anchor=anchor, which=which)
-                yield sheet if sheets[1:] else replace(sheet, name=name, formats=formats)
+                sheet = Drawing(kind, part, anchor, which)
+                yield sheet if sheets[1:] else sheet._replace(name=name, formats=formats)
             if sheets[1:]:
-                yield Drawing(kind=kind, arm=as_drawn(arm), name=name, formats=formats)
+                yield Drawing(kind, as_drawn(arm), name=name, formats=formats)
 
 
 def as_drawn(arm: ArmDrift) -> ArmDrift:

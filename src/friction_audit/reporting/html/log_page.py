@@ -19,11 +19,12 @@ from friction_audit.reporting.info import MOTION, facts_of, summarize_log
 from friction_audit.reporting.notices import estimate_notices, notice_lines, notices, physics_of, reason_lines
 from friction_audit.reporting.replay import JOINT_REPLAY, describe_compensator
 from friction_audit.reporting.table import Column, Record, joint_column
-from friction_audit.reporting.words import MARK, format_start, in_unit, joint_label, joints_label
+from friction_audit.reporting.words import MARK, NOTHING, format_start, in_unit, joint_label, joints_label
 
 FIRST = "velocity-torque"  # stands next to the answer
 SECTION_OF = {"estimate": "friction", "replay": "compensator", "diagnosis": "diagnosis"}  # by the result that is drawn
 LOG_FIGURES = tuple(kind for kind in figures_of(*SECTION_OF) if kind.caption)
+PLACES = {kind: "verdicts" if kind.name == FIRST else SECTION_OF[kind.result] for kind in LOG_FIGURES}
 MOST_BYTES = 2_500_000  # figures of one page together
 CLOUD = 60  # dots in a panel from which on they are an image: text would be larger than the rest of the page
 COARSE_PT = 0.5  # invisible deviation of a drawn line
@@ -87,7 +88,7 @@ def log_page(report: made.LogReport, *, figures: bool = True) -> html.Page:
     joints = html.Section("joints", "Joints", sections=[_joint(report, one) for one in answered], on_paper=False)
     known = any(not one.friction.reason for one in report.joints)
     facts = {
-        "Robot": source.robot, "Recorded (UTC)": "" if source.start_s is None else format_start(source.start_s),
+        "Robot": source.robot, "Recorded (UTC)": format_start(source.start_s).removeprefix(NOTHING),
         "Duration": f"{log.duration_s:.4g} s", "Rate": f"{log.rate_hz:.4g} Hz", "Joints": str(len(report.joints)),
         "Cycles": str(sum(one.friction.cycles for one in report.joints)),
     }  # fmt: skip
@@ -103,7 +104,7 @@ def log_page(report: made.LogReport, *, figures: bool = True) -> html.Page:
         *html.closing_sections(WORDS, made.report_settings(report), report.command, paper=False),
     )
     lead = in_unit(made.lead_sentence(report), report.unit)
-    return html.Page(f"Joint friction: {source.path}", lead, [one for one in facts.items() if one[1]], sections)
+    return html.Page(f"Joint friction: {source.path}", lead, facts, sections)
 
 
 def _answer(report: made.LogReport, answered: list[made.JointReport], drawn: Drawn) -> Iterator[html.Part]:
@@ -127,13 +128,13 @@ def _answer(report: made.LogReport, answered: list[made.JointReport], drawn: Dra
 
 def _joint(report: made.LogReport, one: made.JointReport) -> html.Section:
     label, unit, found = joint_label(one.joint, one.name), report.unit, one.discrepancy
-    pairs = dict(html.terms_of(FRICTION, one.friction, unit).pairs)
+    pairs = html.terms_of(FRICTION, one.friction, unit)
     if found is not None:
-        pairs |= html.terms_of(tables.JOINT_DIAGNOSIS, found, unit).pairs
+        pairs |= html.terms_of(tables.JOINT_DIAGNOSIS, found, unit)
         pairs |= {"negligible": words.negligible_words(found)} if found.negligible else {}
         pairs |= {"unexplained": words.remainder_words(found)} if found.checks else {}
     if one.replay is not None:
-        pairs |= html.terms_of(JOINT_REPLAY, one.replay, unit).pairs
+        pairs |= html.terms_of(JOINT_REPLAY, one.replay, unit)
     own = list(dict.fromkeys(notice.message for notice in made.report_notices(report) if notice.joint == one.joint))
     terms = html.Terms([(name, in_unit(words.plain_names(text), unit)) for name, text in pairs.items()])
     parts, note = (terms, *_effects(report, one), *html.noted(own)), in_unit(made.joint_words(one), unit)
@@ -200,8 +201,9 @@ def _unanswered(report: made.LogReport, part: str) -> html.Text:
 
 def _pictures(drawn: Drawn, section: str) -> Iterator[html.Part]:
     """Yield the figures of a section, and the names of those that found no room."""
-    yield from (one for one in drawn.get(section, ()) if isinstance(one, html.Figure))
-    if left_out := [one for one in drawn.get(section, ()) if isinstance(one, str)]:
+    own = drawn.get(section, ())
+    yield from (one for one in own if isinstance(one, html.Figure))
+    if left_out := [one for one in own if isinstance(one, str)]:
         more = "The command plot draws those of friction and compensator, diagnose those of missing effects"
         yield html.Text((f"This page has no room for more figures. {more}: {'; '.join(left_out)}.",))
 
@@ -223,9 +225,8 @@ def _recording(report: made.LogReport) -> Iterator[html.Part]:
     joints = () if report.diagnosis is None else report.diagnosis.discrepancy.joints
     checks = [(joint, finding) for joint in joints for finding in joint.findings]
     bad = [row for row in checks if row[1].verdict != "fine"]
-    for caption, rows in (("Limits and faults of the data", bad), ("Every check of the data", checks)):
-        if rows:
-            yield tables.FINDING.people(rows, caption=caption, folded=True)
+    named = (("Limits and faults of the data", bad), ("Every check of the data", checks))
+    yield from (tables.FINDING.people(rows, caption=caption, folded=True) for caption, rows in named if rows)
 
 
 TOPICS: Mapping[str, tuple[str, Callable[[made.LogReport], Iterator[html.Part]]]] = {
@@ -256,12 +257,8 @@ def draw_figures(report: made.LogReport) -> Drawn:
     for kind, _, title in sheets:
         figure = next(work) if left > 0 else None
         left -= 0 if figure is None else len(figure.svg)
-        drawn[_section(kind)].append(title if figure is None or left < 0 else figure)
+        drawn[PLACES[kind]].append(title if figure is None or left < 0 else figure)
     return drawn
-
-
-def _section(kind: FigureKind) -> str:
-    return "verdicts" if kind.name == FIRST else SECTION_OF[kind.result]
 
 
 def _sheets(report: made.LogReport) -> Iterator[tuple[FigureKind, tuple[made.JointReport, ...], str]]:
@@ -269,9 +266,8 @@ def _sheets(report: made.LogReport) -> Iterator[tuple[FigureKind, tuple[made.Joi
     shown = {}
     for kind in LOG_FIGURES:
         result = getattr(report, kind.result)
-        if result is not None and _section(kind) in ("verdicts", *report.sections):
-            layout = kind.layout()
-            shown[kind] = {one.joint for one in layout.joints(result) if layout.has(result, one)}
+        if result is not None and PLACES[kind] in ("verdicts", *report.sections):
+            shown[kind] = {one.joint for one in report.joints if kind.layout().shows(result, one.joint)}
     every = [one for one in report.joints if any(one.joint in numbers for numbers in shown.values())]
     for own, which in html.sheets_of(every):
         for kind, numbers in shown.items():

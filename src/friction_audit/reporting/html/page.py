@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from importlib.resources import files
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 from xml.etree import ElementTree as ET
 
@@ -77,7 +78,7 @@ class Page(NamedTuple):
 
     title: str
     lead: str
-    facts: Sequence[tuple[str, str]] = ()
+    facts: Mapping[str, str] = MappingProxyType({})  # without those that are empty
     sections: Sequence[Section] = ()
 
 
@@ -139,26 +140,26 @@ def _setting_text(value: object) -> str:
     return str(value)
 
 
-def terms_of(record: Record, row: Row, unit: str) -> Terms:
+def terms_of(record: Record, row: Row, unit: str) -> dict[str, str]:
     """Return a row of a table as names and values, without what has no value."""
     table = record.people([row], unit=unit).filled(without="joint")
-    return Terms([(column.head(unit), table.text(column, row)) for column in table.columns])
+    return {column.head(unit): table.text(column, row) for column in table.columns}
 
 
 def render_page(page: Page, *, paper: bool = False) -> str:
     """Return the page as HTML; for paper with sections open, without script and the long tables that a screen folds."""
-    script = "" if paper else _resource("page.js")
+    names = ("page.css", "page.js")
+    style, script = (files(__package__).joinpath("templates", name).read_text(encoding="utf-8") for name in names)
+    script = "" if paper else script
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()  # the browser runs no other script
-    template, style = _environment().get_template("page.html.j2"), _resource("page.css")
-    text = template.render(page=page, paper=paper, version=__version__, style=style, script=script, script_hash=digest)
-    return printable(text)
+    values = {"page": page, "paper": paper, "style": style, "script": script, "script_hash": digest}
+    return printable(_environment().get_template("page.html.j2").render(values, version=__version__))
 
 
 @cache
 def _environment() -> Environment:
-    loader = PackageLoader("friction_audit.reporting.html")
     environment = Environment(
-        loader=loader, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
+        loader=PackageLoader(__package__), undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
         autoescape=select_autoescape(("html.j2",)),  # in Markdown a filter escapes the words
     )  # fmt: skip
     environment.tests["kind"] = lambda part, name: type(part).__name__ == name
@@ -167,10 +168,6 @@ def _environment() -> Environment:
     # Text in one line that Markdown takes for nothing else.
     environment.filters["plain"] = lambda text: SPECIAL.sub(r"\\\1", " ".join(text.split()))
     return environment
-
-
-def _resource(name: str) -> str:
-    return files("friction_audit.reporting.html").joinpath("templates", name).read_text(encoding="utf-8")
 
 
 # Characters that Markdown, its tables, its formulas or the HTML in it may take for something: an underscore, a hash or
@@ -224,15 +221,14 @@ def draw_inline(figure: "Drawing", prefix: str, *, title: str, caption: str, des
     words = ET.Element(f"{{{SVG}}}title", {"id": f"{prefix}-title"})
     words.text = printable(description)
     root.insert(0, words)
-    width = float(root.attrib["viewBox"].split()[2])
     for name in ("width", "height", "version"):
         root.attrib.pop(name, None)
     about = {"role": "img", "aria-labelledby": f"{prefix}-title", "focusable": "false"}
     root.attrib |= {"data-panels": json.dumps(panels), **about}
     ET.register_namespace("", SVG)
     ET.register_namespace("xlink", XLINK)
-    svg = ET.tostring(root, encoding="unicode")
-    return Figure(title=title, caption=caption, svg=svg, width=width, description=description)
+    width = float(root.attrib["viewBox"].split()[2])
+    return Figure(title, caption, ET.tostring(root, encoding="unicode"), width, description)
 
 
 def _panel(axes: "Axes") -> list[Any]:
