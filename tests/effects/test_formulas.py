@@ -293,6 +293,7 @@ def test_a_delay_moves_a_jump_as_a_whole(delay: float) -> None:
 
 MANY: dict[str, list[tuple[float, ...]]] = {
     "torque_ripple": [(3.0 + 0.7 * k,) for k in range(110)],
+    "torque_drift": [(1.0,), (3.0,), (0.0,)],
     "presliding": [(0.01, 1.0, 1e-4), (0.05, 0.5, 0.0), (0.01, 1.0, 0.01), (0.05, 2.0, 1e-4)],
     "frictional_lag": [(0.01, 0.2, 0.1), (0.1, 1e-3, 0.3), (0.01, 1.0, 0.3)],
     "time_delay": [(0.004, 0.0), (-0.02, 1.0), (0.01, 0.0)],
