@@ -103,14 +103,16 @@ def test_the_grid_is_within_bounds_and_complete(effect: Effect) -> None:
 def test_columns_are_finite_and_never_read_the_measured_torque(effect: Effect) -> None:
     other = replace(MOVING, torque=MOVING.torque + 1.0)
     grid = effect.grid(MOVING)
-    together = dict(effect.regressors_of(MOVING, [NOMINAL] * len(grid), grid))
+    together = {}
+    for places, rows in effect.regressors_of(MOVING, [NOMINAL] * len(grid), grid, np.transpose):
+        together |= dict(zip(places, rows.reshape(len(places), -1, len(MOVING.t)), strict=True))
     for place, at in enumerate(grid):
         columns = effect.regressor(MOVING, NOMINAL, at)
         assert columns.shape[0] == len(MOVING.t)
         assert columns.shape[1] <= max(len(effect.coefficients), 1)
         assert np.all(np.isfinite(columns))
         assert_array_equal(columns, effect.regressor(other, NOMINAL, at))
-        np.testing.assert_allclose(together[place], columns, atol=1e-9)
+        np.testing.assert_allclose(together[place].T, columns, atol=1e-9)
 
 
 # A spring that stiffens does so by the size of the torque on it.

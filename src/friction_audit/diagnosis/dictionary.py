@@ -152,23 +152,25 @@ class Dictionary:
             names = [name for name in self.problem.nominal.names if hasattr(baseline, name)]
             at = [self.problem.nominal.names.index(name) for name in names]
             own = np.array([getattr(baseline, name) for name in names])
-            Xy = X @ y
+            farthest, Xy = FARTHEST * np.abs(own), X @ y
             most = TOO_LARGE * float(y @ y - Xy @ inverse @ Xy)
-            for place, fine in effect.regressors(data, baseline, shapes):
-                columns = self.problem.columns(fine)
-                torque = effect.coefficient_of(shapes[place]) * columns[0]
-                along = X @ torque
-                away = (inverse @ (Xy - along))[at] - own
-                small = np.all(np.abs(away) <= CHANGED * np.abs(own))
-                if small or torque @ torque - along @ inverse @ along > most:
-                    yield place, columns
-                else:
-                    farthest = FARTHEST * np.abs(own)
-                    changed = own + np.minimum(np.maximum(away, -farthest), farthest)
-                    nominals[place] = replace(baseline, **dict(zip(names, changed.tolist(), strict=True)))
-                    again.append(place)
-        found = effect.regressors_of(data, [nominals[k] for k in again], [shapes[k] for k in again])
-        yield from ((again[k], self.problem.columns(fine)) for k, fine in found)
+            for places, rows in effect.regressors_of(data, nominals, shapes, self.problem.columns):
+                torques = rows * [[effect.coefficient_of(shapes[place])] for place in places]
+                along = torques @ X.T
+                away = (Xy - along) @ inverse[:, at] - own
+                power = np.einsum("km,km->k", torques, torques) - np.einsum("kb,kb->k", along @ inverse, along)
+                kept = np.all(np.abs(away) <= CHANGED * np.abs(own), axis=1) | (power > most)
+                changed = own + np.clip(away, -farthest, farthest)
+                for place, columns, keep, values in zip(places, rows[:, None], kept, changed.tolist(), strict=True):
+                    if keep:
+                        yield place, columns
+                    else:
+                        nominals[place] = replace(baseline, **dict(zip(names, values, strict=True)))
+                        again.append(place)
+        grid = [shapes[k] for k in again]
+        for places, rows in effect.regressors_of(data, [nominals[k] for k in again], grid, self.problem.columns):
+            for k, columns in zip(places, rows.reshape(len(places), -1, rows.shape[-1]), strict=True):
+                yield again[k], columns
 
     def rebuild(self, baseline: Nominal, y: Float) -> None:
         """Build again what follows from the nominal model, better known; the response without other effects, (m,)."""
@@ -186,8 +188,8 @@ class Dictionary:
     def torques_at(self, block: Block, shapes: Sequence[Nonlinear], nominals: Sequence[Nominal]) -> Float:
         """Torques of an effect whose coefficient follows, each on its own nominal model, shape (k, m)."""
         out = np.empty((len(shapes), len(self.problem.y)))
-        for place, fine in block.effect.regressors_of(self.problem.data, nominals, shapes):
-            out[place] = block.effect.coefficient_of(shapes[place]) * self.problem.columns(fine)[0]
+        for places, rows in block.effect.regressors_of(self.problem.data, nominals, shapes, self.problem.columns):
+            out[places] = rows * [[block.effect.coefficient_of(shapes[place])] for place in places]
         return out
 
     def fine_at(self, block: Block, shape: Nonlinear, baseline: Nominal) -> Float:

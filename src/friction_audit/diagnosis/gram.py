@@ -64,11 +64,10 @@ class Gram:
         for block in blocks:
             block.start = self.used
             self.used += block.p
-        found: list[Float] = []
+        found: dict[int, list[Float]] = {}
         products = self._products(np.vstack(list(self._left.values())), blocks, found)
-        for p in {one.shape[1] for one in found}:
-            more = np.stack([one for one in found if one.shape[1] == p], axis=1)
-            self.own[p] = np.concatenate([self.own[p], more], axis=1) if p in self.own else more
+        for p, more in found.items():
+            self.own[p] = np.concatenate([*([self.own[p]] if p in self.own else []), *more], axis=1)
         ends = np.cumsum([len(left) for left in self._left.values()])
         for (key, known), more in zip(self.cross.items(), np.split(products, ends[:-1], axis=1), strict=True):
             self.cross[key] = np.concatenate([known, more], axis=2)
@@ -103,28 +102,26 @@ class Gram:
                 some.append(block)
                 columns += block.p
 
-    def _products(self, left: Float, blocks: Sequence[Block], own: list[Float] | None = None) -> Float:
-        """Products within each fold; those of each block with itself are added to a list, where there is one."""
+    def _products(self, left: Float, blocks: Sequence[Block], own: dict[int, list[Float]] | None = None) -> Float:
+        """Products within each fold; those of each block with itself are added to lists by width, where there are."""
         out = np.empty((self.problem.folds, len(left), sum(b.p for b in blocks)))
         first = 0
         for some, rows in self.chunks(blocks):
             if own is not None:
-                own += self._own(some, self.sorted_noise.whiten(rows))
+                for p, one in self._own(some, self.sorted_noise.whiten(rows)):
+                    own.setdefault(p, []).append(one)
             for k, f in enumerate(self.slices):
                 out[k, :, first : first + len(rows)] = left[:, f] @ rows[:, f].T
             first += len(rows)
         return out
 
-    def _own(self, blocks: Sequence[Block], white: Float) -> list[Float]:
-        """Products of each block with itself within each fold, shape (folds, p, p) each."""
-        squares = np.stack([np.einsum("km,km->k", white[:, f], white[:, f]) for f in self.slices])
-        places = [(block.start - blocks[0].start, block.p) for block in blocks]
-        return [
-            np.stack([white[at : at + p, f] @ white[at : at + p, f].T for f in self.slices])
-            if p > 1
-            else squares[:, at, None, None]
-            for at, p in places
-        ]
+    def _own(self, blocks: Sequence[Block], white: Float) -> Iterator[tuple[int, Float]]:
+        """Products of blocks of each width with themselves within each fold, shape (folds, blocks, p, p)."""
+        widths = np.array([block.p for block in blocks])
+        starts = np.cumsum(widths) - widths
+        for p in np.unique(widths).tolist():
+            rows = white[starts[widths == p][:, None] + np.arange(p)]
+            yield p, np.stack([rows[..., f] @ rows[..., f].transpose(0, 2, 1) for f in self.slices])
 
 
 @compiled("f8[:, ::1](f8[:, ::1], f8[:, ::1], f8[::1], i8[::1])")

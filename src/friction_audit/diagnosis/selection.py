@@ -110,16 +110,14 @@ class Search:
         return self._scores[key]
 
     def _integrated(self, active: Sequence[Block]) -> dict[str, Score]:
-        blocks = self.gram.blocks
+        blocks, names = self.gram.blocks, self.gram.names
         gains, coefficients = self.training.gain(active)
-        factor = occam(gains, np.array([b.p for b in blocks], float))
-        by_name: dict[str, list[int]] = {}
-        for k in np.argsort(-factor, kind="stable"):
-            by_name.setdefault(blocks[k].name, []).append(int(k))
-        found = {}
-        for name in dict.fromkeys(b.name for b in blocks if b.name not in {a.name for a in active}):
+        factor, found = occam(gains, self.gram.widths.astype(float)), {}
+        order = np.argsort(-factor, kind="stable")
+        given = {a.name for a in active}
+        for name in (name for name in dict.fromkeys(names.tolist()) if name not in given):
             total, best = 0.0, -1
-            for k in by_name[name]:
+            for k in order[names[order] == name].tolist():
                 if best >= 0 and factor[k] < factor[best] - 25.0:
                     break
                 if blocks[k].possible(coefficients[k]):

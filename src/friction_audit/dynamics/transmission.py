@@ -29,6 +29,9 @@ MOST_STEPS = 100
 # diagnosis looks above 40 Hz, where both look the same.
 HIGHEST_HZ = 150.0
 LANES = 16  # transmissions that are followed side by side: so many fill the registers of a processor
+BLOCK = (
+    64  # samples whose torques are written at once: one by one, all rows are written to by turns, half as fast again
+)
 MANY_SAMPLES = 4096  # so many, spread evenly, determine inertia and friction
 Lanes = tuple[float, ...]  # numba compiles a loop for each length of a tuple
 
@@ -106,12 +109,15 @@ def flank_stiffness(inertia_kg_m2: float, contact_hz: float, gap_rad: float, usu
     return max(inertia_kg_m2 * (2.0 * pi * min(contact_hz, HIGHEST_HZ)) ** 2, usual_nm / gap_rad)
 
 
-def added_torques(motion: Motion, far: Sequence[FarSide], links: Sequence[Transmission]) -> Iterator[tuple[int, Float]]:
-    """Yield what transmissions, each with its far side, add to the torque of a rigid joint: place and torque. [N m]
+def added_torques(
+    motion: Motion, far: Sequence[FarSide], links: Sequence[Transmission]
+) -> Iterator[tuple[list[int], Float]]:
+    """Yield what transmissions, each with its far side, add to the torque of a rigid joint: places and torques. [N m]
 
-    Places come in any order. Torques have shape (n,): means from half a sample before to half a sample after, without
-    the load. A far side starts at the velocity of the measured side, twisted by the load alone. It is at least as heavy
-    as it must be for its ringing to be followed; one without any inertia adds nothing. The motion is evenly sampled.
+    Places come in any order, k at once. Torques have shape (k, n): means from half a sample before to half a sample
+    after, without the load. A far side starts at the velocity of the measured side, twisted by the load alone. It is at
+    least as heavy as it must be for its ringing to be followed; one without any inertia adds nothing. The motion is
+    evenly sampled.
     """
     step = float(motion.t[1] - motion.t[0])
     load = np.zeros(len(motion.t)) if motion.load is None else motion.load
@@ -120,7 +126,7 @@ def added_torques(motion: Motion, far: Sequence[FarSide], links: Sequence[Transm
     numbers: dict[int, tuple[float, ...]] = {}  # of each far side, then of each transmission
     for place, (own, link) in enumerate(zip(far, links, strict=True)):
         if own.inertia_kg_m2 == 0.0:
-            yield place, np.zeros(len(motion.t))
+            yield [place], np.zeros((1, len(motion.t)))
             continue
         stiffness = link.stiffness_nm_per_rad
         inertia = max(link.far_share * own.inertia_kg_m2, stiffness / (2.0 * pi * HIGHEST_HZ) ** 2)
@@ -137,9 +143,7 @@ def added_torques(motion: Motion, far: Sequence[FarSide], links: Sequence[Transm
             filled = places + places[-1:] * (LANES - len(places) if len(places) > 1 else 0)
             table = np.ascontiguousarray(np.array([numbers[k] for k in filled]).T)
             lanes, weights = (0.0,) * len(filled), between_samples(step, steps)
-            torque = _follow(q, dq, ddq, way, load, step, weights, table[:3], table[3:], gap, lanes)
-            yield from ((k, torque[lane]) for lane, k in enumerate(places))
-            del torque  # the next ones shall take its place
+            yield places, _follow(q, dq, ddq, way, load, step, weights, table[:3], table[3:], gap, lanes)[: len(places)]
 
 
 def between_samples(step: float, steps: int) -> Float:
@@ -183,7 +187,7 @@ def _follow(  # noqa: PLR0913
     stiffness, damping, half, bend, curve = table[0], table[1], table[2], table[3], table[4]
     keep_apart, gain_apart, held_apart, keep, gain, held = table[5], table[6], table[7], table[8], table[9], table[10]
     middle, omega = table[11], table[12]  # place amid the next step, last velocity
-    torque = np.empty((many, len(q)))
+    torque, block = np.empty((many, len(q))), np.empty((BLOCK, len(lanes)))
     # About the last sample and about the next one, from half a sample before to half a sample after.
     last, next_one = 13, 14
     _start(table, far, links, h, q[0], dq[0], load[0], gap, lanes)
@@ -198,7 +202,7 @@ def _follow(  # noqa: PLR0913
                 for j in range(many):
                     twist = place - middle[j]
                     engaged = twist - min(max(twist, -half[j]), half[j])
-                    push = pushed(stiffness[j] * engaged, bend[j], curve[j]) + damping[j] * speed
+                    push = _pushed(stiffness[j] * engaged, bend[j], curve[j], bent) + damping[j] * speed
                     # Neither spring nor damping within the gap and where flanks would pull. As a factor, for what is
                     # read on a condition is read one by one.
                     touches = 1.0 if engaged * (push - damping[j] * omega[j]) > 0.0 else 0.0
@@ -210,8 +214,7 @@ def _follow(  # noqa: PLR0913
                     omega[j] = after
             else:
                 for j in range(many):
-                    straight = stiffness[j] * (place - middle[j])
-                    push = pushed(straight, bend[j], curve[j]) if bent else straight
+                    push = _pushed(stiffness[j] * (place - middle[j]), bend[j], curve[j], bent)
                     push += damping[j] * speed - borne
                     free = keep[j] * omega[j] + gain[j] * push
                     after = free - min(max(free, -held[j]), held[j])
@@ -221,12 +224,28 @@ def _follow(  # noqa: PLR0913
         share = 2.0 / steps if k == 0 else 1.0 / steps  # both ends have half a sample each
         for j in range(many):
             rigid = far[0, j] * ddq[k] + (far[1, j] * way[k] + far[2, j] * dq[k])
-            torque[j, k] = share * table[last, j] - rigid
+            block[k % BLOCK, j] = share * table[last, j] - rigid
             table[last, j], table[next_one, j] = table[next_one, j], 0.0
+        _write(torque, block, k, k == len(q) - 2)
     for j in range(many):
         rigid = far[0, j] * ddq[-1] + (far[1, j] * way[-1] + far[2, j] * dq[-1])
         torque[j, -1] = 2.0 / steps * table[last, j] - rigid
     return torque
+
+
+@compiled(inline=True)
+def _pushed(straight: float, bend: float, curve: float, bent: bool) -> float:
+    """Return the torque of a spring where any lane has one that bends. [N m]"""
+    return pushed(straight, bend, curve) if bent else straight
+
+
+@compiled(inline=True)
+def _write(torque: Float, block: Float, k: int, last: bool) -> None:
+    """Write the torques of a block, shape (BLOCK, lanes), that ends with a sample, or with the last one."""
+    if last or k % BLOCK == BLOCK - 1:
+        for j in range(len(torque)):
+            for i in range(k % BLOCK + 1):
+                torque[j, k - k % BLOCK + i] = block[i, j]
 
 
 @compiled(inline=True)

@@ -105,13 +105,16 @@ class Effect:
         yield from self.columns_of_many(data.motion(nominal.torque), [self.values(at) for at in grid])
 
     def regressors_of(
-        self, data: JointData, nominals: Sequence[Nominal], grid: Sequence[Nonlinear]
-    ) -> Iterator[tuple[int, Float]]:
-        """Yield the same, each point with its own nominal model; those with one model have their work in common."""
+        self, data: JointData, nominals: Sequence[Nominal], grid: Sequence[Nonlinear], seen: Callable[[Float], Float]
+    ) -> Iterator[tuple[Sequence[int], Float]]:
+        """Yield places and how their columns are seen, (n, k) as (k, m), each point with its own nominal model.
+
+        Points with one nominal model have their work in common.
+        """
         for nominal in {id(one): one for one in nominals}.values():
             places = [place for place, one in enumerate(nominals) if one is nominal]
             found = self.regressors(data, nominal, [grid[place] for place in places])
-            yield from ((places[k], columns) for k, columns in found)
+            yield from (([places[k]], seen(columns)) for k, columns in found)
 
     def regressor(self, data: JointData, nominal: Nominal, at: Nonlinear) -> Float:
         """Return the columns at one point."""

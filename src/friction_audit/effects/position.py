@@ -189,10 +189,10 @@ class CableSpring(Effect):
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return the stretch d = q - c less what is free of it, and its cube, and ones, as columns."""
         centre, free = values
-        off = motion.q - centre
-        stretch = np.sign(off) * np.maximum(np.abs(off) - free, 0.0)
-        # Written out, for a power in general takes ten times as long.
-        return np.stack([stretch, stretch * stretch * stretch, np.ones(len(off))]).T
+        off, columns = motion.q - centre, np.ones((3, len(motion.q)))
+        columns[0] = off - np.clip(off, -free, free)
+        columns[1] = columns[0] * columns[0] * columns[0]  # a power in general takes ten times as long
+        return columns.T
 
     def regressors(self, data: JointData, nominal: Nominal, grid: Sequence[Nonlinear]) -> Iterator[tuple[int, Float]]:
         """Yield those of the term; of the straight spring position and preload only."""

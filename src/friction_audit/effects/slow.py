@@ -41,14 +41,13 @@ class TorqueDrift(Effect):
     others catch more of one with as many numbers, and a ramp or a settling needs only the first of them.
     """
 
-    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
-        """Return sin((i - 1/2) pi x) for i = 1..4, x the share of the recording that is over; 0 for waves not meant."""
+    def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
+        """Yield sin((i - 1/2) pi x) for i = 1..4, x the share of the recording that is over; 0 for waves not meant."""
         length = motion.t[-1] - motion.t[0]
         share = (motion.t - motion.t[0]) / (length if length > 0.0 else 1.0)
-        waves = np.zeros((WAVES, len(share)))
-        for k in range(round(values[0]) or WAVES):
-            waves[k] = np.sin(np.pi * share * (k + 0.5))
-        return waves.T
+        waves = np.sin(np.pi * share * (np.arange(WAVES)[:, None] + 0.5))
+        for place, (number,) in enumerate(many):
+            yield place, (waves * (np.arange(WAVES)[:, None] < (round(number) or WAVES))).T
 
 
 def _many_cycles(data: JointData, nominal: Nominal) -> str | None:
@@ -147,9 +146,12 @@ class FrictionStep(Effect):
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return sgn(dq) and dq times a ramp from 0 to 1 about a moment, as columns; a step where its length is 0."""
         moment, length = values
-        later = motion.t - moment
-        ramp = np.clip(0.5 + later / length, 0.0, 1.0) if length > 0.0 else (later >= 0.0).astype(np.float64)
-        return np.stack([motion.direction * ramp, motion.dq * ramp]).T
+        first, stop = np.searchsorted(motion.t, (moment - 0.5 * length, moment + 0.5 * length)).tolist()
+        columns = np.zeros((2, len(motion.t)))
+        columns[:, first:] = motion.direction[first:], motion.dq[first:]
+        if stop > first:
+            columns[:, first:stop] *= np.clip(0.5 + (motion.t[first:stop] - moment) / length, 0.0, 1.0)
+        return columns.T
 
 
 def _moments(data: JointData) -> list[Sequence[float]]:

@@ -65,37 +65,48 @@ class Link(Effect):
         """Yield columns for many values; all have one far side."""
         torque = simple_torque(motion)
         usual = sqrt(torque @ torque / len(torque))
-        yield from self._follow(motion, [far_side(motion)] * len(many), [usual] * len(many), many)
+        for places, rows in self._follow(
+            motion, [far_side(motion)] * len(many), [usual] * len(many), many, np.transpose
+        ):
+            yield from zip(places, rows[..., None], strict=True)
 
     def regressors(self, data: JointData, nominal: Nominal, grid: Sequence[Nonlinear]) -> Iterator[tuple[int, Float]]:
         """Yield what the link adds to the torque, along the motion as measured or below a frequency."""
-        yield from self.regressors_of(data, [nominal] * len(grid), grid)
+        for places, rows in self.regressors_of(data, [nominal] * len(grid), grid, np.transpose):
+            yield from zip(places, rows[..., None], strict=True)
 
     def regressors_of(
-        self, data: JointData, nominals: Sequence[Nominal], grid: Sequence[Nonlinear]
-    ) -> Iterator[tuple[int, Float]]:
+        self, data: JointData, nominals: Sequence[Nominal], grid: Sequence[Nonlinear], seen: Callable[[Float], Float]
+    ) -> Iterator[tuple[Sequence[int], Float]]:
         names = ("inertia_kg_m2", "coulomb_nm", "viscous_nms_per_rad")
         # Negative inertia or friction of the nominal model counts as none.
         numbers = np.maximum([[getattr(one, name) for name in names] for one in nominals], 0.0)
         far = [FarSide(**dict(zip(names, own, strict=True))) for own in numbers.tolist()]
         # Points with ``motion_below_hz`` go along the motion below that frequency, all others as measured.
         for below_hz in dict.fromkeys(at.get("motion_below_hz") for at in grid):
-            places = [place for place, at in enumerate(grid) if at.get("motion_below_hz") == below_hz]
+            own = [place for place, at in enumerate(grid) if at.get("motion_below_hz") == below_hz]
             motion = data.motion() if below_hz is None else motion_below(data, below_hz)
             every = max(len(motion.t) // MANY_SAMPLES, 1)
             simple = np.stack([motion.ddq[::every], motion.direction[::every], motion.dq[::every]])
-            usual = np.sqrt(np.mean((numbers[places] @ simple) ** 2, axis=1)).tolist()
-            values = [self.values(grid[place]) for place in places]
-            for k, column in self._follow(motion, [far[place] for place in places], usual, values):
-                yield places[k], column
+            usual = np.sqrt(np.mean((numbers[own] @ simple) ** 2, axis=1)).tolist()
+            values = [self.values(grid[place]) for place in own]
+            for places, rows in self._follow(motion, [far[place] for place in own], usual, values, seen):
+                yield [own[k] for k in places], rows
 
     def _follow(
-        self, motion: Motion, far: Sequence[FarSide], usual_nm: Sequence[float], many: Sequence[Sequence[float]]
-    ) -> Iterator[tuple[int, Float]]:
+        self,
+        motion: Motion,
+        far: Sequence[FarSide],
+        usual_nm: Sequence[float],
+        many: Sequence[Sequence[float]],
+        seen: Callable[[Float], Float],
+    ) -> Iterator[tuple[Sequence[int], Float]]:
         links = [self.link(*one) for one in zip(far, usual_nm, many, strict=True)]
-        for place, added in added_torques(motion, far, links):
-            stiffness = many[place][0] if self.forward == "spring" else 1.0  # torque per compliance
-            yield place, np.multiply(added, stiffness, out=added)[:, None]
+        for places, added in added_torques(motion, far, links):
+            rows = seen(added.T)
+            if self.forward == "spring":  # torque per compliance
+                rows = rows * np.array([[many[place][0]] for place in places])
+            yield places, rows
 
 
 def motion_below(data: JointData, below_hz: float) -> Motion:

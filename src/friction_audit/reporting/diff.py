@@ -59,7 +59,7 @@ def _from_to(change: CoefficientChange) -> str:
 def _people(place: int, title: str, unit: str) -> tuple[Column, ...]:
     get = f"coefficients.{place}"
     return (
-        Column("from_to", str, get=get, form=from_to, unit=unit, title=title, on="t"),
+        Column("from_to", str, get=get, form=_from_to, unit=unit, title=title, on="t"),
         Column("change", float, get=get, form=total_text, on="t"),
         Column("p", float, get=f"{get}.p_value", form=format_p, on="t"),
     )
