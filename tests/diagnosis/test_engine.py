@@ -18,7 +18,7 @@ from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import FittedTerm, simple_model
 from friction_audit.effects.registry import effect_of, effects
 from friction_audit.joint_log import Float
-from tests.diagnosis.toy_effects import BUMP, LOCKED_OUT, SQUARE, TOYS, altered, bump, rising
+from tests.diagnosis.toy_effects import BUMP, CUBE, LINE, LOCKED_OUT, SQUARE, TOYS, altered, bump, rising
 from tests.effects.joint_data_by_hand import COULOMB_NM, INERTIA_KG_M2, TRUTH, VISCOUS_NMS_PER_RAD, moved_joint
 
 Torque = Callable[[JointData], Float]
@@ -115,6 +115,16 @@ def test_an_effect_below_the_least_that_is_asked_for_is_negligible() -> None:
     found = diagnosed(moved_joint(rising, noise_nm=NOISE_NM), [effect_of("stribeck")], asked={"min_effect_nm": 0.1})
     assert (found.verdict, found.effects) == ("adequate", ())
     assert [(effect.name, effect.grade) for effect in found.negligible] == [("stribeck", "negligible")]
+
+
+def test_what_changes_by_more_than_half_without_another_effect_may_be_a_part_of_it() -> None:
+    def cancelling(data: JointData) -> Float:
+        return np.asarray(0.5 * data.q - 0.868 * data.q**3)
+
+    # Least squares: the line alone is 0.28 of 0.50, the cube alone 0.13 of 0.87.
+    found = diagnosed(moved_joint(cancelling, noise_nm=NOISE_NM), [LINE, CUBE, SQUARE])
+    assert {effect.name: effect.alternatives for effect in found.effects} == {"line": (), "cube": ("line",)}
+    assert found.verdict == "ambiguous"
 
 
 def test_an_offset_is_named_with_what_cannot_be_separated_from_it() -> None:

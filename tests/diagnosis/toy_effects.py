@@ -14,6 +14,8 @@ from friction_audit.joint_log import Float
 COLUMNS: dict[str, Callable[[JointData, Nonlinear], Float]] = {
     "bump": lambda data, at: np.exp(-(((data.q - at["place_rad"]) / at["width_rad"]) ** 2))[:, None],
     "wave": lambda data, at: np.column_stack([np.sin(at["rate"] * data.t), np.cos(at["rate"] * data.t)]),
+    "line": lambda data, _: data.q[:, None],
+    "cube": lambda data, _: (data.q**3)[:, None],
     "square": lambda data, _: (data.dq * np.abs(data.dq))[:, None],
 }
 
@@ -47,6 +49,7 @@ PLACES = ({"place_rad": place, "width_rad": 0.2} for place in (-0.6, -0.3, 0.0, 
 BUMP = altered(toy("bump", "a bump", "position", ["nm"], *PLACES), possible=lambda factors, _at: factors[0] > 0)
 WAVE = toy("wave", "a wave", "time", ["nm", "nm"], {"rate": 0.1}, {"rate": 0.5})
 SQUARE = toy("square", "friction that grows with the square of the speed", "speed", ["nms2_per_rad2"])
+LINE, CUBE = (toy(name, "a torque of the position", "position", ["nm"]) for name in ("line", "cube"))
 LOCKED_OUT = altered(SQUARE, name="locked_out", not_identifiable=lambda _data, _nominal: "move the moon")
 TOYS = (BUMP, WAVE, SQUARE, LOCKED_OUT)
 

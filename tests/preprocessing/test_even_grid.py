@@ -80,6 +80,13 @@ def test_a_stale_sample_of_a_moving_joint_is_stale_and_that_of_a_resting_one_is_
     assert fresh_samples(log_of(t, np.full_like(q, 0.3), 0.0 * t, tau_J=0.0 * t)).all()
 
 
+def test_a_state_that_is_read_in_coarse_steps_repeats_and_is_not_stale() -> None:
+    t: Float = np.arange(5000.0) * STEP
+    q, dq = np.round(0.05 * np.sin(2.0 * t), 3), 0.05 * np.round(2.0 * np.cos(2.0 * t))  # 0.1 of 1 mrad in a sample
+    assert np.mean((np.diff(q) == 0) & (np.diff(dq) == 0) & (dq[1:] != 0)) > 0.5
+    assert fresh_samples(log_of(t, q, dq, tau_J=0.0 * t)).all()
+
+
 def off_ticks(steady: Float, tick: Float) -> float:
     """Largest distance from the true ticks, a constant lateness taken away. [s]"""
     late = steady - tick

@@ -108,7 +108,7 @@ class RegressionProblem:
         corner, coarse = corner_for(data, inertia)
         if coarse > 1.0:
             step = 12.0**0.5 * data.rounding
-            unit, other = ("rad", ", or the velocity itself") if data.derived_from == "q" else ("rad/s", "")
+            unit, other = ("rad", ", or a velocity in fine steps") if data.derived_from == "q" else ("rad/s", "")
             raise AnalysisError(
                 f"{data.derived_from} is read in steps of {step:.2g} {unit}, too coarse for an acceleration: record "
                 f"steps of at most {step / coarse:.1g} {unit}{other}"

@@ -13,7 +13,7 @@ import numpy as np
 from friction_audit.diagnosis.dictionary import Block
 from friction_audit.diagnosis.gram import Gram, Training
 from friction_audit.diagnosis.result import ResidualCheck
-from friction_audit.diagnosis.selection import INDISTINGUISHABLE, PRIOR, Projected, split
+from friction_audit.diagnosis.selection import PRIOR, Projected, split
 from friction_audit.diagnosis.validation import held_out
 from friction_audit.effects.effect import Trait
 from friction_audit.joint_log import Float
@@ -21,6 +21,7 @@ from friction_audit.joint_log import Float
 SHARE = 0.093  # 1 - 1 / 1.05^2: with an effect named the residual is 5 % above its floor
 SHARE_OF_NONE = 0.02  # 1 - 1 / 1.01^2: the same where nothing is named (outside_hum_16000)
 CHOW_Z = 5.0
+STRONG = 6.0  # difference in evidence (Kass and Raftery 1995)
 # What a structure must explain more than the effect it replaces: effects_inertia_error_70003 0.016 of the effect's own
 # part, stranger_relaxing_hose_70001 0.12.
 MORE = 0.05
@@ -86,7 +87,7 @@ def competing_structure(gram: Gram, active: Sequence[Block], block: Block) -> st
         found, best = _integrated(given, white)
         other = given.and_also(white[best])
         more = given.rss - other.rss > (1.0 + MORE) * (given.rss - effect_rss)
-        if more and found >= evidence + INDISTINGUISHABLE and other.evidence(own) < PRIOR:
+        if more and found >= evidence + STRONG and other.evidence(own) < PRIOR:
             return name
     return ""
 

@@ -129,5 +129,9 @@ TIME_DELAY = TimeDelay(
     forward="delay",
     not_identifiable=reversals,
     record="reverse sharply at two or more clearly different speeds",
-    separate={"joint_elasticity": "reverse sharply, slowly and fast: a spring rings, a delay shifts"},
+    part_of=("backlash", "joint_elasticity"),  # pairs_joint_elasticity+friction_step_90018
+    separate={
+        "backlash": "reverse sharply with and without a load: a gap opens where the load changes its sign",
+        "joint_elasticity": "reverse sharply, slowly and fast: a spring rings, a delay shifts",
+    },
 )

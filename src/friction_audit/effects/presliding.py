@@ -116,6 +116,7 @@ PRESLIDING = Presliding(
     not_identifiable=reversals,
     tries=lambda data: ((reach, *kind) for kind, reach in product(KINDS, shares_of_span(data, SPAN_SHARES))),
     record="reverse at least 20 times, over short and long ways",
+    part_of=("backlash", "joint_elasticity"),  # effects_backlash_120003
     separate={
         "backlash": "reverse slowly with hardly any load: a gap gives no torque at all, then an impact",
         "frictional_lag": "reverse at different accelerations: presliding goes by the path, a lag by the time",

@@ -242,9 +242,17 @@ def gaps(t: Float) -> NDArray[np.int64]:
 
 
 def fresh_samples(log: JointLog) -> NDArray[np.bool_]:
-    """Samples that do not repeat the state before them while a joint moves, shape (n,)."""
-    same = np.all((log.q[1:] == log.q[:-1]) & (log.dq[1:] == log.dq[:-1]), axis=1)
-    fresh = np.append(True, ~(same & np.any(log.dq[1:] != 0, axis=1)))
+    """Samples that do not repeat the state before them while a joint moves, shape (n,).
+
+    A velocity that mostly stays the same while the position changes is read in coarse steps. It says nothing then, and
+    a joint moves where it passes a step of its position between two samples.
+    """
+    way, dq = np.abs(np.diff(log.q, axis=0)), np.abs(log.dq[1:])
+    changed, same = way > 0, np.diff(log.dq, axis=0) == 0
+    coarse = np.sum(same & changed, axis=0) > 0.5 * np.sum(changed, axis=0)
+    step = np.where(coarse, np.min(way, axis=0, where=changed, initial=np.inf), 0.0)
+    moving = np.any((dq > 0) & (dq * np.diff(log.t)[:, None] >= step), axis=1)
+    fresh = np.append(True, ~(np.all(same & ~changed, axis=1) & moving))
     if fresh.sum() < MINIMUM_SAMPLES:
         fresh[-1] = True  # a log that never changes still has a beginning and an end
     return fresh
