@@ -73,6 +73,19 @@ def numbers(found: Any, factor: float) -> dict[str, float]:
     return {name: value / (factor if "_nm" in name or "_kg" in name else 1.0) for name, value in told.items()}
 
 
+def test_repeats_of_lost_samples_change_nothing(as_written: JointDiagnosis, tmp_path: Path) -> None:
+    """A recorder that stalls repeats a sample; where that sample is lost, nothing shows the repeat but the motion."""
+    log = {name: column.copy() for name, column in columns().items()}
+    repeats = np.sort(np.random.default_rng(1).choice(np.arange(2, len(log["t"]), 2), 100, replace=False))
+    for name in log.keys() - {"t"}:
+        log[name][repeats] = log[name][repeats - 1]
+    found = diagnosed({name: np.delete(column, repeats - 1) for name, column in log.items()}, tmp_path)
+    assert (found.verdict, [effect.name for effect in found.effects]) == ("named", ["stribeck"])
+    assert found.gap is not None
+    assert as_written.gap is not None
+    assert found.gap.after == pytest.approx(as_written.gap.after, rel=0.02)
+
+
 def test_half_of_the_rate_has_the_same_names_and_nearly_the_same_numbers(
     as_written: JointDiagnosis, tmp_path: Path
 ) -> None:

@@ -52,6 +52,17 @@ def test_file_reads_back(writer: Writer, tmp_path: Path) -> None:
         compare(channel, log.channels()[name])
 
 
+@pytest.mark.parametrize("writer", WRITERS, ids=NAMES)
+@pytest.mark.parametrize("unit", ["A", "mA"])
+def test_a_motor_current_reads_back_as_one_or_is_said_to_be_none(writer: Writer, unit: str, tmp_path: Path) -> None:
+    log = make_log(channels=JOINT_STATE)
+    log = replace(log, source=replace(log.source, torque_unit=unit))
+    path = place(tmp_path, writer)
+    write_log(log, path, dialect=writer.name)
+    lost = [one for one in writer.left_out(log) if one.startswith(f"the unit of the torque, {unit}")]
+    assert (read_log(path).source.torque_unit == unit) != bool(lost)
+
+
 def assert_nearly_equal(actual: Float, desired: Float) -> None:
     """Six digits, and milliseconds."""
     assert_allclose(actual, desired, rtol=1e-5, atol=0.51e-3)

@@ -116,6 +116,13 @@ def test_gravity_that_is_left_in_the_torque_moves_no_coefficient() -> None:
     assert found.coulomb.value == pytest.approx(COULOMB, rel=0.02)
 
 
+def test_a_clock_that_starts_elsewhere_has_the_same_rows() -> None:
+    """Steps of 2 ms differ by the rounding of their stamps: 20 ms are 9 or 10 of them."""
+    t, dq, ddq = (signal[::2] for signal in strokes([0.6, -0.6] * 10, [0.7, 0.9] * 10))
+    found = [regressed(interaction(t + start, dq, 0.2 * np.sign(dq) + 0.3 * ddq)) for start in (0.0, 1.7e9)]
+    assert len({one.samples for one in found}) == 1
+
+
 def test_a_log_shorter_than_a_row_is_not_regressed() -> None:
     t = np.arange(20) / RATE_HZ
     assert regressed(interaction(t, np.ones(20), np.ones(20))) is None

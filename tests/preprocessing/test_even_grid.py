@@ -12,6 +12,7 @@ from scipy.signal import lfilter
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.preprocessing.even_grid import (
     LowPass,
+    belated_samples,
     first_order,
     fresh_samples,
     gaps,
@@ -43,6 +44,18 @@ def test_a_position_bends_over_lost_samples() -> None:
     inside = (low_pass.t > 0.2) & (low_pass.t < 4.7)
     # A straight line over 10 ms would be off by 0.125 mrad, and its slope by 14 mrad/s.
     assert np.abs(slope - 10.0 * low_pass.t)[inside].max() < 1e-3
+
+
+def test_samples_of_an_earlier_moment_are_found_by_the_motion() -> None:
+    rng, t = np.random.default_rng(0), np.arange(0, 5, STEP)
+    moments = t.copy()
+    moments[37::50] -= 0.6 * STEP
+    q, dq = np.sin(4 * moments) + 4e-6 * rng.standard_normal(len(t)), 4 * np.cos(4 * moments)
+    at_rest = np.zeros_like(t)
+    found = belated_samples(t, np.column_stack([q, at_rest]), np.column_stack([dq, at_rest]))
+    turning = np.abs(dq) < 0.2
+    np.testing.assert_array_equal(found[~turning], (moments < t)[~turning])
+    assert not belated_samples(t, at_rest[:, None], at_rest[:, None]).any()
 
 
 @pytest.mark.parametrize(("frequency", "gain"), [(40.0, 1.0), (80.0, 0.5), (130.0, 0.0)])

@@ -22,7 +22,7 @@ from friction_audit.friction.history import Coefficient, FrictionHistory
 from friction_audit.joint_log import DERIVATIVE, Float, JointLog, median_step
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.energy_cycles import KEPT, EnergyCycles
-from friction_audit.preprocessing.even_grid import LowPass, fresh_samples, moments_of_samples
+from friction_audit.preprocessing.even_grid import LowPass, belated_samples, fresh_samples, moments_of_samples
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.sign import coarse_log
 from friction_audit.preprocessing.torque_source import CHANNELS
@@ -69,8 +69,10 @@ def prepare(
     # With repeated samples effects_stiction_16001 and effects_time_delay_16001 are adequate; with stamps as they are,
     # those and stranger_time_delay_1 and stranger_joint_elasticity_1.
     choice, new = interaction.choice, fresh_samples(log)
+    t = moments_of_samples(log.t[new], log.q[new], log.dq[new])
+    belated = belated_samples(t, log.q[new], log.dq[new])
+    new[new], t = ~belated, t[~belated]
     fresh = slice(None) if new.all() else new  # views, no copies
-    t = moments_of_samples(log.t[fresh], log.q[fresh], log.dq[fresh])
     low_pass = LowPass.for_stamps(t)
     valid, slope_gain = low_pass.away_from_gaps(t), _slope_gain(low_pass, t)
     (all_q, all_dq, all_ddq, logged_dq), sources = _filtered_motion(log, low_pass, t, fresh, valid)

@@ -36,6 +36,7 @@ NEIGHBOURS, SIMPSON = np.array([-1, 0, 1]), np.array([1.0, 4.0, 1.0]) / 6.0
 SETTLED = 41  # samples by which the filter's response to an impulse exceeds the part that is used
 LONGEST = 2.0  # times its nominal duration that a row's support may last; beyond, there is a hole in it
 BLOCK_S = 0.02  # the position is averaged over so long, against its noise and resolution [s]
+NEARLY_WHOLE = 0.01  # steps of 1 ms, with the rounding of stamps of today, are as many as those from 0
 LEAST_SWING = 1e-3  # of the direction of gravity: what does not turn is an offset
 # Of columns of unit length: beyond, they are as good as collinear (Belsley, Kuh, Welsch, Regression Diagnostics, 1980).
 HIGHEST_CONDITION = 30.0
@@ -166,9 +167,9 @@ class RegressionRows:
     def __init__(self, column: int, samples: int, rate_hz: float) -> None:
         """Take the joint (0-based), the number of samples of the log and their rate."""
         self._column, self._step_s = column, 1.0 / rate_hz
-        block = 2 * int(0.5 * BLOCK_S / self._step_s) + 1  # an odd number, so that the average has a middle
+        block = 2 * int(0.5 * BLOCK_S / self._step_s + NEARLY_WHOLE) + 1  # an odd number, so that it has a middle
         self.around = around = block + block // 2 + 1
-        self._spacing = max(int(1.0 / (ROW_RATE_HZ * self._step_s)), samples // MOST_ROWS, 1)
+        self._spacing = max(int(1.0 / (ROW_RATE_HZ * self._step_s) + NEARLY_WHOLE), samples // MOST_ROWS, 1)
         self._index = np.arange(around, samples - around, self._spacing)
         self._smooth = partial(filter_velocity, rate_hz=rate_hz, cutoff_hz=CUTOFF_HZ)
         # The step of the clock, weighted as the filter weighs the samples around. The filter counts samples: its slope

@@ -35,6 +35,9 @@ STEP_ERROR = 0.01  # of a period: ticks are even, and stamps on ticks, to this s
 HELD = 20  # samples beyond both ends of a spline, of which 0.27^20 is felt
 LOST_AT_ONCE = 2000  # samples: a spline takes twenty times the memory of what it passes through
 MOST_MOVED = 0.1  # share of stamps that are a tick late: where there are more, they are no ticks of this clock
+# A position is of an earlier moment from this share of a step on, and this many standard deviations of the delay.
+BELATED_STEPS, BELATED_SIGMAS = 0.25, 6.0
+MOVING_RAD_S = 0.02  # below it a position shows no delay
 
 
 def kaiser_low_pass(corner_hz: float, rate_hz: float) -> Float:
@@ -307,6 +310,31 @@ def moments_of_samples(t: Float, q: Float, dq: Float) -> Float:
         along, squared = along + float(position @ moved) / noise, squared + float(moved @ moved) / noise
     slope = along / max(squared, smallest)
     return t if slope > 0.5 else ticks  # noqa: PLR2004 - between 0 and 1
+
+
+def belated_samples(t: Float, q: Float, dq: Float) -> NDArray[np.bool_]:
+    """Samples whose positions, shape (n, j), are those of an earlier moment, shape (n,).
+
+    A sample that is repeated where it is lost itself, or that is interpolated to other stamps, repeats none before it.
+    One per second is a structure in the residual of a clean log. A Hampel identifier (F. R. Hampel, J. Am. Stat. Assoc.
+    69 (1974) 383) on the delay: how far the position is behind the cubic through both neighbours and their velocities.
+    """
+    span, belated = (t[2:] - t[:-2])[:, None], np.zeros(len(t), bool)
+    x, v, tiny = (t[1:-1] - t[:-2])[:, None] / span, dq[1:-1], np.finfo(float).tiny
+    behind = q[:-2] * (1.0 + 2.0 * x) * (1.0 - x) ** 2 + q[2:] * x**2 * (3.0 - 2.0 * x) - q[1:-1]
+    behind += span * x * (1.0 - x) * (dq[:-2] * (1.0 - x) - dq[2:] * x)
+    moves = np.abs(v) > MOVING_RAD_S
+    along, squared = np.zeros(len(v)), np.zeros(len(v))
+    for own in np.flatnonzero(moves.any(axis=0)):
+        some = moves[:, own]
+        variance = max(float(np.median(np.abs(behind[some, own]))) ** 2, tiny)  # each joint counts by its own
+        along[some] += behind[some, own] * v[some, own] / variance
+        squared[some] += v[some, own] ** 2 / variance
+    delay, known = along / np.maximum(squared, tiny), squared > 0.0
+    if known.any():
+        usual = np.maximum(1.4826 * np.median(np.abs(delay[known])), 1.0 / np.sqrt(np.maximum(squared, tiny)))
+        belated[1:-1] = delay > np.maximum(BELATED_SIGMAS * usual, BELATED_STEPS * median_step(t))
+    return belated
 
 
 def _period(t: Float) -> float:

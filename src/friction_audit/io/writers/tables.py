@@ -39,7 +39,9 @@ class Writer:
         """Return what of a log this dialect has no place for: channels, and the arm where joint names do not say it."""
         robot, kept = log.source.robot, self.name.startswith(("parquet", "csv-libfranka"))
         known = kept or robot == "unknown" or candidates(log.joint_names) == (robot,)
-        lost = () if known else (f"the name of the arm (read it with --robot {robot})",)
+        lost = [] if known else [f"the name of the arm (read it with --robot {robot})"]
+        if (unit := log.source.torque_unit) != "N m" and self.name not in ("parquet", "csv"):
+            lost.append(f"the unit of the torque, {unit} (read it with --map tau_J=NAME:{unit})")
         return (*(name for name in log.channels() if name not in self.holds), *lost)
 
 
@@ -61,8 +63,10 @@ def logged_channels(log: JointLog) -> dict[str, Float]:
 
 def tidy_columns(log: JointLog) -> dict[str, ColumnOf]:
     """Return ``time`` [s], then ``q_1``, ``q_2``, ... of every channel that was recorded."""
-    channels = logged_channels(log).items()
-    return {"time": log.t, **{f"{name}_{j}": column for name, a in channels for j, column in enumerate(a.T, start=1)}}
+    channels, current = logged_channels(log).items(), log.source.torque_unit
+    units = {} if current == "N m" else {"tau_J": f" [{current}]"}
+    columns = ((name, j, column) for name, a in channels for j, column in enumerate(a.T, start=1))
+    return {"time": log.t, **{f"{name}_{j}{units.get(name, '')}": column for name, j, column in columns}}
 
 
 Column = NDArray[Any] | Sequence[Any]  # numbers (NaN where there is none), flags, or words
