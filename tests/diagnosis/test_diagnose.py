@@ -138,3 +138,10 @@ def test_a_coarse_velocity_is_no_effect() -> None:
     log = recorded(scenario="joint-slow", duration_s=180.0)
     found = diagnosed(replace(log, dq=0.05 * np.round(log.dq / 0.05)))
     assert (found.verdict, found.effects) == ("adequate", ())
+
+
+def test_a_coarse_position_and_velocity_are_too_coarse_and_no_duplicates() -> None:
+    log = recorded(scenario="joint-driven", duration_s=60.0)
+    found = diagnosed(replace(log, q=1e-3 * np.round(log.q / 1e-3), dq=0.05 * np.round(log.dq / 0.05)))
+    assert found.verdict == "not_testable"
+    assert "too coarse for an acceleration: record steps of at most" in found.reason

@@ -238,6 +238,7 @@ class Search:
         return active
 
     def _divide(self, active: list[Block]) -> list[Block]:
+        """One by two: without it pairs_gravity_error+time_delay_100005 loses a name."""
         for block in list(active):
             rest = [b for b in active if b is not block]
             for first in ranked(self.scores(rest))[:6]:
