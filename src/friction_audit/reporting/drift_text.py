@@ -26,7 +26,8 @@ def batch_lines(summary: BatchSummary, *, verbose: bool = False) -> list[str]:
     last += [f"cannot test: {sentence}" for sentence in summary.cannot_tell]
     last += [f"failed: {path}: {message}" for path, message in summary.failed]
     by_arm = (line for arm in summary.report.arms for line in ("", *_arm_lines(arm, verbose=verbose)))
-    return [f"{sessions} of {arms}: {done}", *by_arm, *([""] if last else []), *last]
+    advice = ["", drift_words.TO_DO] if any(arm.drift for arm in summary.report.arms) else []
+    return [f"{sessions} of {arms}: {done}", *by_arm, *advice, *([""] if last else []), *last]
 
 
 def _arm_lines(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
