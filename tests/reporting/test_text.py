@@ -82,7 +82,7 @@ def in_ampere(found: Estimate) -> Estimate:
         ["2 Coulomb drift +15.0 ± 1.5 % 13 0 ± 0.10 % 3.3 %"],
         ["joint 5: Coulomb friction rises by 1 % (0.9 to 1.1 %) a session, about 4.7 % a week, 23 %",
          "not compared: session 9: payload 0.7 kg, the reference had none",
-         "limit exceeded: panda-1, joint 2", "failed: logs/broken.bag: broken.bag: is truncated"],
+         "Where friction drifts: check lubrication", "limit exceeded: panda-1, joint 2", "failed: logs/broken.bag: broken.bag: is truncated"],
     ),
 ], ids=["estimate", "current", "replay", "diagnosis", "verbose", "longest names", "batch"])  # fmt: skip
 def test_a_table_and_its_sentences(lines: Callable[[], list[str]], rows: list[str], sentences: list[str]) -> None:
@@ -134,6 +134,7 @@ def test_contacts_are_left_out_and_joints_with_the_same_answer_share_a_line() ->
     ({f"factor_{k}": coefficient(0.1, 0.1) for k in range(13)}, "13 parameters, in the document"),
     ({"unlogged_form": coefficient(1.0, 1e-4)}, "dead band"),
     ({"other_ratio": coefficient(0.5, 0.1), "warm_up_per_k": coefficient(1e-6, 0.0)}, "other ratio 0.5"),
+    ({"delay_s": coefficient(0.003, 1e-4), "delayed_load": coefficient(1.0, 0.0)}, " ms, the load is late too"),
     ({"stribeck_exponent": Coefficient(value=4.321, low=-math.inf, high=math.inf)}, "not identifiable from this"),
 ])  # fmt: skip
 def test_parameters_of_an_effect(parameters: dict[str, Coefficient], text: str) -> None:

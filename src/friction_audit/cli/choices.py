@@ -75,6 +75,17 @@ def flag(text: str, *names: str, **settings: Any) -> Any:  # noqa: ANN401
     return option(text, *names, default=False, **settings)
 
 
+def positive(text: str, **settings: Any) -> Any:  # noqa: ANN401
+    """Return an option for a number above zero, a bound that click has not."""
+
+    def check(value: float | None) -> float | None:
+        if value is not None and not value > 0.0:
+            raise typer.BadParameter(f"{value:g}: expected a number above zero")
+        return value
+
+    return option(text, callback=check, **settings)
+
+
 def described(
     text: str,
     *names: str,

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from friction_audit.cli import chain, choices, options as opt
-from friction_audit.cli.choices import flag, group, option, parse_numbers
+from friction_audit.cli.choices import flag, group, option, parse_numbers, positive
 from friction_audit.cli.console import Voice
 from friction_audit.cli.grouped_help import REPLAY, TUNING
 from friction_audit.cli.outputs import ResultFolder, show
@@ -59,15 +59,15 @@ class ReplayOptions:
         metavar="coulomb=NM,viscous=NMS",
     )
     no_passivity: bool = flag("No passivity controller.")
-    max_damping: float | None = option("Damping limit of the passivity control [N m s/rad]. Default: 5.", metavar="NMS")
-    max_torque: float | None = option("Maximum torque [N m]. Default: limits of the arm, or none.", metavar="NM")
-    max_rate: float | None = option("Maximum torque rate [N m/s]. Default: 1000 for a Panda, or none.", metavar="NM/S")
-    observer_gain: float | None = option("Gain of disturbance_observer [1/s]. Default: 20.", metavar="1/S")
-    motor_inertia: float | None = option(
+    max_damping: float | None = positive("Damping limit of passivity control [N m s/rad]. Default: 5.", metavar="NMS")
+    max_torque: float | None = positive("Maximum torque [N m]. Default: limits of the arm, or none.", metavar="NM")
+    max_rate: float | None = positive("Maximum torque rate [N m/s]. Default: a Panda's 1000, or none.", metavar="NM/S")
+    observer_gain: float | None = positive("Gain of disturbance_observer [1/s]. Default: 20.", metavar="1/S")
+    motor_inertia: float | None = positive(
         "Motor inertia of disturbance_observer and torque_regulation [kg m^2]. Default: fitted to the log.",
         metavar="KG_M2",
     )
-    desired_inertia: float | None = option(
+    desired_inertia: float | None = positive(
         "Desired inertia of torque_regulation [kg m^2]. Default: half the motor inertia.", metavar="KG_M2"
     )
     operator: str | None = option(

@@ -202,5 +202,5 @@ def _parameter(name: str, number: Coefficient) -> str:
     if CHOICE.match(known.meaning):
         forms: dict[str, str] = dict(CHOICE.findall(known.meaning))
         chosen = str(round(number.value))
-        return forms.get(chosen, f"{forms['else']} {chosen}" if "else" in forms else "")
+        return forms.get(chosen, f"{forms['else']} {chosen}" if "else" in forms else "").removeprefix("if ")
     return f"{known.meaning} {format_quantity(number, known.unit)}"

@@ -285,7 +285,8 @@ def batch_lines(summary: BatchSummary, *, verbose: bool = False) -> list[str]:
     last = phrases.limit_lines(summary.exceeded, summary.cannot_tell)
     last += [f"failed: {path}: {message}" for path, message in summary.failed]
     by_arm = (line for arm in summary.report.arms for line in ("", *_arm_lines(arm, verbose=verbose)))
-    return [f"{sessions} of {arms}: {done}", *by_arm, *([""] if last else []), *last]
+    advice = ["", phrases.TO_DO] if summary.report.drift else []
+    return [f"{sessions} of {arms}: {done}", *by_arm, *advice, *([""] if last else []), *last]
 
 
 def _details(arm: ArmDrift, joint: JointDrift) -> Iterator[str]:

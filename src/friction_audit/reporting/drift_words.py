@@ -41,6 +41,10 @@ LARGEST_DETECTABLE = 10.0  # times the level; a larger detectable change is no i
 TWO_DIGITS = 99.5  # larger numbers of per cent are written with all their digits
 WEEK_S = 7 * 86400.0
 MOST_NAMES = 3  # sessions that a sentence names
+TO_DO = (
+    "Where friction drifts: check lubrication, load and cables of the joint, and record it once more; "
+    "the option --diagnose names the effect that came with it, the command diff compares two recordings."
+)
 
 
 def drift_verdict(found: CoefficientDrift) -> str:

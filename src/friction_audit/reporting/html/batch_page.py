@@ -30,10 +30,6 @@ WORDS = {
     "within a session": "Change from the first to the last third of a session, such as warm-up; no part of drift.",
 }
 """What the words of the page mean."""
-TO_DO = (
-    "Where friction drifts: check lubrication, load and cables of the joint, and record it once more; "
-    "the option --diagnose names the effect that came with it, the command diff compares two recordings."
-)
 WITHIN = (
     "Kept apart from drift: the change from the first to the last third of a session, and in how many sessions it is "
     "significant; the change with temperature that was taken out, and the temperature of the comparison; the scatter "
@@ -49,7 +45,7 @@ def write_page(summary: tables.BatchSummary, drawn: Mapping[str, html.Figure]) -
     lead = html.Text(("These files gave no session. They do not affect the others.",))
     files = tables.FAILED.people(summary.failed, caption="Files that gave no session")
     failed = html.Section("failed", "Files that failed", (lead, files))
-    advice = html.noted([TO_DO] if summary.report.drift else [])
+    advice = html.noted([phrases.TO_DO] if summary.report.drift else [])
     pictures = _pictures(arms, drawn)
     most = max(1, MOST_CELLS // max(1, sum(len(phrases.UNITS) * max(len(arm.joints), 1) for arm in arms)))
     facts = {
