@@ -101,7 +101,7 @@ class TimeDelay(Effect):
             spline, spacing = EvenSpline(rest, held=True), float(motion.t[1] - motion.t[0])
             for place, (step, with_load) in enumerate(many):
                 if bool(round(with_load)) is loaded:
-                    yield place, (spline.ahead(-step / spacing) - rest)[:, None] / step
+                    yield place, ((spline.ahead(-step / spacing) - rest) / step)[:, None]
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """All delays, of friction and inertia alone and, where there is a load, of all that the sensor bears."""
