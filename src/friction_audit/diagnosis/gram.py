@@ -66,8 +66,8 @@ class Gram:
             self.used += block.p
         found: dict[int, list[Float]] = {}
         products = self._products(np.vstack(list(self._left.values())), blocks, found)
-        for p, more in found.items():
-            self.own[p] = np.concatenate([*([self.own[p]] if p in self.own else []), *more], axis=1)
+        for p, parts in found.items():
+            self.own[p] = np.concatenate([*([self.own[p]] if p in self.own else []), *parts], axis=1)
         ends = np.cumsum([len(left) for left in self._left.values()])
         for (key, known), more in zip(self.cross.items(), np.split(products, ends[:-1], axis=1), strict=True):
             self.cross[key] = np.concatenate([known, more], axis=2)

@@ -200,11 +200,12 @@ class RegressionProblem:
     def _smoothed_sign(self) -> list[Float]:
         """What a smoothed sign differs from the sign by, at the width that fits best, and its change with the width."""
         data, inside = self.data, np.linalg.qr(self.X.T)[0].T
-        signs = self.columns(np.column_stack([np.tanh(data.dq / w) - data.way for w in SIGN_WIDTHS_RAD_S]))
+        smooth = [np.tanh(data.dq / width) for width in SIGN_WIDTHS_RAD_S]
+        signs = self.columns(np.stack([one - data.way for one in smooth]).T)
         free = signs - (signs @ inside.T) @ inside
         gain = (free @ self.y) ** 2 / np.maximum(np.sum(free**2, axis=1), 1e-300)
         k = int(np.clip(np.argmax(gain), 1, len(gain) - 2))
-        low, best, high = (np.tanh(data.dq / SIGN_WIDTHS_RAD_S[j]) for j in (k - 1, k, k + 1))
+        low, best, high = smooth[k - 1 : k + 2]
         return [best - data.way, 0.5 * (high - low)]
 
     def model_error(self, baseline: Nominal) -> Float:

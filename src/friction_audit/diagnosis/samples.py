@@ -80,7 +80,7 @@ class Samples:
         """Filter and thin out columns of the fine grid, shape (n,) or (n, p), to shape (m,) or (m, p)."""
         rows = np.ascontiguousarray(np.atleast_2d(columns.T), np.float64)
         out = filtered(rows, self.kernel, self.fine)
-        if self.breakaway.any():
+        if len(self.onsets.onset):
             out[:, self.breakaway] = self.onsets.of(rows.T).T
         return out[0] if columns.ndim == 1 else out.T
 

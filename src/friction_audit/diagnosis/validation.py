@@ -67,13 +67,13 @@ class _Model:
         grams, rights = self.grams[:, which[:, None], which], self.rights[:, which]
         total, right = grams.sum(axis=0) + np.diag(self.prior[which]), rights.sum(axis=0)
         scale = np.sqrt(np.maximum(np.diag(grams.sum(axis=0)), 1e-300))
-        coefficients = np.zeros((len(grams), len(self.prior)))
         inverses = np.linalg.pinv((total - grams) / scale[:, None] / scale, rcond=1e-11, hermitian=True)
-        coefficients[:, which] = np.einsum("fij,fj->fi", inverses, (right - rights) / scale) / scale
+        coefficients = np.einsum("fij,fj->fi", inverses, (right - rights) / scale) / scale
         residual, innovation = gram.problem.y[gram.order], gram.y.copy()
+        raw, white = self.raw[which], self.white[which]
         for own, part in zip(coefficients, gram.slices, strict=True):
-            residual[part] -= own @ self.raw[:, part]
-            innovation[part] -= own @ self.white[:, part]
+            residual[part] -= own @ raw[:, part]
+            innovation[part] -= own @ white[:, part]
         return residual, innovation
 
 

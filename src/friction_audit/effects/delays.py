@@ -106,7 +106,7 @@ class TimeDelay(Effect):
             spline, spacing = EvenSpline(rest, held=True), float(motion.t[1] - motion.t[0])
             for place, (step, with_load) in enumerate(many):
                 if bool(round(with_load)) is loaded:
-                    yield place, (spline.ahead(-step / spacing) - rest)[:, None] / step
+                    yield place, ((spline.ahead(-step / spacing) - rest) / step)[:, None]
 
 
 TIME_DELAY = TimeDelay(

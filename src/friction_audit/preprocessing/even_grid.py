@@ -122,10 +122,14 @@ class EvenSpline:
         n, whole = len(self.coefficients) - 2 * HELD, int(np.floor(samples))
         x = samples - whole
         near = np.take(self.coefficients, np.arange(n + 3) + (whole + HELD - 1), axis=0, mode="clip")
-        weights = ((1.0 - x) ** 3, 4.0 + 3.0 * x**2 * (x - 2.0), 1.0 + 3.0 * x * (1.0 + x * (1.0 - x)), x**3)
-        out = weights[0] / 6.0 * near[:n]
+        weights = (
+            np.array([(1.0 - x) ** 3, 4.0 + 3.0 * x**2 * (x - 2.0), 1.0 + 3.0 * x * (1.0 + x * (1.0 - x)), x**3]) / 6
+        )
+        if near.ndim == 1:
+            return np.asarray(np.correlate(near, weights, "valid"))
+        out = weights[0] * near[:n]
         for k in (1, 2, 3):
-            out += weights[k] / 6.0 * near[k : n + k]
+            out += weights[k] * near[k : n + k]
         return np.asarray(out)
 
 
