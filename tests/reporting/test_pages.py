@@ -60,9 +60,9 @@ def test_no_word_becomes_markup(place: str, word: str) -> None:
     parts: dict[str, html_page.Part] = {
         "text": html_page.Text(lines=(word,)),
         "cell": Table(columns=(column,), rows=(word,), caption="c"),
-        "title": Table(columns=(replace(column, title=word),), rows=(), caption="c"),
+        "title": Table(columns=(replace(column, title=word),), rows=("x",), caption="c"),
         "command": html_page.Command(line=word),
-        "caption": Table(columns=(column,), rows=(), caption=word, folded=True),
+        "caption": Table(columns=(column,), rows=("x",), caption=word, folded=True),
     }
     section = html_page.Section(anchor="a", title=word, parts=(parts[place],))
     html = render_page(Page(title=word, lead=word, sections=(section,)))

@@ -42,12 +42,14 @@ def _shade(axes: Axes, course: Course) -> None:
     axes.set_xlim(course.t[0], course.t[-1])
 
 
-def _draw_energy(course: Course, title: str, axes: Axes) -> None:
+def _draw_energy(course: Course, title: str, axes: Axes, plateau: float | None = None) -> None:
     _shade(axes, course)
     parts.mark_zero(axes)
     parts.draw_curve(axes, course.t, course.energy_j, DRAWN, color=theme.FILTERED, label="net energy $E_m$")
     look: theme.Look = {"color": theme.BORDER, "ms": 2.4, "mew": 0, "zorder": 5, "label": "end of a cycle"}
     axes.plot(course.ends_s, course.ends_j, "o", **look)
+    if plateau is not None:
+        axes.axhline(plateau, color=theme.FITTED, lw=0.7, ls=theme.DASHED, label="$E^2_{cyclic}$")
     parts.label_panel(axes, title, y="Energy [J]")
 
 
@@ -158,16 +160,11 @@ def draw_plateaus(raw: Course, aided: Course) -> Figure:
 
 def draw_compensated(course: Course) -> Figure:
     """Draw velocity and torque, the net energy, and both coefficients (Fig. 10)."""
-
-    def energy(axes: Axes) -> None:
-        _draw_energy(course, "(b)", axes)
-        axes.axhline(course.ends_j[1], color=theme.FITTED, lw=0.7, ls=theme.DASHED, label="$E^2_{cyclic}$")
-
     return _column(
         5.2,
         partial(_draw_signal, course, course.dq, "Velocity\n[rad/s]", "(a)"),
         partial(_draw_signal, course, course.interaction_nm, "Torque\n[N m]", ""),
-        energy,
+        partial(_draw_energy, course, "(b)", plateau=course.ends_j[1]),
         partial(_draw_steps, course, course.viscous_nms_per_rad, VISCOUS, theme.FILTERED, "(c)"),
         partial(_draw_steps, course, course.coulomb_nm, "Coulomb\n[N m]", theme.DISSIPATED, ""),
     )
