@@ -96,9 +96,16 @@ def _pictures(arms: tuple[ArmDrift, ...], drawn: Mapping[str, html.Figure]) -> d
 def _arm_section(arm: ArmDrift, anchor: str, figures: tuple[html.Figure, ...], most: int) -> html.Section:
     no_room = f"This page has no room for more figures; those of {arm.robot} are in files next to it."
     rows = tables.coefficient_rows(arm)
+    steps = [row._replace(change=change) for row in rows for change in row.found.change_points]
+    after = "the first session after each (with the range that holds it with 95 % confidence)"
+    joints = (
+        tables.COEFFICIENT.people(rows, caption="Change from the reference to the last sessions; intervals are 95 %"),
+        tables.STEPS.people(steps, caption=f"Steps: {after}, and the levels"),
+        tables.COEFFICIENT.people(rows, "n", caption="Levels, trends and control charts in numbers", folded=True),
+    )
     within = tables.COEFFICIENT.people(rows, "w", caption=WITHIN).filled()
     sections = (
-        html.Section(f"{anchor}-joints", "Joints", tuple(_joint_tables(rows))),
+        html.Section(f"{anchor}-joints", "Joints", joints),
         html.Section(f"{anchor}-figures", "Figures", figures or (html.Text((no_room,)),)),
         html.Section(f"{anchor}-within", "Within a session", (within,)),
         html.Section(f"{anchor}-diagnosis", "What the model misses", (_diagnosed(arm),)),
@@ -106,14 +113,6 @@ def _arm_section(arm: ArmDrift, anchor: str, figures: tuple[html.Figure, ...], m
     )
     parts = (html.Text((f"{phrases.sessions_text(arm)}.",)), html.noted(arm.warnings))
     return html.Section(anchor, arm.robot, parts, sections)
-
-
-def _joint_tables(rows: list[tables.CoefficientRow]) -> Iterator[Table]:
-    yield tables.COEFFICIENT.people(rows, caption="Change from the reference to the last sessions; intervals are 95 %")
-    steps = [row._replace(change=change) for row in rows for change in row.found.change_points]
-    after = "the first session after each (with the range that holds it with 95 % confidence)"
-    yield tables.STEPS.people(steps, caption=f"Steps: {after}, and the levels")
-    yield tables.COEFFICIENT.people(rows, "n", caption="Levels, trends and control charts in numbers", folded=True)
 
 
 def _diagnosed(arm: ArmDrift) -> Table:
