@@ -1,8 +1,8 @@
 """Courses of simulated joints -> figures in the layout of the paper's Figs 3 and 6 to 12."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,8 +16,7 @@ DRAWN, DRAWN_ON_SHEET = 4000, 1500  # points of a curve: more than a column has 
 VISCOUS = "Viscous\n[N m s/rad]"
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Course:
+class Course(NamedTuple):
     """One joint over time; n samples, m ends of cycles."""
 
     t: Float  # shape (n,) [s]
@@ -33,8 +32,8 @@ class Course:
     def part(self, kept: NDArray[np.bool_]) -> "Course":
         """Return the samples of a mask of shape (n,), and the ends of cycles from the first of them on."""
         later = self.ends_s > self.t[kept][0]
-        samples = {one.name: getattr(self, one.name)[kept] for one in fields(self) if not one.name.startswith("ends")}
-        return replace(self, **samples, ends_s=self.ends_s[later], ends_j=self.ends_j[later])
+        samples = {name: array[kept] for name, array in self._asdict().items() if not name.startswith("ends")}
+        return self._replace(**samples, ends_s=self.ends_s[later], ends_j=self.ends_j[later])
 
 
 def _shade(axes: Axes, course: Course) -> None:
