@@ -35,18 +35,11 @@ def hostile() -> LogReport:
     return replace(found, reading={HOSTILE: [HOSTILE]})
 
 
-def many(joints: int) -> LogReport:
+def many(joints: int, name: str = "segment") -> LogReport:
     """Return a report of an arm of many joints, each moving alike."""
     one = build_estimate(1, rate=100.0).log
     columns: dict[str, Any] = {name: np.repeat(channel, joints, axis=1) for name, channel in one.channels().items()}
-    return of_log(replace(one, **columns, joint_names=tuple(f"segment_{k}" for k in range(1, joints + 1))))
-
-
-def called(name: str) -> LogReport:
-    return of_log(replace(build_estimate(1, rate=100.0).log, joint_names=(name,)))
-
-
-def of_log(log: JointLog) -> LogReport:
+    log = replace(one, **columns, joint_names=tuple(f"{name}_{k}" for k in range(1, joints + 1)))
     return LogReport(estimate=estimate_log(log, AuditSettings()), command=COMMAND)
 
 

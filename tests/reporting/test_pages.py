@@ -60,9 +60,9 @@ def test_no_word_becomes_markup(place: str, word: str) -> None:
     parts: dict[str, html_page.Part] = {
         "text": html_page.Text(lines=(word,)),
         "cell": Table(columns=(column,), rows=(word,), caption="c"),
-        "title": Table(columns=(replace(column, title=word),), rows=(), caption="c"),
+        "title": Table(columns=(replace(column, title=word),), rows=("x",), caption="c"),
         "command": html_page.Command(line=word),
-        "caption": Table(columns=(column,), rows=(), caption=word, folded=True),
+        "caption": Table(columns=(column,), rows=("x",), caption=word, folded=True),
     }
     section = html_page.Section(anchor="a", title=word, parts=(parts[place],))
     html = render_page(Page(title=word, lead=word, sections=(section,)))
@@ -113,12 +113,13 @@ def test_a_verdict_counts_without_an_estimate_and_a_regression_is_said() -> None
 
 
 def test_the_lead_of_a_batch_claims_no_more_than_was_tested() -> None:
+    assert "Drift of each arm" not in page("batch nothing")  # a table without rows
     steady, bare = batch_by_hand.arm(24, 1, robot="steady"), replace(batch_by_hand.arm(3, 1, robot="short"), joints=())
     assert "short: 3 comparable sessions, at least 4 are needed" in write_page(batch_by_hand.batch(bare), {})
-    page = write_page(batch_by_hand.batch(steady, bare), {})
-    assert "check lubrication" not in page
+    html = write_page(batch_by_hand.batch(steady, bare), {})
+    assert "check lubrication" not in html
     assert "check lubrication" in write_page(batch_by_hand.batch(batch_by_hand.arm()), {})
-    assert "No drift of the friction was found on 1 arm; no answer on 1 arm." in page
+    assert "No drift of the friction was found on 1 arm; no answer on 1 arm." in html
 
 
 def test_figures_that_find_no_room_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -162,7 +163,7 @@ def test_markdown_holds_the_tables() -> None:
 def test_the_pdf_is_the_page_printed(monkeypatch: pytest.MonkeyPatch) -> None:
     weasyprint = pytest.importorskip("weasyprint", reason="weasyprint is not installed", exc_type=ImportError)
     monkeypatch.setattr(page_of_log, "LOG_FIGURES", LOG_FIGURES[:2])
-    found = log_page(log_report_by_hand.called("a$b$ \N{CJK UNIFIED IDEOGRAPH-819D} <b>"))
+    found = log_page(log_report_by_hand.many(1, "a$b$ \N{CJK UNIFIED IDEOGRAPH-819D} <b>"))
     assert write_pdf(found).startswith(b"%PDF-")
     html = render_page(found, paper=True)
     assert not re.search("<script|<details>", html)

@@ -16,7 +16,7 @@ from friction_audit.reporting import words
 from friction_audit.reporting.diagnosis import diagnose_lines
 from friction_audit.reporting.diagnosis_words import joint_message
 from friction_audit.reporting.drift import batch_lines
-from friction_audit.reporting.drift_words import slope_text, total_text
+from friction_audit.reporting.drift_words import how_much, slope_text, total_text
 from friction_audit.reporting.estimate import estimate_lines
 from friction_audit.reporting.notices import (
     SENTENCES,
@@ -163,13 +163,14 @@ def test_near_a_level_of_zero_drift_is_absolute() -> None:
     change = Coefficient(value=0.02, low=0.01, high=0.03)
     zero = replace(RISE, total=UNDETERMINED, change=change, smallest_drift=math.nan)
     assert total_text(zero) == "+0.020 ± 0.010 N m"
+    assert how_much(UNDETERMINED, Coefficient(value=0.01, low=-0.05, high=0.02), "N m") == "0.01 N m (-0.05 to 0.02)"
     assert slope_text(zero, zero.trend_per_session) == "+0.0027 ± 0.0003 N m"
     point = STEP.change_points[0]
-    for arm, change, text in (
+    for arm, step, text in (
         (ARM, replace(point, relative=UNDETERMINED), "13 (12 to 14), 2026-03-21: 0.1520 ± 0.0023 to 0.1748 ± 0.0023"),
         (batch_by_hand.arm(dated=False), replace(point, low=12, high=12), "13: +15.0 ± 1.5 %"),
     ):
-        joint = replace(arm.joints[1], coefficients=(replace(STEP, change_points=(change,)),))
+        joint = replace(arm.joints[1], coefficients=(replace(STEP, change_points=(step,)),))
         lines = batch_lines(batch_by_hand.batch(replace(arm, joints=(joint,))), verbose=True)
         assert f"joint 2, Coulomb: step at session {text}" in lines
 

@@ -25,10 +25,10 @@ def _measured(name: str, meaning: str) -> Column:
     return Column(name, VALUE, meaning, lambda row: row.interval(name))
 
 
-def _shown(text: Callable[[Row], str], title: str, unit: str = "") -> Column:
+def _shown(text: Callable[[Row], str], title: str) -> Column:
     """Return a column of the terminal; rows that head a method, which are its label, have none of it."""
     shown = lambda row: " " if isinstance(row, str) else text(row)  # noqa: E731
-    return Column("shown", float, get="", form=shown, title=title, unit=unit, on="t")
+    return Column("shown", float, get="", form=shown, title=title, on="t")
 
 
 def _with_interval(name: str, factor: float, digits: int) -> Callable[[Row], str]:

@@ -1,7 +1,6 @@
 """What is in a log: its summary, document and text."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import NamedTuple
 
@@ -26,8 +25,7 @@ GAP_PERIODS = 5.0  # sampling periods; a longer step of time is a gap
 ROUNDING_S = 1e-9
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class LogSummary:
+class LogSummary(NamedTuple):
     """What is in a log."""
 
     log: JointLog  # the log

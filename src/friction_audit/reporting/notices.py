@@ -176,7 +176,7 @@ def sentence_of(caution: Caution) -> str:
     """Return a caution as one sentence."""
     words = {"joint": caution.joint, "joints": joints_label(caution.numbers.get("joints", ()))}
     words |= WORDS[caution.code](caution.numbers) if caution.code in WORDS else {}
-    return SENTENCES[caution.code].format(**caution.numbers | words)
+    return SENTENCES[caution.code].format(**{**caution.numbers, **words})
 
 
 class Notice(NamedTuple):

@@ -104,7 +104,7 @@ HISTORY = Record(
 
 def _number(name: str, meaning: str, unit: str = "", **more: Any) -> Column:  # noqa: ANN401
     """Return a column of the numbers of a replay, null where there is a reason."""
-    return Column(name, float, meaning, f"numbers.{Column(name, unit=unit).key()}", unit=unit, form=_short, **more)
+    return Column(name, float, meaning, unit=unit, form=_short, **more).at("numbers")
 
 
 JOINT_REPLAY = Record(

@@ -277,7 +277,9 @@ def to_json(value: Any) -> Any:  # noqa: ANN401, PLR0911 - any value of a result
         case Mapping():
             return {str(key): to_json(item) for key, item in value.items()}
         case np.ndarray() if value.dtype.kind == "f":  # at once: a day has 200 000 cycles
-            return np.where(np.isfinite(value), value.astype(object), None).tolist()
+            cells = value.astype(object)
+            cells[~np.isfinite(value)] = None
+            return cells.tolist()
         case np.ndarray() | np.generic():
             return to_json(value.tolist())
         case list() | tuple():

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 
-from friction_audit.friction.history import COLUMNS, Coefficient, JointFriction
+from friction_audit.friction.history import Coefficient, JointFriction
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Estimate
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
@@ -108,7 +108,8 @@ WINDOW, INTERVAL = "moving window", "95 % interval"
 def _draw_coefficients(panels: Sequence[Axes], estimate: Estimate, friction: JointFriction) -> None:
     """Draw Coulomb and viscous friction as steps that hold until the next, with their bands, and of the whole log."""
     series, history = series_of(estimate, friction), friction.history
-    coulomb, viscous = ([getattr(history, name) for name in names] for names in COLUMNS.values())
+    coulomb = (history.coulomb_nm, history.coulomb_low_nm, history.coulomb_high_nm)
+    viscous = (history.viscous_nms_per_rad, history.viscous_low_nms_per_rad, history.viscous_high_nms_per_rad)
     window = f"window: {count_of(min(friction.window, friction.cycles), 'cycle')}"
     title = window if friction.method == "energy" else "from torque regression"
     panels[-1].set_title(title, loc="right", color=theme.MUTED)

@@ -1,8 +1,8 @@
 """Courses of simulated joints -> figures in the layout of the paper's Figs 3 and 6 to 12."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,8 +16,7 @@ DRAWN, DRAWN_ON_SHEET = 4000, 1500  # points of a curve: more than a column has 
 VISCOUS = "Viscous\n[N m s/rad]"
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Course:
+class Course(NamedTuple):
     """One joint over time; n samples, m ends of cycles."""
 
     t: Float  # shape (n,) [s]
@@ -33,8 +32,8 @@ class Course:
     def part(self, kept: NDArray[np.bool_]) -> "Course":
         """Return the samples of a mask of shape (n,), and the ends of cycles from the first of them on."""
         later = self.ends_s > self.t[kept][0]
-        samples = {one.name: getattr(self, one.name)[kept] for one in fields(self) if not one.name.startswith("ends")}
-        return replace(self, **samples, ends_s=self.ends_s[later], ends_j=self.ends_j[later])
+        samples = {name: array[kept] for name, array in self._asdict().items() if not name.startswith("ends")}
+        return self._replace(**samples, ends_s=self.ends_s[later], ends_j=self.ends_j[later])
 
 
 def _shade(axes: Axes, course: Course) -> None:
@@ -42,12 +41,14 @@ def _shade(axes: Axes, course: Course) -> None:
     axes.set_xlim(course.t[0], course.t[-1])
 
 
-def _draw_energy(course: Course, title: str, axes: Axes) -> None:
+def _draw_energy(course: Course, title: str, axes: Axes, plateau: float | None = None) -> None:
     _shade(axes, course)
     parts.mark_zero(axes)
     parts.draw_curve(axes, course.t, course.energy_j, DRAWN, color=theme.FILTERED, label="net energy $E_m$")
     look: theme.Look = {"color": theme.BORDER, "ms": 2.4, "mew": 0, "zorder": 5, "label": "end of a cycle"}
     axes.plot(course.ends_s, course.ends_j, "o", **look)
+    if plateau is not None:
+        axes.axhline(plateau, color=theme.FITTED, lw=0.7, ls=theme.DASHED, label="$E^2_{cyclic}$")
     parts.label_panel(axes, title, y="Energy [J]")
 
 
@@ -158,16 +159,11 @@ def draw_plateaus(raw: Course, aided: Course) -> Figure:
 
 def draw_compensated(course: Course) -> Figure:
     """Draw velocity and torque, the net energy, and both coefficients (Fig. 10)."""
-
-    def energy(axes: Axes) -> None:
-        _draw_energy(course, "(b)", axes)
-        axes.axhline(course.ends_j[1], color=theme.FITTED, lw=0.7, ls=theme.DASHED, label="$E^2_{cyclic}$")
-
     return _column(
         5.2,
         partial(_draw_signal, course, course.dq, "Velocity\n[rad/s]", "(a)"),
         partial(_draw_signal, course, course.interaction_nm, "Torque\n[N m]", ""),
-        energy,
+        partial(_draw_energy, course, "(b)", plateau=course.ends_j[1]),
         partial(_draw_steps, course, course.viscous_nms_per_rad, VISCOUS, theme.FILTERED, "(c)"),
         partial(_draw_steps, course, course.coulomb_nm, "Coulomb\n[N m]", theme.DISSIPATED, ""),
     )

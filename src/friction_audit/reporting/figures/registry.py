@@ -1,8 +1,7 @@
 """The kinds of figures of each result, in the order in which they are read; drawing one loads its module."""
 
-from dataclasses import dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from friction_audit.errors import UsageError
 
@@ -11,8 +10,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure as MatplotlibFigure
 
 
-@dataclass(frozen=True, slots=True)
-class Figure:
+class Figure(NamedTuple):
     """A kind of figure."""
 
     name: str  # as ``--figures`` takes it, and the first part of its files' names

@@ -53,7 +53,7 @@ def write_page(summary: tables.BatchSummary, drawn: Mapping[str, html.Figure]) -
         "Recorded (UTC)": phrases.span_of(summary.sessions), "Files that failed": str(len(summary.failed)),
     }  # fmt: skip
     sections = (
-        html.Section("verdicts", "Verdicts", (verdicts, *advice, *html.noted(limits, "alert"))),
+        html.Section("verdicts", "Verdicts", (verdicts, advice, html.noted(limits, "alert"))),
         *(_arm_section(arm, f"arm-{k}", pictures.get(k, ()), most) for k, arm in enumerate(arms, start=1)),
         *([failed] if summary.failed else ()),
         *html.closing_sections(WORDS, summary.settings, summary.command),
@@ -92,40 +92,36 @@ def _pictures(arms: tuple[ArmDrift, ...], drawn: Mapping[str, html.Figure]) -> d
 def _arm_section(arm: ArmDrift, anchor: str, figures: tuple[html.Figure, ...], most: int) -> html.Section:
     no_room = f"This page has no room for more figures; those of {arm.robot} are in files next to it."
     rows = tables.coefficient_rows(arm)
+    steps = [row._replace(change=change) for row in rows for change in row.found.change_points]
+    after = "the first session after each (with the range that holds it with 95 % confidence)"
+    joints = (
+        tables.COEFFICIENT.people(rows, caption="Change from the reference to the last sessions; intervals are 95 %"),
+        tables.STEPS.people(steps, caption=f"Steps: {after}, and the levels"),
+        tables.COEFFICIENT.people(rows, "n", caption="Levels, trends and control charts in numbers", folded=True),
+    )
     within = tables.COEFFICIENT.people(rows, "w", caption=WITHIN).filled()
     sections = (
-        html.Section(f"{anchor}-joints", "Joints", tuple(_joint_tables(rows))),
+        html.Section(f"{anchor}-joints", "Joints", joints),
         html.Section(f"{anchor}-figures", "Figures", figures or (html.Text((no_room,)),)),
         html.Section(f"{anchor}-within", "Within a session", (within,)),
-        *_diagnosis(arm, anchor),
+        html.Section(f"{anchor}-diagnosis", "What the model misses", (_diagnosed(arm),)),
         html.Section(f"{anchor}-sessions", "Sessions", tuple(_session_tables(arm, most))),
     )
-    parts = (html.Text((f"{phrases.sessions_text(arm)}.",)), *html.noted(arm.warnings))
+    parts = (html.Text((f"{phrases.sessions_text(arm)}.",)), html.noted(arm.warnings))
     return html.Section(anchor, arm.robot, parts, sections)
 
 
-def _joint_tables(rows: list[tables.CoefficientRow]) -> Iterator[Table]:
-    yield tables.COEFFICIENT.people(rows, caption="Change from the reference to the last sessions; intervals are 95 %")
-    if steps := [row._replace(change=change) for row in rows for change in row.found.change_points]:
-        after = "the first session after each (with the range that holds it with 95 % confidence)"
-        yield tables.STEPS.people(steps, caption=f"Steps: {after}, and the levels")
-    yield tables.COEFFICIENT.people(rows, "n", caption="Levels, trends and control charts in numbers", folded=True)
-
-
-def _diagnosis(arm: ArmDrift, anchor: str) -> Iterator[html.Section]:
-    """Yield how often each effect was found on each joint, if the sessions were diagnosed."""
+def _diagnosed(arm: ArmDrift) -> Table:
+    """Return how often each effect was found on each joint that was diagnosed."""
     tested = [one for session in arm.sessions for one in session.joints if one.verdict]
     rows = [(joint, own) for joint in arm.joints if (own := [one for one in tested if one.joint == joint.joint])]
-    if rows:
-        caption = "Verdicts and effects of the diagnosis, with the number of sessions"
-        table = tables.DIAGNOSED.people(rows, caption=caption)
-        yield html.Section(f"{anchor}-diagnosis", "What the model misses", (table,))
+    return tables.DIAGNOSED.people(rows, caption="Verdicts and effects of the diagnosis, with the number of sessions")
 
 
 def _session_tables(arm: ArmDrift, most: int) -> Iterator[Table]:
     """Yield the sessions that were not compared, the last ``most`` sessions, and their coefficients."""
-    if left_out := [SessionRow(k, arm.sessions[k], reason) for k, reason in arm.left_out]:
-        yield LEFT_OUT.people(left_out, caption="Sessions that were not compared, and why")
+    left_out = [SessionRow(k, arm.sessions[k], reason) for k, reason in arm.left_out]
+    yield LEFT_OUT.people(left_out, caption="Sessions that were not compared, and why")
     count = len(arm.sessions)
     part = dict.fromkeys(arm.compared, "compared") | dict.fromkeys(arm.reference, "reference")
     rows = [SessionRow(k, arm.sessions[k], part.get(k, "left out")) for k in range(max(0, count - most), count)]

@@ -84,7 +84,7 @@ def log_page(report: made.LogReport, *, figures: bool = True) -> html.Page:
     log, source = report.estimate.log, report.estimate.log.source
     answered = [one for one in report.joints if not one.friction.reason or one.answer]
     warnings = notice_lines(made.report_notices(report))
-    listed = html.noted(warnings) or [html.Text(("There are none.",))]
+    listed = html.noted(warnings) if warnings else html.Text(("There are none.",))
     joints = html.Section("joints", "Joints", sections=[_joint(report, one) for one in answered], on_paper=False)
     known = any(not one.friction.reason for one in report.joints)
     facts = {
@@ -95,12 +95,12 @@ def log_page(report: made.LogReport, *, figures: bool = True) -> html.Page:
     topics = {name: TOPICS[name] for name in report.sections if answered or name == "recording"}
     sections = (
         html.Section("verdicts", "Friction and verdict", [*_answer(report, answered, drawn)]),
-        *([joints] if answered else ()),
+        joints,
         *(
             html.Section(name, title, (*parts(report), *_pictures(drawn, name)), folded=known or name != "recording")
             for name, (title, parts) in topics.items()
         ),
-        html.Section("warnings", "Warnings", listed, folded=True, note=str(len(warnings))),
+        html.Section("warnings", "Warnings", (listed,), folded=True, note=str(len(warnings))),
         *html.closing_sections(WORDS, made.report_settings(report), report.command, paper=False),
     )
     lead = in_unit(made.lead_sentence(report), report.unit)
@@ -109,19 +109,18 @@ def log_page(report: made.LogReport, *, figures: bool = True) -> html.Page:
 
 def _answer(report: made.LogReport, answered: list[made.JointReport], drawn: Drawn) -> Iterator[html.Part]:
     """Yield the table of the answers, why the other joints have none, and the velocity-torque sheet."""
-    if answered:
-        caption = "Friction over the whole log with 95 % intervals, and what the nominal model misses"
-        yield made.VERDICT.people(answered, caption=caption, unit=report.unit).filled()
+    caption = "Friction over the whole log with 95 % intervals, and what the nominal model misses"
+    yield made.VERDICT.people(answered, caption=caption, unit=report.unit).filled()
     # Warnings about the replay stand in its section.
     joints = [one.friction for one in report.joints]
     _, physics = physics_of(estimate_notices(report.estimate), joints)
-    yield from html.noted([line.removeprefix(f"{MARK} ") for line in physics])
+    yield html.noted([line.removeprefix(f"{MARK} ") for line in physics])
     if regressed := [one.joint for one in joints if one.method != "energy" and not one.reason]:
         text = f"From torque regression, as too few energy cycles count: {joints_label(regressed)}."
         yield html.Text(lines=(text,), tone="unsure")
-    if without := [in_unit(line, report.unit) for line in reason_lines(joints)]:
-        yield html.Text([f"No estimate on {line}." for line in without], tone="off" if answered else "unsure")
-    if all(one.friction.reason for one in report.joints):
+    without = [f"No estimate on {in_unit(line, report.unit)}." for line in reason_lines(joints)]
+    yield html.Text(without, tone="off" if answered else "unsure")
+    if all(one.reason for one in joints):
         yield html.Text((RECORD,))
     yield from _pictures(drawn, "verdicts")
 
@@ -137,7 +136,7 @@ def _joint(report: made.LogReport, one: made.JointReport) -> html.Section:
         pairs |= html.terms_of(JOINT_REPLAY, one.replay, unit)
     own = list(dict.fromkeys(notice.message for notice in made.report_notices(report) if notice.joint == one.joint))
     terms = html.Terms([(name, in_unit(words.plain_names(text), unit)) for name, text in pairs.items()])
-    parts, note = (terms, *_effects(report, one), *html.noted(own)), in_unit(made.joint_words(one), unit)
+    parts, note = (terms, *_effects(report, one), html.noted(own)), in_unit(made.joint_words(one), unit)
     return html.Section(f"joint-{one.joint}", f"Joint {label}", parts, folded=True, note=note)
 
 
@@ -145,22 +144,15 @@ def _effects(report: made.LogReport, one: made.JointReport) -> Iterator[html.Par
     if one.discrepancy is None:
         return
     rows, joint, unit = tables.effect_rows([one.discrepancy]), f"joint {one.joint}", report.unit
-    competing = [(row, other) for row in rows for other in row.effect.evidence]
-    untestable = tables.untestable_rows(one.discrepancy)
-    strong = "from 6 on the evidence against them is strong"
-    if rows:
-        caption = f"Missing effects of {joint}, the largest first"
-        yield tables.EFFECT.people(rows, caption=caption, unit=unit).filled(without="joint")
+    caption = f"Missing effects of {joint}, the largest first"
+    yield tables.EFFECT.people(rows, caption=caption, unit=unit).filled(without="joint")
     separate = [f"{row.names}: {words.decide_words(row.effect)}." for row in rows if row.effect.alternatives]
-    if separate:
-        lines = [f"To separate {words.plain_names(line)}".replace(" or ", " from ", 1) for line in separate]
-        yield html.Text(lines)
-    if competing:
-        caption = f"Effects competing with those of {joint}: {strong}"
-        yield tables.COMPETITOR.people(competing, caption=caption, unit=unit, folded=True).filled(without="joint")
-    if untestable:
-        caption = f"Effects that this log cannot show on {joint}"
-        yield tables.UNTESTABLE.people(untestable, caption=caption, unit=unit, folded=True).filled(without="joint")
+    yield html.Text([f"To separate {words.plain_names(line)}".replace(" or ", " from ", 1) for line in separate])
+    competing = [(row, other) for row in rows for other in row.effect.evidence]
+    caption = f"Effects competing with those of {joint}: from 6 on the evidence against them is strong"
+    yield tables.COMPETITOR.people(competing, caption=caption, unit=unit, folded=True).filled(without="joint")
+    untestable, caption = tables.untestable_rows(one.discrepancy), f"Effects that this log cannot show on {joint}"
+    yield tables.UNTESTABLE.people(untestable, caption=caption, unit=unit, folded=True).filled(without="joint")
 
 
 def _friction(report: made.LogReport) -> Iterator[html.Part]:
@@ -182,7 +174,7 @@ def _compensator(report: made.LogReport) -> Iterator[html.Part]:
     found = report.replay.replay
     compensator = f"Compensator: {in_unit(describe_compensator(found.joints), report.unit)}."
     yield html.Text((compensator, f"Assumption {found.counterfactual.name}: {found.counterfactual.assumes}."))
-    yield from html.noted(notice_lines(notices(found.warnings)))
+    yield html.noted(notice_lines(notices(found.warnings)))
 
 
 def _missing(report: made.LogReport) -> Iterator[html.Part]:
@@ -190,8 +182,8 @@ def _missing(report: made.LogReport) -> Iterator[html.Part]:
         yield _unanswered(report, "diagnose")
         return
     yield html.Text((f"Nominal model: {words.nominal_model(report.diagnosis.settings.model)}.",))
-    if rows := tables.effect_rows(report.diagnosis.discrepancy.joints):
-        yield tables.EFFECT.people(rows, caption="Missing effects, the largest of a joint first", unit=report.unit)
+    rows = tables.effect_rows(report.diagnosis.discrepancy.joints)
+    yield tables.EFFECT.people(rows, caption="Missing effects, the largest of a joint first", unit=report.unit)
 
 
 def _unanswered(report: made.LogReport, part: str) -> html.Text:
@@ -219,14 +211,14 @@ def _recording(report: made.LogReport) -> Iterator[html.Part]:
     caption = "Channels as they are called in the log; {i} is the number of the joint"
     yield CHANNEL.people(log.source.channels.items(), caption=caption, folded=True)
     of_log = [SimpleNamespace(joint=number, name=name) for number, name in enumerate(log.joint_names, start=1)]
-    if signs := [(of_log[one.joint - 1], one) for one in choice.sign_evidence]:
-        caption = "Sign of the torque: friction dissipates energy, so the torque goes with the motion"
-        yield SIGN.people(signs, caption=caption, folded=True, unit=unit)
+    signs = [(of_log[one.joint - 1], one) for one in choice.sign_evidence]
+    caption = "Sign of the torque: friction dissipates energy, so the torque goes with the motion"
+    yield SIGN.people(signs, caption=caption, folded=True, unit=unit)
     joints = () if report.diagnosis is None else report.diagnosis.discrepancy.joints
     checks = [(joint, finding) for joint in joints for finding in joint.findings]
     bad = [row for row in checks if row[1].verdict != "fine"]
-    named = (("Limits and faults of the data", bad), ("Every check of the data", checks))
-    yield from (tables.FINDING.people(rows, caption=caption, folded=True) for caption, rows in named if rows)
+    yield tables.FINDING.people(bad, caption="Limits and faults of the data", folded=True)
+    yield tables.FINDING.people(checks, caption="Every check of the data", folded=True)
 
 
 TOPICS: Mapping[str, tuple[str, Callable[[made.LogReport], Iterator[html.Part]]]] = {

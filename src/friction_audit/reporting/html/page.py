@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from importlib.resources import files
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -23,8 +23,6 @@ from friction_audit.reporting.table import Column, Record, Row, Table, Tone
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure as Drawing
-
-J = TypeVar("J", bound=Any)  # of a joint, which has its number
 
 
 class Figure(NamedTuple):
@@ -92,12 +90,12 @@ ON_A_SHEET = 8  # joints of one figure
 SETTING = Record(Column("setting", str, get="0", code=True, on="p"), Column("value", str, get="1", code=True, on="p"))
 
 
-def noted(lines: Sequence[str], tone: Tone = "unsure") -> list[Text]:
-    """Return a list of sentences, if there are some."""
-    return [Text(lines, listed=True, tone=tone)] if lines else []
+def noted(lines: Sequence[str], tone: Tone = "unsure") -> Text:
+    """Return sentences as the points of a list."""
+    return Text(lines, listed=True, tone=tone)
 
 
-def sheets_of(joints: Sequence[J]) -> Iterator[tuple[Sequence[J], str]]:
+def sheets_of(joints: Sequence[Any]) -> Iterator[tuple[Sequence[Any], str]]:
     """Yield the joints of each sheet of a figure, and which they are where there are several sheets, for its title."""
     for first in range(0, len(joints), ON_A_SHEET):
         own = joints[first : first + ON_A_SHEET]
@@ -140,6 +138,18 @@ def _setting_text(value: object) -> str:
     return str(value)
 
 
+def _is_empty(one: Part | Section) -> bool:
+    """Return True for what a page leaves out: tables without rows, texts without lines, sections of nothing else."""
+    match one:
+        case Table():
+            return not one.rows
+        case Text():
+            return not one.lines
+        case Section():
+            return all(map(_is_empty, (*one.parts, *one.sections)))
+    return False
+
+
 def terms_of(record: Record, row: Row, unit: str) -> dict[str, str]:
     """Return a row of a table as names and values, without what has no value."""
     table = record.people([row], unit=unit).filled(without="joint")
@@ -163,6 +173,7 @@ def _environment() -> Environment:
         autoescape=select_autoescape(("html.j2",)),  # in Markdown a filter escapes the words
     )  # fmt: skip
     environment.tests["kind"] = lambda part, name: type(part).__name__ == name
+    environment.tests["empty"] = _is_empty
     # A fence of Markdown is longer than any run of backticks in the command.
     environment.filters["fence"] = lambda line: "`" * max(3, *(len(run) + 1 for run in re.findall("`+", line)), 0)
     # Text in one line that Markdown takes for nothing else.
