@@ -22,7 +22,7 @@ from friction_audit.simulation.effects.load_and_place import GravityError
 from friction_audit.simulation.effects.structure import Backlash, JointElasticity
 from friction_audit.simulation.periodic import intend_joints
 from friction_audit.simulation.settings import JointByJoint, make_streams
-from tests.simulation.hand_at_flange import flange_poses, intended
+from tests.simulation.test_arm_dynamics import flange_poses, intended
 
 # A hand that guides the arm: where it goes, which joints follow, where it rests, what it carries.
 

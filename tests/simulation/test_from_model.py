@@ -36,7 +36,7 @@ def arm_of(*joints: JointModel | None) -> ArmModel:
     return ArmModel(names=tuple(f"joint{k}" for k in range(len(joints))), joints=joints)
 
 
-# Formula by formula the effects are compared in ``tests/effects/test_simulated_torque.py``.
+# Formula by formula the effects are compared in ``tests/effects/test_effect_contract.py``.
 STRIBECK = {"stribeck_excess_nm": 0.15, "stribeck_speed_rad_s": 0.1, "stribeck_exponent": 2.0}
 STEP = {"step_coulomb_nm": 0.1, "step_viscous_nms_per_rad": 0.02, "step_time_s": 8.0, "step_length_s": 4.0}
 CASES = [
