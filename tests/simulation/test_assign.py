@@ -83,7 +83,7 @@ def test_one_value_changes_and_no_other(entry: str, path: str, value: object) ->
         ("joints.coulomb_nm=1@", "'' is no joint"),
         ("compensator=walk", "--set compensator=walk: expected one of"),
         ("coulomb_nm=1", r"stands for 2 settings; expected one of joints\.coulomb_nm, compensator\.forced\.coulomb_nm"),
-        ("compensator=joint_by_joint", "joint_by_joint has no usual values; a scenario must have it"),
+        ("compensator=fixed_compensation", "fixed_compensation has no usual values; a scenario must have it"),
     ],
 )
 def test_what_cannot_be_is_said(entry: str, message: str) -> None:

@@ -132,28 +132,17 @@ _PANDA_DISTAL = replace(_PANDA_PROXIMAL, torque_noise_nm=0.03, torque_step_nm=0.
 PANDA_SENSORS = (_PANDA_PROXIMAL,) * 4 + (_PANDA_DISTAL,) * 3  # of joints 1 to 7
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class JointByJoint:
-    """Compensators that differ from joint to joint."""
-
-    compensators: tuple[Compensator, ...]  # one per joint
-
-    def scaled(self, factor: float) -> "JointByJoint":
-        """Return them with their gains times a factor."""
-        each: tuple[Any, ...] = self.compensators
-        return JointByJoint(compensators=tuple(one.scaled(factor) for one in each))
-
-
-AnyCompensator = Compensator | JointByJoint  # what runs in an arm; None where nothing does
+# What runs in an arm, the same in every joint or one for each; None where nothing does.
+AnyCompensator = Compensator | tuple[Compensator, ...]
 
 
 def of_each_joint(compensator: AnyCompensator | None, joints: int) -> tuple[Compensator | None, ...]:
     """Return what runs in each joint."""
-    if not isinstance(compensator, JointByJoint):
+    if not isinstance(compensator, tuple):
         return (compensator,) * joints
-    if len(compensator.compensators) != joints:
-        raise UsageError(f"joint by joint: {len(compensator.compensators)} compensators: expected {joints}")
-    return compensator.compensators
+    if len(compensator) != joints:
+        raise UsageError(f"arm: {len(compensator)} compensators: expected one, or {joints}")
+    return compensator
 
 
 # What a simulation gives: the log as it was recorded, and everything that the log does not say.
