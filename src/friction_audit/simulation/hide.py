@@ -66,8 +66,8 @@ def hidden_effects(settings: Any) -> tuple[HiddenInJoint, ...]:  # noqa: ANN401 
     return tuple(
         HiddenInJoint(joint=joint, name=group.name, form=values.pop(FORM, None), parameters=values)
         for joint, groups in enumerate(settings.hidden, start=1)
-        for group in groups.each()
-        for values in ([group.values()] if group.hidden else [])
+        for group in groups.present()
+        for values in [group.values()]
     )
 
 
