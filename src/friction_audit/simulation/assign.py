@@ -64,7 +64,7 @@ def as_nested(node: Any) -> Any:  # noqa: ANN401 - settings or a part of them
     for name in (item.name for item in fields(node) if item.name not in APART):
         value = getattr(node, name)
         below = as_nested(value)
-        chosen = value is not None and _kinds_of(hints[name])
+        chosen = is_dataclass(value) and _kinds_of(hints[name])
         nested[name] = {"kind": kind_name(type(value)), **below} if chosen else below
     return nested
 
