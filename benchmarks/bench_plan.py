@@ -53,7 +53,7 @@ def draw(seed: int) -> tuple[str, float, Any]:
 
 def truth_of(settings: Any) -> str:  # noqa: ANN401 - of a bench
     """Name the hidden effect."""
-    return str(next(one.name for one in settings.hidden[0].each() if one.hidden))
+    return str(settings.hidden[0].present()[0].name)
 
 
 def diagnosed(log: JointLog, settings: AuditSettings) -> tuple[Any, Diagnosis]:

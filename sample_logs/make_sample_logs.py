@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from friction_audit.compensation.compensators import FixedCompensation
+from friction_audit.compensation.competitors import FixedCompensation
 from friction_audit.io.writers.tables import Writer
 from friction_audit.io.writers.write_log import WRITERS, write_log
 from friction_audit.joint_log import JointLog

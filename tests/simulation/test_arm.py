@@ -21,8 +21,8 @@ from friction_audit.simulation.bench import PANDA_JOINTS
 from friction_audit.simulation.effects.load_and_place import GravityError
 from friction_audit.simulation.effects.structure import Backlash, JointElasticity
 from friction_audit.simulation.periodic import intend_joints
-from friction_audit.simulation.settings import JointByJoint, make_streams
-from tests.simulation.hand_at_flange import flange_poses, intended
+from friction_audit.simulation.settings import make_streams
+from tests.simulation.test_arm_dynamics import flange_poses, intended
 
 # A hand that guides the arm: where it goes, which joints follow, where it rests, what it carries.
 
@@ -133,12 +133,12 @@ EACH_SHORT = ArmSettings(duration_s=2.0)
 
 def test_every_joint_has_its_own() -> None:
     own = tuple(replace(ONE, coulomb_nm=0.0, viscous_nms_per_rad=0.01 * joint) for joint in range(7))
-    motion = simulate(replace(EACH_SHORT, compensator=JointByJoint(compensators=own)), 0).truth.motion
+    motion = simulate(replace(EACH_SHORT, compensator=own), 0).truth.motion
     largest = np.abs(motion.compensation_nm).max(axis=0)
     assert largest[0] == 0.0
     assert (largest[1:] > 0.0).all()
-    with pytest.raises(UsageError, match="2 compensators: expected 7"):
-        simulate(replace(EACH_SHORT, compensator=JointByJoint(compensators=(ONE, ONE))), 0)
+    with pytest.raises(UsageError, match="2 compensators: expected one, or 7"):
+        simulate(replace(EACH_SHORT, compensator=(ONE, ONE)), 0)
 
 
 # What the audit makes of an arm's log.

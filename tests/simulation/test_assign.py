@@ -1,22 +1,30 @@
-"""Settings of scenarios assigned by name, and effects hidden in their joints, from the command line's words."""
+"""Settings assigned by name, effects hidden in joints, from the command line's words; models of joints simulated."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from math import inf
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
 from friction_audit.compensation.law import Coefficients, EnergyCompensator
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel
+from friction_audit.effects.registry import term_of, terms
 from friction_audit.errors import UsageError
 from friction_audit.joint_numbers import parse_joint_numbers, write_joint_numbers
 from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.assign import Kind, PerJoint, as_nested, assign_text, assign_texts, paths, write_value
 from friction_audit.simulation.bench import BenchSettings
 from friction_audit.simulation.effects import EFFECTS, HiddenEffect
-from friction_audit.simulation.hide import HiddenInJoint, hidden_effects, hide
+from friction_audit.simulation.effects.velocity import Stribeck
+from friction_audit.simulation.hide import EQUALS, HiddenInJoint, hidden_effects, hide, with_model
 from friction_audit.simulation.periodic import Sinusoid
-from friction_audit.simulation.scenarios import SCENARIOS, Scenario
+from friction_audit.simulation.scenarios import SCENARIOS, Scenario, simulate
+from friction_audit.simulation.settings import IDEAL_SENSORS, JointParameters
+from tests.effects.joint_data_by_hand import typical_term
 
 FORCED = EnergyCompensator(forced=Coefficients())
 ARM, BENCH = ArmSettings(compensator=FORCED), BenchSettings()
@@ -75,7 +83,7 @@ def test_one_value_changes_and_no_other(entry: str, path: str, value: object) ->
         ("joints.coulomb_nm=1@", "'' is no joint"),
         ("compensator=walk", "--set compensator=walk: expected one of"),
         ("coulomb_nm=1", r"stands for 2 settings; expected one of joints\.coulomb_nm, compensator\.forced\.coulomb_nm"),
-        ("compensator=joint_by_joint", "joint_by_joint has no usual values; a scenario must have it"),
+        ("compensator=fixed_compensation", "fixed_compensation has no usual values; a scenario must have it"),
     ],
 )
 def test_what_cannot_be_is_said(entry: str, message: str) -> None:
@@ -174,3 +182,116 @@ def test_parameters_form_and_joints() -> None:
 def test_what_cannot_be_hidden_is_said(settings: Any, entries: list[str], message: str) -> None:
     with pytest.raises(UsageError, match=message):
         hide(settings, entries)
+
+
+# A model of joints simulated: what the model says of the simulated motion is the torque that was simulated.
+
+SIMPLE = {"coulomb": (0.4,), "viscous": (0.1,)}
+IDEAL = BenchSettings(sensors=(IDEAL_SENSORS,), duration_s=20.0)
+
+
+def model_of(terms: Mapping[str, Mapping[str, float]], inertia_kg_m2: float = 0.25) -> JointModel:
+    """A joint with Coulomb and viscous friction and terms by the names of their parameters; others are zero."""
+    fitted = [
+        FittedTerm(name, tuple(values.get(parameter.name, parameter.default) for parameter in term_of(name).parameters))
+        for name, values in terms.items()
+    ]
+    simple = tuple(FittedTerm(name, values) for name, values in SIMPLE.items())
+    return JointModel(inertia_kg_m2=inertia_kg_m2, terms=(*simple, *fitted))
+
+
+def arm_of(*joints: JointModel | None) -> ArmModel:
+    return ArmModel(names=tuple(f"joint{k}" for k in range(len(joints))), joints=joints)
+
+
+# Formula by formula the effects are compared in ``tests/effects/test_effect_contract.py``.
+STRIBECK = {"stribeck_excess_nm": 0.15, "stribeck_speed_rad_s": 0.1, "stribeck_exponent": 2.0}
+STEP = {"step_coulomb_nm": 0.1, "step_viscous_nms_per_rad": 0.02, "step_time_s": 8.0, "step_length_s": 4.0}
+MODELS = [
+    ("offset", {"offset_nm": 0.1}),
+    ("stribeck", STRIBECK),
+    ("cable_spring", {"cable_stiffness_nm_per_rad": 0.4, "cable_preload_nm": 0.2, "cable_centre_rad": 0.1}),
+    ("gravity_error", {"gravity_cos_nm": 0.2, "gravity_sin_nm": -0.1}),
+    ("friction_step", STEP),
+    ("presliding", {"bristle_nm": 0.4, "reach_rad": 0.004, "yielding_exponent": 1.0}),
+    ("time_delay", {"delay_s": 0.004, "delay_step_s": 0.004}),
+    ("joint_elasticity", {"compliance_rad_per_nm": 1e-3, "spring_nm_per_rad": 1000.0}),
+]
+
+
+@pytest.mark.parametrize(("name", "values"), MODELS, ids=lambda part: part if isinstance(part, str) else "")
+def test_the_model_says_of_the_motion_the_torque_that_was_simulated(name: str, values: dict[str, float]) -> None:
+    model = model_of({name: values})
+    simulation = simulate(with_model(IDEAL, arm_of(model)), 3)
+    log = simulation.log
+    t, q, dq = log.t, log.q[:, 0], log.dq[:, 0]
+    motion = Motion(t=t, q=q, dq=dq, ddq=np.gradient(dq, t))
+    without = model_of({})
+    # Samples with 20 ms of motion in one direction on either side.
+    way = np.sign(np.where(np.abs(dq) > 1e-3, dq, 0.0))
+    read, far = log.channels()["tau_interaction"][:, 0], np.abs(np.convolve(way, np.ones(41), "same")) == 41.0
+    left = [np.sqrt(np.mean((read - one.torque(motion))[far] ** 2)) for one in (without, model)]
+    assert left[1] < 0.15 * left[0]
+
+
+def test_inertia_and_friction_are_taken_over_and_joints_without_a_model_stay_as_they_are() -> None:
+    taken = JointParameters(inertia_kg_m2=0.25, coulomb_nm=0.4, viscous_nms_per_rad=0.1)
+    assert with_model(IDEAL, arm_of(model_of({}))) == replace(IDEAL, joints=(taken,))
+    arm = ArmSettings()
+    settings = with_model(arm, arm_of(None, model_of({"stribeck": STRIBECK}), *(None,) * 5))
+    assert settings.joints == (arm.joints[0], taken, *arm.joints[2:])
+    assert settings.hidden[1].stribeck == Stribeck(excess_nm=0.15, speed_rad_s=0.1, exponent=2.0)
+    assert [(effect.joint, effect.name) for effect in hidden_effects(settings)] == [(2, "stribeck")]
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "reason"),
+    [
+        ("torque_drift", {"drift_1_nm": 0.1}, "its own formulas differ"),
+        ("torque_ripple", {"ripple_sin_nm": 0.1, "ripple_cos_nm": 0.1, "ripple_order": 20.0}, "phase of a sine or"),
+        ("presliding", {"bristle_nm": 0.2, "reach_rad": 0.004, "yielding_exponent": 1.0}, "bear all of the Coulomb"),
+        ("gravity_error", {"gravity_error_source": 2.0, "link_mass_kg": 1.0}, "errs in the joint's own angle"),
+        ("load_dependent_friction", {"load_exponent": 1.0, "load_static": 1.0}, "not the weight alone"),
+        ("backlash", {"backlash_share": 0.5, "gap_rad": 0.002, "contact_hz": 40.0}, "all inertia and friction"),
+    ],
+)
+def test_a_term_without_an_equal_is_refused_by_name(name: str, values: dict[str, float], reason: str) -> None:
+    with pytest.raises(UsageError, match=rf"the model's joint 1: {name}: the simulator has no equal of it: .*{reason}"):
+        with_model(IDEAL, arm_of(model_of({name: values})))
+
+
+@pytest.mark.parametrize(
+    ("joints", "message"),
+    [
+        ((JointModel(inertia_kg_m2=-0.1),), r"joint 1: inertia_kg_m2 = -0.1: expected more than zero"),
+        ((model_of({"time_delay": {"delay_s": 0.5}}),), r"joint 1: time_delay: delay_s=0\.5: expected a number"),
+        ((model_of({"offset": {}, "torque_bias": {}}),), "torque_bias: another term is a torque_bias already"),
+    ],
+)
+def test_a_model_that_cannot_be_simulated_is_refused(joints: tuple[JointModel | None, ...], message: str) -> None:
+    with pytest.raises(UsageError, match=message):
+        with_model(IDEAL, arm_of(*joints))
+
+
+def test_damping_is_the_same_whichever_side_is_held() -> None:
+    """D = 2 r sqrt(K B) of the model, 2 r' sqrt(K B B_o / (B + B_o)) of the simulator."""
+    spring = {"compliance_rad_per_nm": 1e-3, "spring_nm_per_rad": 1e3, "damping_ratio": 0.06}
+    play = {"backlash_share": 1.0, "gap_rad": 0.002, "contact_hz": 40.0, "flank_damping_ratio": 0.3}
+    (hidden,) = with_model(IDEAL, arm_of(model_of({"joint_elasticity": spring, "backlash": play}, 0.25))).hidden
+    more = np.sqrt(1.0 + 0.25 / IDEAL.operator.inertia_kg_m2)
+    assert hidden.joint_elasticity.damping_ratio == pytest.approx(0.06 * more)
+    assert hidden.backlash.contact_damping_ratio == pytest.approx(0.3 * more)
+
+
+def test_every_term_is_told_or_refused() -> None:
+    """No term breaks on its way to the simulator, whatever its name."""
+    assert {term.name for term in terms()} - {"inertia", "coulomb", "viscous"} <= set(EQUALS)
+    for term in terms():
+        if term.name not in ("inertia", *SIMPLE):
+            model = replace(model_of({}), terms=(*model_of({}).terms, typical_term(term)))
+            try:
+                settings = with_model(IDEAL, arm_of(model))
+            except UsageError as error:
+                assert str(error).startswith(f"the model's joint 1: {term.name}: ")  # noqa: PT017 - or it is told
+            else:
+                assert hidden_effects(settings)

@@ -261,8 +261,8 @@ STEPS = {"q": 1e-6, "dq": 1e-6, "tau_interaction": 0.0357, "tau_J": 0.0357, "gra
     "number", [0, 1, *(pytest.param(number, marks=pytest.mark.thorough) for number in range(2, 6))]
 )
 def test_all_effects_at_once(number: int, driven: bool, logs_sensor: bool) -> None:
-    sensor = {"logs_sensor": logs_sensor, "gravity_nm": 5.0 * logs_sensor}
-    settings = replace(USUAL, **sensor, logs_temperature=True, driven=driven, duration_s=10.0)
+    settings = replace(USUAL, logs_sensor=logs_sensor, logs_temperature=True, driven=driven, duration_s=10.0)
+    settings = replace(settings, gravity_nm=5.0 * logs_sensor)
     hidden = everything(number)
     if driven:
         hidden = replace(hidden, unlogged_compensation=Hidden().unlogged_compensation)

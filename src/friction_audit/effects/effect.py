@@ -39,7 +39,7 @@ def free(*_: object) -> Any:  # noqa: ANN401 - it returns nothing
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Effect:
-    """One effect; a subclass defines ``columns`` or ``columns_of_many``, and everything else is data."""
+    """One effect: data, and in a subclass ``columns`` or ``columns_of_many``, where they need more ``regressors``."""
 
     name: str  # from the vocabulary of the program, or ``inertia``, ``coulomb``, ``viscous``, ``offset``
     label: str  # a few words for people

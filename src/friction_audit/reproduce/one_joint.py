@@ -110,6 +110,9 @@ def check_7(simulations: Simulations) -> tuple[Claim, ...]:
     tolerance = tolerance_j(guarded)
     acting = course.t[course.damping_nms_per_rad > 0.0]
     cycles = np.unique(np.searchsorted(course.ends_s, acting, side="right") + 1)
+    truth, highest, after = guarded.truth, float(course.damping_nms_per_rad.max()), _applied(course, 4)
+    cap = truth.settings.compensator.max_damping_nms_per_rad
+    taken = float(truth.compensators["dissipated_j"][-1, 0] / course.ends_j[0])
     return (
         Claim(
             "7a", "over-compensated without passivity controller, the energy falls below zero", "E_m < 0",
@@ -128,24 +131,6 @@ def check_7(simulations: Simulations) -> tuple[Claim, ...]:
             "cycles 2 and 3 inject what cycle 1 dissipated, all but exactly: a softer hand, which moves farther "
             "when it is aided, uses the reserve up just before cycle 3 ends",
         ),
-        *_returns(guarded, course),
-    )  # fmt: skip
-
-
-def tolerance_j(simulation: Simulation) -> float:
-    """Return what the energy can fall below zero by although the controller acts. [J]"""
-    settings, motion = simulation.truth.settings, simulation.truth.motion
-    hand, joint = settings.operator.inertia_kg_m2, settings.joints[0].inertia_kg_m2
-    power = np.abs(motion.interaction_nm * motion.dq).max()
-    return float(power / CONTROL_RATE_HZ * (hand + joint) / hand)
-
-
-def _returns(guarded: Simulation, course: Course) -> tuple[Claim, ...]:
-    truth = guarded.truth
-    highest, after = float(course.damping_nms_per_rad.max()), _applied(course, 4)
-    cap = truth.settings.compensator.max_damping_nms_per_rad
-    taken = float(truth.compensators["dissipated_j"][-1, 0] / course.ends_j[0])
-    return (
         Claim(
             "7c", "the adaptive damping is finite and dissipates what was injected too much", "shown, no number",
             f"up to {highest:.1f} N m s/rad, dissipates {taken:.2f} of what cycle 1 dissipated", highest,
@@ -158,6 +143,14 @@ def _returns(guarded: Simulation, course: Course) -> tuple[Claim, ...]:
             abs(after / truth.settings.joints[0].viscous_nms_per_rad - 1.0), RETURN_BOUND,
         ),
     )  # fmt: skip
+
+
+def tolerance_j(simulation: Simulation) -> float:
+    """Return what the energy can fall below zero by although the controller acts. [J]"""
+    settings, motion = simulation.truth.settings, simulation.truth.motion
+    hand, joint = settings.operator.inertia_kg_m2, settings.joints[0].inertia_kg_m2
+    power = np.abs(motion.interaction_nm * motion.dq).max()
+    return float(power / CONTROL_RATE_HZ * (hand + joint) / hand)
 
 
 PEAK_NM = (1.3, 1.7)  # what still is approximately 1.5 N m

@@ -64,7 +64,7 @@ def as_nested(node: Any) -> Any:  # noqa: ANN401 - settings or a part of them
     for name in (item.name for item in fields(node) if item.name not in APART):
         value = getattr(node, name)
         below = as_nested(value)
-        chosen = value is not None and _kinds_of(hints[name])
+        chosen = is_dataclass(value) and _kinds_of(hints[name])
         nested[name] = {"kind": kind_name(type(value)), **below} if chosen else below
     return nested
 
@@ -187,7 +187,8 @@ def _leaves(node: Any) -> Iterator[_Leaf]:  # noqa: ANN401 - any dataclass
 def _kinds_of(hint: Any) -> dict[str, type]:  # noqa: ANN401 - any annotation
     """Return the kinds that an annotation leaves open, by name; empty where it leaves nothing open."""
     members = get_args(hint) if isinstance(hint, UnionType) else ()
-    return {kind_name(member): member for member in members} if any(map(is_dataclass, members)) else {}
+    single: list[Any] = [member for member in members if is_dataclass(member) or member is NoneType]
+    return {kind_name(member): member for member in single} if any(map(is_dataclass, single)) else {}
 
 
 def _can_be_made(kind: Any) -> bool:  # noqa: ANN401 - a kind of settings, or of None

@@ -242,7 +242,7 @@ class HandGuidedPanda(Checked):
         count_ticks(self.duration_s, self.rate_hz)
         # Effects that do nothing in a joint at rest would stand in the truth.
         for number, hidden in enumerate(self.hidden, start=1):
-            groups, rests = [group for group in hidden.each() if group.hidden], number != self.joint
+            groups, rests = hidden.present(), number != self.joint
             if idle := [one.name for one in groups if not one.felt_at_rest and (rests or one.needs_neighbours)]:
                 found = f"{', '.join(idle)} in joint {number}: does nothing where only joint {self.joint} moves"
                 todo = f"name them after @{self.joint}, or let all joints move (scenario panda)"

@@ -3,9 +3,9 @@
 A term of a model that no formula of the simulator equals is refused: a log of another one would not be the model's.
 """
 
-import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
+from difflib import get_close_matches
 from math import inf
 from typing import Any, TypeVar
 
@@ -42,7 +42,7 @@ def hide(settings: Settings, entries: Iterable[str]) -> Settings:
         described, joints = split_joints(entry, where)
         name, colon, parameters = described.partition(":")
         if name.strip() not in BY_NAME:
-            near = difflib.get_close_matches(name, BY_NAME, n=2)
+            near = get_close_matches(name, BY_NAME, n=2)
             hint = f"did you mean {' or '.join(near)}?" if near else "--list-effects names all of them"
             raise UsageError(f"{where}: no effect {name or 'without a name'}; {hint}")
         effect = BY_NAME[name.strip()]
@@ -66,8 +66,8 @@ def hidden_effects(settings: Any) -> tuple[HiddenInJoint, ...]:  # noqa: ANN401 
     return tuple(
         HiddenInJoint(joint=joint, name=group.name, form=values.pop(FORM, None), parameters=values)
         for joint, groups in enumerate(settings.hidden, start=1)
-        for group in groups.each()
-        for values in ([group.values()] if group.hidden else [])
+        for group in groups.present()
+        for values in [group.values()]
     )
 
 

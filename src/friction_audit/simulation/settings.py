@@ -12,7 +12,6 @@ from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.joint_log import Float, JointLog
 
 CONTROL_RATE_HZ = 1000.0  # at which the controller reads its sensors and sets its torques
-FEWEST_TICKS = 2
 LONGEST_S = 7200.0  # every tick is kept in memory: two hours of one joint take about a gigabyte
 
 LONGEST_DEAD_TIME_S = 0.005  # five ticks; a state of a joint remembers so much of its torque control
@@ -32,9 +31,8 @@ def require_no_hand(hidden: Iterable[Any], compensator: object) -> None:
 
 def count_ticks(duration_s: float, rate_hz: float) -> int:
     """Return the number of the controller's ticks in a recording, after checking that it is long enough."""
-    if duration_s * rate_hz < FEWEST_TICKS:
-        found = f"{duration_s:g} s at {rate_hz:g} Hz"
-        raise UsageError(f"simulation: {found}: expected at least {FEWEST_TICKS} sampling intervals")
+    if duration_s * rate_hz < 2.0:  # noqa: PLR2004 - as the message says
+        raise UsageError(f"simulation: {duration_s:g} s at {rate_hz:g} Hz: expected at least 2 sampling intervals")
     return round(duration_s * CONTROL_RATE_HZ)
 
 
@@ -109,9 +107,8 @@ class Sensors(Checked):
     def __post_init__(self) -> None:
         Checked.__post_init__(self)
         for name in ("torque_step_nm", "velocity_step_rad_s", "position_step_rad"):
-            if 0 < getattr(self, name) < FINEST_STEP:
-                found = f"{name} {getattr(self, name):g}"
-                raise UsageError(f"sensors: {found}: expected 0, for none, or at least {FINEST_STEP:g}")
+            if 0 < (step := getattr(self, name)) < FINEST_STEP:
+                raise UsageError(f"sensors: {name} {step:g}: expected 0, for none, or at least {FINEST_STEP:g}")
 
 
 IDEAL_SENSORS = Sensors()
@@ -135,28 +132,17 @@ _PANDA_DISTAL = replace(_PANDA_PROXIMAL, torque_noise_nm=0.03, torque_step_nm=0.
 PANDA_SENSORS = (_PANDA_PROXIMAL,) * 4 + (_PANDA_DISTAL,) * 3  # of joints 1 to 7
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class JointByJoint:
-    """Compensators that differ from joint to joint."""
-
-    compensators: tuple[Compensator, ...]  # one per joint
-
-    def scaled(self, factor: float) -> "JointByJoint":
-        """Return them with their gains times a factor."""
-        each: tuple[Any, ...] = self.compensators
-        return JointByJoint(compensators=tuple(one.scaled(factor) for one in each))
-
-
-AnyCompensator = Compensator | JointByJoint  # what runs in an arm; None where nothing does
+# What runs in an arm, the same in every joint or one for each; None where nothing does.
+AnyCompensator = Compensator | tuple[Compensator, ...]
 
 
 def of_each_joint(compensator: AnyCompensator | None, joints: int) -> tuple[Compensator | None, ...]:
     """Return what runs in each joint."""
-    if not isinstance(compensator, JointByJoint):
+    if not isinstance(compensator, tuple):
         return (compensator,) * joints
-    if len(compensator.compensators) != joints:
-        raise UsageError(f"joint by joint: {len(compensator.compensators)} compensators: expected {joints}")
-    return compensator.compensators
+    if len(compensator) != joints:
+        raise UsageError(f"arm: {len(compensator)} compensators: expected one, or {joints}")
+    return compensator
 
 
 # What a simulation gives: the log as it was recorded, and everything that the log does not say.

@@ -48,7 +48,7 @@ W = {"stiffness_nm_per_rad": 20.0, "at_rad": 0.8, "damping_s": 0.02}
 SPRING, GAP = {"compliance_rad_per_nm": 1e-3, "damping_ratio": 0.05}, {"gap_rad": 2e-3}
 STEP, HEAT = {"change": 0.5, "at_share": 1.0 / 3.0}, {"reduction": 0.5, "time_s": 60.0, "power_w": 0.2}
 
-# Effect, function, form, numbers, arguments, expected; forms that equal a column are in ``test_simulated_torque.py``.
+# Effect, function, form, numbers, arguments, expected; forms that equal a column are in ``test_effect_contract.py``.
 BY_HAND: list[tuple[str, str, str, dict[str, float], tuple[float, ...], float]] = [
     ("stribeck", "stribeck_nm", "lorentzian", S, (0.1,), 0.15),
     ("stribeck", "stribeck_nm", "piecewise", S, (0.1,), 0.0),

@@ -15,7 +15,7 @@ from friction_audit.simulation.bench import Operator
 from friction_audit.simulation.effects.structure import HARDENING, KNEE_NM, Backlash, JointElasticity
 from friction_audit.simulation.periodic import Sinusoid
 from friction_audit.simulation.settings import JointParameters, TorqueLoop, TrueMotion
-from tests.simulation.mechanics.any_step import bench, release
+from tests.simulation.mechanics.test_friction import bench, release
 
 # Two masses and a spring: what can be known of them by hand, or from SciPy.
 

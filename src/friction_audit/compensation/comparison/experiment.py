@@ -157,16 +157,16 @@ class _Trials:
         """Return the stability margins of every tuning, one per seed."""
         settings = self.scene.settings
         shorter = replace(settings, duration_s=self.scene.margin_share * settings.duration_s)
-        short = [replace(self.scene, settings=shorter).compensated(tuning) for tuning in tunings]
+        short = replace(self.scene, settings=shorter)
 
-        def margin(one: SomeSettings, seed: int) -> float:
+        def margin(tuning: Tuning, seed: int) -> float:
             def holds(factor: float) -> bool:
-                scaled = replace(one, compensator=one.compensator.scaled(factor))
-                return isinf(find_loss(simulate(scaled, seed), self.idle[seed][0]))
+                simulation = simulate(short.compensated(tuning, factor), seed)
+                return isinf(find_loss(simulation, self.idle[seed][0]))
 
             return find_margin(holds)
 
-        return [tuple(own) for own in self._each(margin, short, seeds, 1.0)]
+        return [tuple(own) for own in self._each(margin, tunings, seeds, 1.0)]
 
 
 def choose_best(points: Sequence[Point]) -> Point:

@@ -21,7 +21,7 @@ from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.bench import PANDA_JOINTS, BenchSettings
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.structure import JointElasticity
-from friction_audit.simulation.settings import JointByJoint, JointParameters
+from friction_audit.simulation.settings import JointParameters
 
 # Roles of a tuning: the setting in which the paper's order comes out, the same but for an observer that compensates all
 # that it observes, the best stable one of the sweeps, or another. The order model > disturbance observer > torque
@@ -232,12 +232,13 @@ class Scene:
         gears = (hidden.joint_elasticity for hidden in self.settings.hidden)
         return tuple(map(panda_joint, count(), self.settings.joints, gears))
 
-    def compensated(self, tuning: Tuning) -> BenchSettings | ArmSettings:
-        """Return the settings with a compensator in every joint."""
-        made, settings = tuple(map(tuning.make, self.joints)), self.settings
-        if isinstance(settings, BenchSettings):
-            return replace(settings, compensator=made[0])
-        return replace(settings, compensator=JointByJoint(compensators=made))
+    def compensated(self, tuning: Tuning, factor: float | None = None) -> BenchSettings | ArmSettings:
+        """Return the settings with a compensator in every joint, its gains times a factor if there is one."""
+        made = tuple(map(tuning.make, self.joints))
+        made = made if factor is None else tuple(one.scaled(factor) for one in made)
+        if isinstance(self.settings, BenchSettings):
+            return replace(self.settings, compensator=made[0])
+        return replace(self.settings, compensator=made)
 
 
 SCENES: tuple[Scene, ...] = (

@@ -48,9 +48,10 @@ class Hidden:
                 "stiction would do nothing; expected one of them, or stribeck for more friction at rest"
             )
 
-    def each(self) -> tuple[HiddenEffect, ...]:
-        """Return the groups of all effects, in the order of the documentation."""
-        return tuple(getattr(self, item.name) for item in fields(self))
+    def present(self) -> tuple[HiddenEffect, ...]:
+        """Return the groups of the effects that do anything, in the order of the documentation."""
+        every: tuple[HiddenEffect, ...] = tuple(getattr(self, item.name) for item in fields(self))
+        return tuple(group for group in every if getattr(group, group.strength_name) != 0.0)
 
     def holding(self, *groups: HiddenEffect) -> Self:
         """Return the same with these groups in the places of their effects."""

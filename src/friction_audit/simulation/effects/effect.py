@@ -126,11 +126,6 @@ class HiddenEffect:
         given: Given = dict(zip((item.name for item in fields(cls) if item.name != FORM), values.values(), strict=True))
         return given | ({FORM: cls.same_law} if cls.same_law else {})
 
-    @property
-    def hidden(self) -> bool:
-        """True if it does anything."""
-        return bool(getattr(self, self.strength_name) != 0.0)
-
     def values(self) -> dict[str, Any]:
         """Return its parameters by name, the form as its word."""
         numbers = {item.name: getattr(self, item.name) for item in fields(self)}

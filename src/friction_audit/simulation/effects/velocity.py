@@ -246,33 +246,20 @@ def frictional_lag_speed(group: Record, memory: Float, speed: float, h: float) -
     """
     if group.lag_s == 0.0:
         return speed
-    if group.form == DELAYED:
-        remember(memory, speed, h)
-        return float(recall(memory, group.lag_s))
-    memory[PREVIOUS] -= (speed - memory[PREVIOUS]) * math.expm1(-h / group.lag_s)
-    return float(memory[PREVIOUS])
-
-
-@compiled(inline=True)
-def remember(memory: Float, speed: float, h: float) -> None:
-    """Keep a sample of the speed every 0.5 ms, for any steps; between two calls the speed is linear in time."""
+    if group.form == RELAXING:
+        memory[PREVIOUS] -= (speed - memory[PREVIOUS]) * math.expm1(-h / group.lag_s)
+        return float(memory[PREVIOUS])
+    # A sample of the speed every 0.5 ms, for any steps; between two calls the speed is linear in time.
     memory[AGE] += h
     while memory[AGE] >= SAMPLE_S:
         memory[AGE] -= SAMPLE_S
-        newest = (int(memory[NEWEST]) + 1) % SLOTS
-        memory[NEWEST] = newest
-        memory[RING + newest] = speed - (speed - memory[PREVIOUS]) * memory[AGE] / h
+        memory[NEWEST] = (int(memory[NEWEST]) + 1) % SLOTS
+        memory[RING + int(memory[NEWEST])] = speed - (speed - memory[PREVIOUS]) * memory[AGE] / h
     memory[PREVIOUS] = speed
-
-
-@compiled(inline=True)
-def recall(memory: Float, lag_s: float) -> float:
-    """Return the speed of a time ago, linear between the samples. [rad/s]"""
-    newest = int(memory[NEWEST])
-    if lag_s <= memory[AGE]:
-        return float(memory[PREVIOUS] + (memory[RING + newest] - memory[PREVIOUS]) * lag_s / memory[AGE])
-    back = (lag_s - memory[AGE]) / SAMPLE_S
-    slot = int(back)
-    later = memory[RING + (newest - slot) % SLOTS]
-    earlier = memory[RING + (newest - slot - 1) % SLOTS]
-    return float(later + (earlier - later) * (back - slot))
+    # The speed of a lag ago, linear between the samples.
+    newest, since = int(memory[NEWEST]), group.lag_s - memory[AGE]
+    if since <= 0.0:
+        return float(speed + (memory[RING + newest] - speed) * group.lag_s / memory[AGE])
+    slot = int(since / SAMPLE_S)
+    later, earlier = memory[RING + (newest - slot) % SLOTS], memory[RING + (newest - slot - 1) % SLOTS]
+    return float(later + (earlier - later) * (since / SAMPLE_S - slot))
