@@ -40,7 +40,7 @@ def compare(first: int, pair: int) -> list[tuple[int, bool, float, float, float,
     (joint,) = compare_sides([before], [later]).joints
     true = (after.coulomb_nm - JOINT.coulomb_nm, 0.0)
     return [
-        (k, changed, true[k], one.change.value, one.change.high - one.change.value, one.p_value)
+        (k, changed, true[k], one.found.change.value, one.found.change.high - one.found.change.value, one.found.p_value)
         for k, one in enumerate(joint.coefficients)
     ]
 

@@ -206,6 +206,6 @@ def test_the_interval_holds_the_scatter_between_recordings(first: int, second: i
     held = 0
     for _ in range(runs):
         sides = compare_sides([recorded() for _ in range(first)], [recorded() for _ in range(second)])
-        change = sides.joints[0].coefficients[0].change
+        change = sides.joints[0].coefficients[0].found.change
         held += change.low <= 0.0 <= change.high
     assert held >= 0.92 * runs  # 95 % less two standard errors of this many

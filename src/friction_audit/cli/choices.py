@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields
 from functools import partial
 from importlib import import_module
+from math import inf
 from typing import Any, TypeVar, dataclass_transform
 
 import typer
@@ -135,8 +136,20 @@ def parse_numbers(option: str, text: str, names: tuple[str, ...]) -> tuple[float
     except ValueError as error:
         raise UsageError(f"{option} {text}: expected numbers {','.join(names)}") from error
     if len(numbers) != len(names):
-        raise UsageError(f"{option} {text}: {len(numbers)} numbers; expected {len(names)}: {','.join(names)}")
+        found = f"{len(numbers)} number{'s' * (len(numbers) > 1)}"
+        raise UsageError(f"{option} {text}: {found}; expected {len(names)}: {','.join(names)}")
     return numbers
+
+
+def parse_range(option: str, text: str | None, unit: str, least: float = -inf) -> tuple[float, float] | None:
+    """Return the ends of ``"0.01,1"``; None where there is no text."""
+    if text is None:
+        return None
+    low, high = parse_numbers(option, text, ("LOW", "HIGH"))
+    if not least <= low < high < inf:
+        bound = "0 <= " if least == 0.0 else ""
+        raise UsageError(f"{option} {text}: expected {bound}LOW < HIGH [{unit}]")
+    return low, high
 
 
 def parse_mapping(entries: list[str] | None) -> dict[str, str]:

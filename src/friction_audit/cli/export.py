@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from friction_audit.cli import chain, options as opt
-from friction_audit.cli.choices import group, option, parse_joints, parse_numbers
+from friction_audit.cli.choices import group, option, parse_joints, parse_range
 from friction_audit.cli.grouped_help import OUTPUT
 from friction_audit.cli.outputs import show
 from friction_audit.errors import UsageError
@@ -56,7 +56,7 @@ def command(
     into = None if options.into is None else read_into(target, options.into)
     for kept in (source, options.into or source):
         chain.check_outputs([out], overwrite=shared.overwrite, log=kept)
-    wanted, speeds = parse_joints(shared.selection.joints), _speeds(options.speeds)
+    wanted, speeds = parse_joints(shared.selection.joints), parse_range("--speeds", options.speeds, "rad/s", 0.0)
     written = partial(export_friction, out=out, wanted=wanted, speeds=speeds, armature=options.armature)
     result = result_file(source)
     if options.arm is not None and result is None:
@@ -82,12 +82,3 @@ def command(
     show(lambda: EXPORT.json(export), lambda: export_lines(export), json=json)
     if estimate:
         chain.exit_if_damaged(estimate.log)
-
-
-def _speeds(text: str | None) -> tuple[float, float] | None:
-    if text is None:
-        return None
-    low, high = parse_numbers("--speeds", text, ("LOW", "HIGH"))
-    if not 0.0 <= low < high < float("inf"):
-        raise UsageError(f"--speeds {text}: expected 0 <= LOW < HIGH [rad/s]")
-    return low, high

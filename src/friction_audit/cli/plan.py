@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from friction_audit.cli import chain, options as opt
-from friction_audit.cli.choices import group, option, parse_joints, parse_numbers
+from friction_audit.cli.choices import group, option, parse_joints, parse_numbers, parse_range
 from friction_audit.cli.grouped_help import GENERAL, MOTION
 from friction_audit.cli.outputs import ResultFolder, show
 from friction_audit.errors import InputError
@@ -64,9 +64,9 @@ def command(
     voice, out = shared.general.voice, ResultFolder(folder=folder, name="plan", overwrite=shared.overwrite)
     stems = [TRAJECTORY, *(f"{TRAJECTORY}_{purpose}" for purpose in PURPOSES)]
     out.check(source or Path(), [DOCUMENT, *(f"{stem}.{kind}" for stem in stems for kind in ("csv", "mcap"))])
+    within = parse_range("--range", motion.range_, "rad")
     with voice.step("read" if source else "prepare"):
         arm, tasks = _tasks(source, motion, shared)
-    within = None if motion.range_ is None else parse_numbers("--range", motion.range_, ("LOW", "HIGH"))
     robot = {"auto": arm.robot, "none": ""}.get(shared.reading.robot, shared.reading.robot)
     asked: dict[str, Any] = {"urdf": shared.torque.urdf, "robot": robot, "range_rad": within}
     asked |= {"speed_rad_s": motion.speed, "acceleration_rad_s2": motion.acceleration, "jerk_rad_s3": motion.jerk}

@@ -25,12 +25,14 @@ TOP_SPEED_RAD_S = 1.0  # of the law where no side has a curve: that of a hand
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class CoefficientChange(CoefficientDrift):
-    """One coefficient of one joint on both sides; the reference is the side before, several recordings their mean."""
+class CoefficientChange:
+    """One coefficient of one joint on both sides."""
 
-    after: Coefficient  # as ``level``, the side before: with its 95 % interval, random-effects mean
+    before: Coefficient  # with its 95 % interval; of several recordings their random-effects mean
+    after: Coefficient  # likewise
     freedom: float  # degrees of freedom of the difference (Welch-Satterthwaite)
-    single_p_value: float  # of this test alone; ``p_value`` is adjusted over all joints and coefficients (Holm)
+    single_p_value: float  # of this test alone; that of ``found`` is adjusted over all joints and coefficients (Holm)
+    found: CoefficientDrift  # the reference is the side before
 
 
 class LawChange(NamedTuple):
@@ -43,9 +45,11 @@ class LawChange(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class JointChange(JointDrift):
+class JointChange:
     """One joint that both sides have: its coefficients, its law (None without a covariance), its mean curves."""
 
+    joint: int
+    name: str
     coefficients: tuple[CoefficientChange, ...]
     law: LawChange | None
     curves: tuple[tuple[SpeedCurve, ...], ...]  # of the side before, and after
@@ -72,7 +76,11 @@ class TwoSides:
     def report(self) -> DriftReport:
         """The same as the drift of an arm, for limits that hold for both."""
         robot = ", ".join(dict.fromkeys(one.session.robot or one.session.path for one in self.after))
-        return DriftReport(arms=(ArmDrift(robot=robot, joints=self.joints),))
+        joints = tuple(
+            JointDrift(joint=one.joint, name=one.name, coefficients=tuple(change.found for change in one.coefficients))
+            for one in self.joints
+        )
+        return DriftReport(arms=(ArmDrift(robot=robot, joints=joints),))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -116,7 +124,7 @@ def compare_sides(before: Sequence[Recording], after: Sequence[Recording]) -> Tw
         )
         for number, pairs in own.items()
     ]
-    if not any(np.isfinite(one.change.value) for joint in joints for one in joint.coefficients):
+    if not any(np.isfinite(change.found.change.value) for joint in joints for change in joint.coefficients):
         reasons = "".join(f"\n  joint {joint.joint}: {joint.reason}" for joint in joints if joint.reason)
         held = " and ".join(write_joint_numbers(side) or "none" for side in numbers)
         raise AnalysisError(
@@ -232,7 +240,7 @@ def _change(name: str, sides: tuple[_Mean, _Mean], single: float, p_value: float
         total = relative_change(*(replace(one, freedom=change.freedom).interval() for one in sides))
     quantiles = _critical(change.freedom, level) + float(stdtrit(change.freedom, SETTINGS.power))
     smallest = quantiles * change.variance**0.5
-    return CoefficientChange(
+    found = CoefficientDrift(
         coefficient=name,
         sessions=tuple(range(sum(one.recordings for one in sides if np.isfinite(one.value)))),
         values=(),
@@ -244,9 +252,9 @@ def _change(name: str, sides: tuple[_Mean, _Mean], single: float, p_value: float
         smallest_change=smallest,
         smallest_drift=smallest / before.value if np.isfinite(total.value) else NAN,
         drift=p_value <= SETTINGS.alpha,
-        after=second.interval(),
-        freedom=change.freedom,
-        single_p_value=single,
+    )
+    return CoefficientChange(
+        before=before, after=second.interval(), freedom=change.freedom, single_p_value=single, found=found
     )
 
 

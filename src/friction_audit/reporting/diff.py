@@ -30,16 +30,16 @@ RECORDING = Record(
 
 def _coefficient(unit: str) -> Record:
     return Record(
-        Column("before", Coefficient, "random-effects mean where there are several recordings", "level", unit=unit),
+        Column("before", Coefficient, "random-effects mean where there are several recordings", "before", unit=unit),
         Column("after", Coefficient, "likewise", "after", unit=unit),
-        Column("difference", Coefficient, "after less before", "change", unit=unit),
-        Column("relative_change", Coefficient, "difference over the value before", "total"),
+        Column("difference", Coefficient, "after less before", "found.change", unit=unit),
+        Column("relative_change", Coefficient, "difference over the value before", "found.total"),
         Column("degrees_of_freedom", float, "of the difference (Welch-Satterthwaite)", "freedom"),
-        Column("p_value", float, ADJUSTED, "p_value"),
+        Column("p_value", float, ADJUSTED, "found.p_value"),
         Column("single_p_value", float, "of this test alone (Welch)"),
-        Column("changed", bool, "whether the adjusted p value is at most 0.05", "drift"),
-        Column("smallest_detectable", float, "change found with 90 % power", "smallest_change", unit=unit),
-        Column("smallest_detectable_relative", float, "the same over the value before", "smallest_drift"),
+        Column("changed", bool, "whether the adjusted p value is at most 0.05", "found.drift"),
+        Column("smallest_detectable", float, "change found with 90 % power", "found.smallest_change", unit=unit),
+        Column("smallest_detectable_relative", float, "the same over the value before", "found.smallest_drift"),
     )
 
 
@@ -52,7 +52,7 @@ LAW = Record(
 
 
 def _from_to(change: CoefficientChange) -> str:
-    values = [f"{one.value:.3g}" if isfinite(one.value) else NOTHING for one in (change.level, change.after)]
+    values = [f"{one.value:.3g}" if isfinite(one.value) else NOTHING for one in (change.before, change.after)]
     return NOTHING if values == [NOTHING, NOTHING] else " -> ".join(values)
 
 
@@ -60,8 +60,8 @@ def _people(place: int, title: str, unit: str) -> tuple[Column, ...]:
     get = f"coefficients.{place}"
     return (
         Column("from_to", str, get=get, form=_from_to, unit=unit, title=title, on="t"),
-        Column("change", float, get=get, form=total_text, on="t"),
-        Column("p", float, get=f"{get}.p_value", form=format_p, on="t"),
+        Column("change", float, get=f"{get}.found", form=total_text, on="t"),
+        Column("p", float, get=f"{get}.found.p_value", form=format_p, on="t"),
     )
 
 
@@ -77,8 +77,8 @@ JOINT_CHANGE = Record(
     *_people(1, "viscous", "N m s/rad"),
 )
 CHANGES = Record(
-    Column("coefficient", str, on="f"),
-    Column("unit", str, get=lambda change: UNITS[change.coefficient], on="f"),
+    Column("coefficient", str, get="found.coefficient", on="f"),
+    Column("unit", str, get=lambda change: UNITS[change.found.coefficient], on="f"),
     *_coefficient("").columns,
     name="changes",
     summary="a friction coefficient of a joint before and after, with 95 % intervals",
@@ -134,11 +134,12 @@ def _sentence(joint: JointChange) -> str:
     """Return which coefficients of a joint changed, what would have been found, and the change of its torque."""
     parts = []
     for name, one in zip(COEFFICIENTS, joint.coefficients, strict=True):
-        if one.drift:
-            size = how_much(one.total, one.change, UNITS[name])
-            parts.append(f"{NAMES[name]} friction {verb_of(one.change)} by {size}")
+        found = one.found
+        if found.drift:
+            size = how_much(found.total, found.change, UNITS[name])
+            parts.append(f"{NAMES[name]} friction {verb_of(found.change)} by {size}")
         elif isfinite(one.single_p_value):
-            least = amount(one.smallest_drift, one.smallest_change, name)
+            least = amount(found.smallest_drift, found.smallest_change, name)
             parts.append(f"no change of {NAMES[name]} friction found, {least} is detectable")
     if joint.law is not None:
         law = joint.law
