@@ -239,7 +239,7 @@ class JointSamples:
         room = max(expected // every, _SMALLEST_CAPACITY)
         self.rows = self.count = 0  # samples so far, and those of them that are kept
         self.channels = {name: np.empty((room, joints), order="F") for name in channels}
-        self._times = {name: np.empty(room, np.int64 if unit > 1.0 else np.float64) for name, unit in CLOCKS.items()}
+        self._times = {name: np.empty(room, np.int64 if unit == "ns" else np.float64) for name, unit in CLOCKS.items()}
         self._every = every
 
     def add(self, piece: Piece) -> None:
