@@ -302,7 +302,7 @@ class JointDecoder:
         kind = self.chosen.kind
         names = layout.strings.get(kind.names, ()) if kind.names else ()
         if not any(names):
-            counts = [layout.numbers[path].count for path in kind.fields.values() if path in layout.numbers]
+            counts = [layout.numbers[path][0].shape[0] for path in kind.fields.values() if path in layout.numbers]
             names = tuple(f"joint{k + 1}" for k in range(max(counts)))
         columns, fields = _columns_of(names, self.joints), {name: records[kind.fields[name]] for name in self._channels}
         if (columns < 0).any() or any(field.shape[1] != len(names) for field in fields.values()):
