@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from friction_audit.io.checks.columns import Thinned
-from friction_audit.io.readers.clocks import MessageClock, choose_clock, find_time, to_clock
+from friction_audit.io.readers.clocks import Clock, choose_clock, find_time, to_clock
 
 START_NS = 1_700_000_000_000_000_123
 LOG = START_NS + np.arange(1000, dtype=np.int64) * 1_000_000
@@ -60,7 +60,7 @@ def test_unit_from_a_unix_time(per_second: float, unit: str) -> None:
     assert clock.start_s == pytest.approx(1.7e9)
 
 
-def chosen(log_time: Any, **others: Any) -> MessageClock:
+def chosen(log_time: Any, **others: Any) -> Clock:
     return choose_clock({"log_time": log_time, **others})
 
 

@@ -46,10 +46,14 @@ class TimeColumn:
 class Clock:
     """A clock read."""
 
-    t: Float  # time since the first sample, shape (n,) [s]
-    start_s: float | None  # unix time of the first sample, or None [s]
+    t: Float  # time since the first sample, of messages since the earliest, shape (n,) [s]
+    start_s: float | None  # unix time of that sample, or None [s]
     unit: str  # the unit found
     origin_s: float = 0.0  # reading of the clock at t = 0 [s]
+    # Of messages: which clock it is, its smallest reading, and what is to be said of the clocks.
+    name: str = ""
+    first: Any = 0
+    findings: tuple[Finding, ...] = ()
 
 
 def find_time(names: Sequence[str], constant: Collection[int] = ()) -> TimeColumn | None:
@@ -124,43 +128,30 @@ def _unit_from_values(origin: float, elapsed: Float) -> str:
 
 
 _NANOSECONDS = 10**9
-# Clocks of messages and their units per second, the best first: of the robot, of the source, of the recorder.
-CLOCKS = {"robot_time": 1.0, "header_stamp": 1e9, "log_time": 1e9}
+# Clocks of messages and their units, the best first: of the robot, of the source, of the recorder.
+CLOCKS = {"robot_time": "s", "header_stamp": "ns", "log_time": "ns"}
 Times = Mapping[str, NDArray[Any]]  # clock that all messages have -> its readings, nanoseconds as integers
 _FIRST_UNIX_TIME_S = 1e9  # September 2001: below it, a clock counts from something else than 1970
 _DISAGREEMENT_SD_S, _DISAGREEMENT_STEPS, _DISAGREEMENT_DRIFT = 5e-3, 2.0, 2e-4
-_ROBOT_TIME_UNITS = ((1e3, "milliseconds"), (1e6, "microseconds"), (1e9, "nanoseconds"))
+_ROBOT_TIME_UNITS = {"ms": "milliseconds", "us": "microseconds", "ns": "nanoseconds"}
 _UNIT_TOLERANCE = 0.2
 _TITLES = {"robot_time": "the robot's own time", "header_stamp": "the header stamp", "log_time": "the log time"}
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class MessageClock:
-    """The clock chosen for the messages."""
-
-    name: str
-    t: Float  # time from its smallest value [s]
-    origin_s: float  # its reading at t = 0 [s]
-    start_s: float | None  # that, if it is Unix time [s]
-    findings: tuple[Finding, ...]
-    first: Any  # its smallest reading
-    per_second: float  # of its units
-
-
-def choose_clock(times: Times) -> MessageClock:
+def choose_clock(times: Times) -> Clock:
     """Choose the best clock that runs."""
     units, findings = dict(CLOCKS), list[Finding]()
     logged_s = float(np.ptp(times["log_time"])) / _NANOSECONDS
     if "robot_time" in times and logged_s > 0.0:  # one in milli-, micro- or nanoseconds is so much faster than the log
         ratio = float(np.ptp(times["robot_time"])) / logged_s
-        for factor, unit in _ROBOT_TIME_UNITS:
-            if abs(ratio / factor - 1.0) < _UNIT_TOLERANCE:
-                units["robot_time"] = factor
-                text = f"the robot's own time counts in {unit} by the log time; it was divided by {factor:g}"
+        for unit, spelled in _ROBOT_TIME_UNITS.items():
+            if abs(ratio / (factor := UNITS[unit]) - 1.0) < _UNIT_TOLERANCE:
+                units["robot_time"] = unit
+                text = f"the robot's own time counts in {spelled} by the log time; it was divided by {factor:g}"
                 findings.append(Finding("robot_time_unit", text, amount=factor))
     # Differences are taken in integers: 1.7e18 ns has no room for nanoseconds in a float64.
     first = {name: times[name].min() for name in units if name in times}
-    clocks: dict[str, Float] = {name: (times[name] - low) / units[name] for name, low in first.items()}
+    clocks: dict[str, Float] = {name: (times[name] - low) / UNITS[units[name]] for name, low in first.items()}
     # A single message cannot show that a clock runs.
     running = [n for n, t in clocks.items() if np.isfinite(t).all() and (len(t) == 1 or t.max() > 0.0)]
     chosen = next(iter(running), "log_time")
@@ -172,7 +163,7 @@ def choose_clock(times: Times) -> MessageClock:
     # The robot's clock counts from its start, so the log time stands in for it.
     start_s = float(first["log_time" if chosen == "robot_time" else chosen]) / _NANOSECONDS
     unix_s = start_s if start_s > _FIRST_UNIX_TIME_S else None
-    return MessageClock(chosen, clocks[chosen], start_s, unix_s, tuple(findings), first[chosen], units[chosen])
+    return Clock(clocks[chosen], unix_s, units[chosen], start_s, chosen, first[chosen], tuple(findings))
 
 
 def _disagreement(t: Float, log_t: Float, chosen: str) -> list[Finding]:

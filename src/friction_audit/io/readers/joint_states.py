@@ -239,7 +239,7 @@ class JointSamples:
         room = max(expected // every, _SMALLEST_CAPACITY)
         self.rows = self.count = 0  # samples so far, and those of them that are kept
         self.channels = {name: np.empty((room, joints), order="F") for name in channels}
-        self._times = {name: np.empty(room, np.int64 if unit > 1.0 else np.float64) for name, unit in CLOCKS.items()}
+        self._times = {name: np.empty(room, np.int64 if unit == "ns" else np.float64) for name, unit in CLOCKS.items()}
         self._every = every
 
     def add(self, piece: Piece) -> None:
@@ -302,7 +302,7 @@ class JointDecoder:
         kind = self.chosen.kind
         names = layout.strings.get(kind.names, ()) if kind.names else ()
         if not any(names):
-            counts = [layout.numbers[path].count for path in kind.fields.values() if path in layout.numbers]
+            counts = [layout.numbers[path][0].shape[0] for path in kind.fields.values() if path in layout.numbers]
             names = tuple(f"joint{k + 1}" for k in range(max(counts)))
         columns, fields = _columns_of(names, self.joints), {name: records[kind.fields[name]] for name in self._channels}
         if (columns < 0).any() or any(field.shape[1] != len(names) for field in fields.values()):

@@ -34,21 +34,12 @@ Records = NDArray[np.void]
 Fields = Iterator[tuple[str, Any, bool]]  # name of each field of a message, what it holds if fields, whether in a list
 
 
-@dataclass(frozen=True, slots=True)
-class Leaf:
-    """Numbers at a fixed place."""
-
-    offset: int  # from the start of the payload [byte]
-    dtype: str  # of one number
-    count: int
-
-
 @dataclass(frozen=True, eq=False, slots=True)
 class Layout:
     """Layout of one payload."""
 
     size: int  # length of the payload [byte]
-    numbers: Mapping[str, Leaf]  # dotted path of a field -> where its numbers lie
+    numbers: Mapping[str, tuple[np.dtype[Any], int]]  # dotted path of a field -> type of its numbers, where they begin
     strings: Mapping[str, tuple[str, ...]]  # dotted path of a string or of an array of strings -> its content
     # Offsets of the bytes that decide the layout (string and sequence lengths, string contents, CDR header): payloads
     # of the same size that agree in these bytes have the same layout and the same strings.
@@ -67,9 +58,7 @@ class Layout:
         rows = np.ndarray((count, size), np.uint8, buffer, offset=start, strides=(stride, 1))
         if not (rows[:, self.fixed] == self.content).all():
             return None
-        leaves = [self.numbers[path] for path in paths]
-        formats = [(leaf.dtype, (leaf.count,)) for leaf in leaves]
-        offsets = [leaf.offset for leaf in leaves]
+        formats, offsets = zip(*(self.numbers[path] for path in paths), strict=True)
         kind = np.dtype({"names": list(paths), "formats": formats, "offsets": offsets, "itemsize": size})
         return np.ndarray((count,), kind, buffer, offset=start, strides=(stride,))
 
@@ -262,7 +251,7 @@ class _Walk:
 
     def __init__(self, payload: bytes, types: Types, *, is_cdr: bool) -> None:
         self.payload, self.types, self.is_cdr = payload, types, is_cdr
-        self.numbers, self.strings = dict[str, Leaf](), dict[str, tuple[str, ...]]()
+        self.numbers, self.strings = dict[str, tuple[np.dtype[Any], int]](), dict[str, tuple[str, ...]]()
         self.fixed = np.zeros(len(payload), bool)
         self.position = _CDR_HEADER_BYTES if is_cdr else 0
         self.fixed[: len(_CDR_LITTLE_ENDIAN) if is_cdr else 0] = True
@@ -281,7 +270,7 @@ class _Walk:
                     raise BrokenError(f"{path} is of type {detail[0]}")
                 width = np.dtype(kind).itemsize
                 self.take(count, width if count else 1)
-                self.numbers[path] = Leaf(self.position - count * width, kind, count)
+                self.numbers[path] = np.dtype((kind, (count,))), self.position - count * width
                 if self.position > len(self.payload):
                     raise BrokenError(f"{path} ends after the payload")
 

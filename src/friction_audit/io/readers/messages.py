@@ -14,7 +14,7 @@ import numpy as np
 from friction_audit.errors import InputError, near_misses
 from friction_audit.io.files import stamp_of
 from friction_audit.io.readers.channel_names import robot_of
-from friction_audit.io.readers.clocks import MessageClock, choose_clock
+from friction_audit.io.readers.clocks import UNITS, Clock, choose_clock
 from friction_audit.io.readers.columns import MOST_JOINTS
 from friction_audit.io.readers.joint_states import (
     Candidate,
@@ -112,7 +112,7 @@ def _read(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
 
 
 def _blocks(
-    stream: MessageStream, decoder: JointDecoder, clock: MessageClock, rows: int, names: Collection[str]
+    stream: MessageStream, decoder: JointDecoder, clock: Clock, rows: int, names: Collection[str]
 ) -> Iterator[tuple[Float, dict[str, Float]]]:
     """Yield the clock of many messages, and those of their channels that are asked for, again and again."""
     chosen, joints = decoder.chosen, decoder.joints
@@ -126,7 +126,7 @@ def _blocks(
             samples.add(decoder.decode(block))
         if samples.count >= (1 if block is None else _BLOCK_ROWS):
             samples.resize(samples.count)
-            yield (samples.times[clock.name] - clock.first) / clock.per_second, samples.channels
+            yield (samples.times[clock.name] - clock.first) / UNITS[clock.unit], samples.channels
             samples = JointSamples(len(joints), wanted, _BLOCK_ROWS)
 
 

@@ -102,7 +102,7 @@ def encode(log: JointLog, message: MessageType, types: Typestore) -> Iterator[tu
         rows = slice(begin, begin + _BLOCK)
         copies = np.repeat(np.frombuffer(form, np.uint8)[np.newaxis], len(stamps[rows]), axis=0)
         for path, array in arrays.items():
-            data, place = np.ascontiguousarray(array[rows]).view(np.uint8), places[path].offset
+            data, place = np.ascontiguousarray(array[rows]).view(np.uint8), places[path][1]
             copies[:, place : place + data.shape[1]] = data
         payloads = copies.tobytes()
         for row, stamp in enumerate(stamps[rows].tolist()):
