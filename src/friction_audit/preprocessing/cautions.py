@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from friction_audit.joint_log import Float, JointLog
+from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.balance import Balance
 from friction_audit.preprocessing.interaction import Caution
 from friction_audit.preprocessing.settings import TorqueSettings
@@ -82,11 +83,15 @@ def gravity_cautions(
     mixed = not balance.proved or balance.inertia_left
     if gravity == "in-torque" or mixed or log.source.torque_unit != "N m":
         return ()
-    torque, found = balance.driving(log, coarse), []
-    for place, column in enumerate(columns):
-        if column + 1 not in log.source.dead_torque:
-            left = _left(coarse, torque[:, column], None if direction is None else direction[:, place], column)
-            found += [] if left is None else [(column, *left)]
+    torque = balance.driving(log, coarse)
+
+    def left(place: int) -> tuple[float, float, float, float, bool] | None:
+        across = None if direction is None else direction[:, place]
+        return _left(coarse, torque[:, columns[place]], across, columns[place])
+
+    alive = [place for place, column in enumerate(columns) if column + 1 not in log.source.dead_torque]
+    every = zip(alive, per_joint(lambda k: left(alive[k]), len(alive)), strict=True)
+    found = [(columns[place], *one) for place, one in every if one is not None]
     several = sum(rms > friction for _, _, rms, _, friction, _ in found) > 1
     return tuple(
         Caution(

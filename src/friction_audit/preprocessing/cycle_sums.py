@@ -12,6 +12,7 @@ Int = NDArray[np.int64]
 # Sums of ``add_up``, with the names of ``EnergySums``.
 SUMS = ("work_j", "compensation_j", "printed_net_j", "path_rad", "rectified_path_rad", "square_speed_rad2_s")
 BLOCK = 1 << 17  # samples worked on at a time: of fewer, threads would mostly wait for the interpreter
+PIECE = 32  # samples whose path is added up before that of each
 
 
 def find_borders(
@@ -104,18 +105,16 @@ def cut_evenly(t: Float, speed: Float, borders: Int, parts: int) -> tuple[Int, F
     peak, longest = np.zeros(cycles), np.zeros(cycles)
     for group in groups(borders):
         begin = int(borders[group.start])
-        start, stop = borders[group] - begin, borders[group.start + 1 : group.stop + 1] - begin
+        own = borders[group.start : group.stop + 1] - begin
+        start, stop = own[:-1], own[1:]
         rows = slice(begin, begin + int(stop[-1]) + 1)
         fast, step = np.abs(speed[rows]), np.diff(t[rows])
         peak[group] = np.maximum.reduceat(fast[:-1], start)
         longest[group] = np.maximum.reduceat(step, start)
-        gone = np.zeros(len(fast))
-        np.add(fast[1:], fast[:-1], out=gone[1:])
-        gone[1:] *= step
-        np.cumsum(gone, out=gone)
-        share = np.arange(1, parts) / parts
-        targets = gone[start][:, None] + (gone[stop] - gone[start])[:, None] * share
-        place = np.searchsorted(gone, targets).astype(np.int64)
+        gone = np.zeros(-(-len(fast) // PIECE) * PIECE)  # path since the sample before
+        np.add(fast[1:], fast[:-1], out=gone[1 : len(fast)])
+        gone[1 : len(fast)] *= step
+        place = _places_of_shares(gone.reshape(-1, PIECE), own, np.arange(1, parts) / parts)
         # A part holds one sample at least, as long as there are enough of them for the parts that are left.
         order = np.arange(parts - 1)
         place = np.maximum.accumulate(np.maximum(place, start[:, None] + 1) - order, axis=1) + order
@@ -123,6 +122,21 @@ def cut_evenly(t: Float, speed: Float, borders: Int, parts: int) -> tuple[Int, F
         inner = np.where(room, place, stop[:, None])
         edges[group] = begin + np.column_stack([start, inner, stop])
     return edges, peak, longest
+
+
+def _places_of_shares(gone: Float, borders: Int, share: Float) -> Int:
+    """Return the samples up to which these shares of the path between neighbouring borders are gone, shape (m, k).
+
+    The path since the sample before is given in pieces: to add up all samples takes ten times as long as their sums.
+    """
+    total = np.append(0.0, np.cumsum(gone @ np.ones(PIECE)))  # at the begin of each piece
+    piece, last = np.divmod(borders, PIECE)
+    at_borders = total[piece] + np.cumsum(gone[piece], axis=1)[np.arange(len(borders)), last]
+    targets = (at_borders[:-1, None] + np.diff(at_borders)[:, None] * share).ravel()
+    piece = np.minimum(np.searchsorted(total[1:], targets), len(gone) - 1)
+    inside = total[piece, None] + np.cumsum(gone[piece], axis=1)
+    place: Int = piece * PIECE + np.count_nonzero(inside < targets[:, None], axis=1)
+    return place.reshape(-1, len(share))
 
 
 def add_up(

@@ -102,7 +102,7 @@ def _judge(log: CoarseLog, joint: int, torque: Float) -> SignEvidence:
     if verdict != "still" and stroke.size > 0 and stroke[-1] + 1 >= MINIMUM_STROKES:
         q = log.q[moving, joint]
         ddq = np.gradient(log.dq[:, joint], log.t)[moving]
-        others = np.column_stack([np.ones(len(q)), np.sin(q), np.cos(q), ddq])
+        others = np.array([np.ones(len(q)), np.sin(q), np.cos(q), ddq]).T
         against, error = _coefficient(direction, others, torque[moving], stroke)
         if abs(against) > SIGNIFICANT * error:
             verdict = "rises" if against > 0 else "falls"
@@ -119,7 +119,7 @@ def _judge(log: CoarseLog, joint: int, torque: Float) -> SignEvidence:
 def _coefficient(column: Float, others: Float, torque: Float, stroke: NDArray[np.int64]) -> tuple[float, float]:
     """Regress the torque on a column, given others (Frisch, Waugh and Lovell); the error is clustered by stroke."""
     scaled = others / np.linalg.norm(others, axis=0).clip(min=np.finfo(float).tiny)
-    both = np.column_stack([column, torque])
+    both = np.array([column, torque]).T
     # The normal equations will do: what the cut-off leaves out of the other columns is too small to matter.
     fitted: Float = scaled @ (np.linalg.pinv(scaled.T @ scaled, rcond=1e-10, hermitian=True) @ (scaled.T @ both))
     own, left = (both - fitted).T

@@ -24,7 +24,9 @@ from friction_audit.joint_log import Finding
 from friction_audit.parallel import per_joint
 from friction_audit.presets import PRESETS
 
-_BATCH_ROWS, _BATCH_BYTES = 1 << 16, 6 << 20  # of which several are in memory; of fewer rows, calls take the time
+# Of a batch, of which about ten are in memory; of fewer rows, calls take the time. What is kept of the cycles of a log
+# grows by ten bytes in so many numbers, and the batches of a long one leave it room.
+_BATCH_ROWS, _BATCH_BYTES, _FEWEST_BYTES, _NUMBERS_PER_BYTE = 1 << 16, 10 << 20, 4 << 20, 450
 _BUFFER_BYTES = 1 << 17
 _LOOK_ROWS = 1000  # the first list that is not empty is among them: the first messages of a topic may be empty
 
@@ -165,7 +167,8 @@ class ParquetTable(ColumnTable):
     def _batches(self, time: TimeColumn, cells: Sequence[int], group: int = 0) -> Iterator[dict[int, NDArray[Any]]]:
         """Yield the numbers of some cells, one batch of rows after the other, from a row group on."""
         names, kind = list(dict.fromkeys(self._cells[cell][0] for cell in cells)), self._stamp_type(time)
-        groups, rows = range(group, len(self._sizes)), min(_BATCH_ROWS, _BATCH_BYTES // (8 * len(cells)))
+        size = max(_BATCH_BYTES - self._file.metadata.num_rows * len(cells) // _NUMBERS_PER_BYTE, _FEWEST_BYTES)
+        groups, rows = range(group, len(self._sizes)), min(_BATCH_ROWS, size // (8 * len(cells)))
         try:
             with _open(self.path, self._file.metadata) as file:
                 for batch in file.iter_batches(rows, groups, columns=names, use_threads=False):
