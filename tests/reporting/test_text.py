@@ -75,7 +75,8 @@ def in_ampere(found: Estimate) -> Estimate:
         ["2 Coulomb drift +15.0 ± 1.5 % 13 0 ± 0.10 % 3.3 %"],
         ["joint 5: Coulomb friction rises by 1 % (0.9 to 1.1 %) a session, about 4.7 % a week, 23 %",
          "not compared: session 9: payload 0.7 kg, the reference had none",
-         "Where friction drifts: check lubrication", "limit exceeded: panda-1, joint 2", "failed: logs/broken.bag: broken.bag: is truncated"],
+         "Where friction drifts: check lubrication", "limit exceeded: panda-1, joint 2",
+         "failed: logs/broken.bag: broken.bag: is truncated"],
     ),
 ], ids=["estimate", "current", "replay", "diagnosis", "verbose", "longest names", "batch"])  # fmt: skip
 def test_a_table_and_its_sentences(lines: Callable[[], list[str]], rows: list[str], sentences: list[str]) -> None:
