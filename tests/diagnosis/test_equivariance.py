@@ -86,6 +86,23 @@ def test_repeats_of_lost_samples_change_nothing(as_written: JointDiagnosis, tmp_
     assert found.gap.after == pytest.approx(as_written.gap.after, rel=0.02)
 
 
+def test_rests_that_prevail_change_nothing(tmp_path: Path) -> None:
+    """Positions of uneven moments are noisier than the velocity in motion, and quieter at rest."""
+    log, rng = columns(), np.random.default_rng(7)
+    moving = {**log, "q_1": log["q_1"] + 2e-4 * rng.standard_normal(len(log["t"])) * log["dq_1"]}
+    moving["dq_1"] = log["dq_1"] + 2e-3 * rng.standard_normal(len(log["t"]))
+    rest = {"t": log["t"] + DURATION_S, "q_1": np.full_like(log["t"], moving["q_1"][-1])}
+    rest |= {name: noise * rng.standard_normal(len(log["t"])) for name, noise in (("dq_1", 2e-3), ("tau_1", 0.02))}
+    late = {name: column if name != "t" else column + DURATION_S for name, column in rest.items()}
+    both = {name: np.concatenate([column, rest[name], late[name]]) for name, column in moving.items()}
+    alone, rested = diagnosed(moving, tmp_path), diagnosed(both, tmp_path)
+    assert [effect.name for effect in rested.effects] == [effect.name for effect in alone.effects] == ["stribeck"]
+    assert rested.gap is not None
+    assert alone.gap is not None
+    # The corner of the low-pass is that of other noise; by the position's noise at rest it is 26 times as much.
+    assert rested.gap.after == pytest.approx(alone.gap.after, rel=0.25)
+
+
 def test_half_of_the_rate_has_the_same_names_and_nearly_the_same_numbers(
     as_written: JointDiagnosis, tmp_path: Path
 ) -> None:

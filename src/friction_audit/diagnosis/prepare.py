@@ -16,13 +16,19 @@ from friction_audit.diagnosis.data_audit import DataFinding, audit_clock, audit_
 from friction_audit.diagnosis.known_load import know_load, known_inertias
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.breakaway import find_breakaways, signed_rest
-from friction_audit.effects.joint_data import JointData, grid_noise
+from friction_audit.effects.joint_data import FEWEST_SAMPLES, JointData, grid_noise
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.friction.history import Coefficient, FrictionHistory
 from friction_audit.joint_log import DERIVATIVE, Float, JointLog, median_step
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.energy_cycles import KEPT, EnergyCycles
-from friction_audit.preprocessing.even_grid import LowPass, belated_samples, fresh_samples, moments_of_samples
+from friction_audit.preprocessing.even_grid import (
+    MOVING_RAD_S,
+    LowPass,
+    belated_samples,
+    fresh_samples,
+    moments_of_samples,
+)
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.sign import coarse_log
 from friction_audit.preprocessing.torque_source import CHANNELS
@@ -214,14 +220,17 @@ def _filtered_motion(
         derived = log.source.channels.get("dq") == DERIVATIVE
         of_q, of_dq = (resolution(read[:, column]) / 12.0**0.5 for read in (log.q, log.dq))
         late = lag[column] * acceleration[column]
-        noises = max(grid_noise(slope), slope_gain * of_q), np.hypot(max(grid_noise(logged), of_dq), late)
+        # The noise of a position by late or uneven stamps grows with the speed: rests, where they prevail, hide it.
+        moves = np.abs(logged) > MOVING_RAD_S
+        seen = moves if FEWEST_SAMPLES < np.count_nonzero(moves) < 0.5 * len(moves) else slice(None)
+        noises = max(grid_noise(slope[seen]), slope_gain * of_q), np.hypot(max(grid_noise(logged[seen]), of_dq), late)
         source, crossover_hz = "q" if derived or noises[0] < noises[1] else "dq", 0.0
         if source == "q":
             dq, ddq = slope, np.gradient(slope, low_pass.t)
         else:
             dq, ddq = low_pass.with_slope(t - lag[column], log.dq[fresh, column])
             # With the logged velocity alone the inertial_coupling of a real Panda's joints 5 and 6 is ambiguous.
-            if crossover_hz := crossover_of(slope, dq, low_pass.step_s):
+            if crossover_hz := crossover_of(slope[seen], dq[seen], low_pass.step_s):
                 dq = complementary_mean(slope, dq, valid, low_pass.step_s, crossover_hz)
                 ddq = np.gradient(dq, low_pass.t)
         for every, own in zip(moved, (q, dq, ddq, logged), strict=True):

@@ -214,7 +214,7 @@ def check_9(simulations: Simulations) -> tuple[Claim, ...]:
     return (
         within(
             "9", "with combined friction, a pair of plateaus at plus and minus the Coulomb friction",
-            "dashed line, no number", f"+-{plateau:.4f} N m about velocity zero, * off",
+            "dashed line, no number", f"±{plateau:.4f} N m about velocity zero, * off",
             abs(plateau / (joint.coulomb_nm + joint.viscous_nms_per_rad * slow) - 1.0), PLATEAU_BOUND,
         ),
         within(
