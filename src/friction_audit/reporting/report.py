@@ -193,7 +193,7 @@ def lead_sentence(report: LogReport) -> str:
 
 
 def _missing(found: JointDiagnosis) -> str:
-    names = enumerate_words(names_of(effect, found.effects) for effect in found.effects) if found.effects else ""
+    names = enumerate_words(names_of(effect, found.effects) for effect in found.effects)
     if found.verdict == "unexplained":
         return f"an unexplained effect is missing{f' in addition to {names}' if names else ''}"
     return {
