@@ -23,9 +23,6 @@ Result = TypeVar("Result")
 
 M_TRIM_THRESHOLD, M_MMAP_THRESHOLD, M_ARENA_MAX = -1, -3, -8  # of mallopt(3)
 LARGE, KEPT = 1 << 25, 1 << 26  # bytes: to map the arrays of every block anew takes a tenth of the time
-GARBAGE_EACH = (
-    20_000  # objects between searches of a process for garbage, of which there is next to none: 2 % of the time
-)
 WORKERS = min(4, os.cpu_count() or 1)  # each one needs working memory for a joint of its own
 
 _OWN = ContextVar("_OWN", default=False)
@@ -219,7 +216,6 @@ def _begin(work: Callable[[int], Any] | None) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     gc.freeze()  # to look through all that is shared for garbage would make it no longer shared
-    gc.set_threshold(GARBAGE_EACH)
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 1)
     sys.stdout, sys.stderr = sys.__stdout__, sys.__stderr__  # a display may have had its hand on these

@@ -1,6 +1,5 @@
 """Log -> Estimate, as the commands run it: watched, and with the exit codes of the whole program."""
 
-import gc
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -35,17 +34,9 @@ BUG = 1  # exit code: part of the result is missing because of a bug
 @contextmanager
 def loading(*modules: str) -> Iterator[None]:
     """Load modules during the work of a block; reading a log mostly waits for decoders that need no interpreter."""
-
-    def load() -> None:
-        gc.disable()  # of all the objects made none is garbage, and to search them takes a tenth of the time
-        try:
-            for module in modules:
-                import_module(module)
-        finally:
-            gc.enable()
-
     with ThreadPoolExecutor(max_workers=1, thread_name_prefix="import") as pool:
-        pool.submit(load)
+        for module in modules:
+            pool.submit(import_module, module)
         yield
 
 
