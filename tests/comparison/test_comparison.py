@@ -163,6 +163,10 @@ def test_a_method_without_stable_tuning_is_reported_and_named() -> None:
     lines = compare_lines(comparison.rows, len(comparison.seeds), len(comparison.tuning_seeds))
     assert any("no setting tried is stable" in str(line) for line in lines)
     assert tuple(draw(comparison)) == FIGURES
+    # Two settings of a method are two quantities, each on an axis of its own.
+    (curve, *_) = comparison.curves
+    both = replace(comparison, curves=(curve, replace(curve, axis="observer gain [1/s]")))
+    assert [axes.get_xlabel() for axes in draw(both)["sweep"].axes] == [curve.axis, "observer gain [1/s]"]
 
 
 # Slopes of the persons and losses of two points, and which is chosen: the first is flat but lost with one person, then

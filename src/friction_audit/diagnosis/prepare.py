@@ -75,10 +75,11 @@ def prepare(
     # With repeated samples effects_stiction_16001 and effects_time_delay_16001 are adequate; with stamps as they are,
     # those and stranger_time_delay_1 and stranger_joint_elasticity_1.
     choice, new = interaction.choice, fresh_samples(log)
-    t = moments_of_samples(log.t[new], log.q[new], log.dq[new])
-    belated = belated_samples(t, log.q[new], log.dq[new])
-    new[new], t = ~belated, t[~belated]
     fresh = slice(None) if new.all() else new  # views, no copies
+    t = moments_of_samples(log.t[fresh], log.q[fresh], log.dq[fresh])
+    if np.any(belated := belated_samples(t, log.q[fresh], log.dq[fresh])):
+        new[new] = ~belated
+        fresh, t = new, t[~belated]
     low_pass = LowPass.for_stamps(t)
     valid, slope_gain = low_pass.away_from_gaps(t), _slope_gain(low_pass, t)
     (all_q, all_dq, all_ddq, logged_dq), sources = _filtered_motion(log, low_pass, t, fresh, valid)

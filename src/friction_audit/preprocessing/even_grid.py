@@ -323,17 +323,17 @@ def belated_samples(t: Float, q: Float, dq: Float) -> NDArray[np.bool_]:
     One per second is a structure in the residual of a clean log. A Hampel identifier (F. R. Hampel, J. Am. Stat. Assoc.
     69 (1974) 383) on the delay: how far the position is behind the cubic through both neighbours and their velocities.
     """
-    span, belated = (t[2:] - t[:-2])[:, None], np.zeros(len(t), bool)
-    x, v, tiny = (t[1:-1] - t[:-2])[:, None] / span, dq[1:-1], np.finfo(float).tiny
-    behind = q[:-2] * (1.0 + 2.0 * x) * (1.0 - x) ** 2 + q[2:] * x**2 * (3.0 - 2.0 * x) - q[1:-1]
-    behind += span * x * (1.0 - x) * (dq[:-2] * (1.0 - x) - dq[2:] * x)
-    moves = np.abs(v) > MOVING_RAD_S
-    along, squared = np.zeros(len(v)), np.zeros(len(v))
-    for own in np.flatnonzero(moves.any(axis=0)):
-        some = moves[:, own]
-        variance = max(float(np.median(np.abs(behind[some, own]))) ** 2, tiny)  # each joint counts by its own
-        along[some] += behind[some, own] * v[some, own] / variance
-        squared[some] += v[some, own] ** 2 / variance
+    belated, span, tiny = np.zeros(len(t), bool), t[2:] - t[:-2], np.finfo(float).tiny
+    x, along, squared = (t[1:-1] - t[:-2]) / span, np.zeros(len(span)), np.zeros(len(span))
+    for place, speed in zip(q.T, dq.T, strict=True):  # one by one: a long log takes little memory
+        moves = np.abs(v := speed[1:-1]) > MOVING_RAD_S
+        if not moves.any():
+            continue
+        behind = place[:-2] * (1.0 + 2.0 * x) * (1.0 - x) ** 2 + place[2:] * x**2 * (3.0 - 2.0 * x) - place[1:-1]
+        behind += span * x * (1.0 - x) * (speed[:-2] * (1.0 - x) - speed[2:] * x)
+        variance = max(float(np.median(np.abs(behind[moves]))) ** 2, tiny)  # each joint counts by its own
+        along += np.where(moves, behind * v, 0.0) / variance
+        squared += np.where(moves, v**2, 0.0) / variance
     delay, known = along / np.maximum(squared, tiny), squared > 0.0
     if known.any():
         usual = np.maximum(1.4826 * np.median(np.abs(delay[known])), 1.0 / np.sqrt(np.maximum(squared, tiny)))

@@ -93,16 +93,18 @@ MILLI = 1000.0
 
 
 def _draw_all_sweeps(comparison: Comparison) -> Figure:
-    """Draw the energy slope over the setting, a panel for every method, and shade where a loop was lost."""
+    """Draw the energy slope over the setting, a panel for every setting, and shade where a loop was lost."""
     none = comparison.row(NONE, PAPER)
-    methods = list(dict.fromkeys(curve.method for curve in comparison.curves))
-    figure, panels = parts.grid([1.5] * len(methods), 2, theme.COLUMN_IN, 0.2, sharey=True)
-    for axes, method in zip(panels, methods, strict=True):
-        sweeps = [curve for curve in comparison.curves if curve.method == method]
+    settings = list(dict.fromkeys((curve.method, curve.axis) for curve in comparison.curves))
+    figure, panels = parts.grid([1.5] * len(settings), 2, theme.COLUMN_IN, 0.2, sharey=True)
+    for axes, setting in zip(panels, settings, strict=True):
+        sweeps = [curve for curve in comparison.curves if (curve.method, curve.axis) == setting]
         parts.mark_zero(axes)
         if none is not None:
             slope = MILLI * none.interval("energy_slope_w").value
             axes.axhline(slope, color=theme.MUTED, lw=0.6, ls=(0, (1, 1)), zorder=1)
+            place = axes.get_yaxis_transform()
+            axes.text(0.98, slope, none.label, transform=place, ha="right", va="top", fontsize=6, color=theme.MUTED)
         parts.label_panel(axes, sweeps[0].label)  # before the scale, whose ticks are its own
         _draw_sweeps(axes, sweeps)
         axes.set_xlabel(sweeps[0].axis)
