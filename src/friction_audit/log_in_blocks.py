@@ -109,6 +109,7 @@ class Means:
         self._kept = places.stop
         for name, piece in (("t", t[:, None]), *channels.items()):
             begun = np.concatenate([self._rest[name], piece[:first]])  # of the mean that was begun
-            found = np.concatenate([block_means(begun, size), block_means(piece[first:], size)])[: len(own)]
-            (self.t if name == "t" else self.channels[name])[places] = found if own.all() else found[own]
+            if own.any():
+                found = np.concatenate([block_means(begun, size), block_means(piece[first:], size)])[: len(own)]
+                (self.t if name == "t" else self.channels[name])[places] = found if own.all() else found[own]
             self._rest[name] = begun if left > len(t) else piece[len(t) - left :].copy()
