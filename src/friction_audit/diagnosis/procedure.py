@@ -8,7 +8,7 @@ from friction_audit.diagnosis import contact_events, residual_checks, selection
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.gram import Gram, Training
 from friction_audit.diagnosis.nonlinear import refine
-from friction_audit.diagnosis.problem import AXES, Nuisance, RegressionProblem, curve, knots_of
+from friction_audit.diagnosis.problem import AXES, Nuisance, RegressionProblem, knots_of
 from friction_audit.diagnosis.samples import NoiseModel
 from friction_audit.diagnosis.validation import gains
 from friction_audit.effects.effect import Effect, Trait
@@ -23,7 +23,6 @@ REPEATS = 2
 EFFECT_ERROR = 0.1  # of the torque of a named effect
 TRANSMISSION_ERROR = 0.25  # the same of a spring or a gap: the link side is known roughly
 PLAUSIBLE_SD = 2.5  # a nuisance that wants to be larger stands for something else
-OWN_KNOTS = 12  # of a curve over the quantity of an effect; with 6, the false contact below stays
 CHANGED = 0.02  # rms of the change of the nominal torque from which columns that need it are built again
 
 
@@ -57,33 +56,13 @@ def select(data: JointData, model: JointModel | None, effects: Sequence[Effect])
     """Everything up to the active set."""
     problem = RegressionProblem.build(data, model)
     state = _selected(problem, effects)
-    left = _without_own_curves(problem, residual_checks.residual_of(state.gram, state.active), state.active)
+    left = residual_checks.residual_of(state.gram, state.active)
     left = contact_events.without_impulses(problem, left, fine_residual(state))
     contacts = contact_events.detect(problem, left, state.gram.noise, _formula_errors(state))
     if contacts:
         state = _selected(problem.without(contact_events.touched(problem, contacts)), effects)
         state.contacts, state.disturbed = contacts, problem
     return state
-
-
-def _without_own_curves(problem: RegressionProblem, left: Float, active: Sequence[Block]) -> Float:
-    """What a model leaves, without curves over the quantities of its effects, which a formula may miss, shape (m,).
-
-    effects_position_dependent_friction_100004, whose form no bell fits, has a false contact without this.
-    """
-    if not active:
-        return left
-    values = [_quantity(problem, name) for name in sorted({b.effect.axis for b in active})]
-    knots = [knots_of(one, problem.data.used, OWN_KNOTS) for one in values]
-    curves = [curve(one, k, problem.data.dq) for one, k in zip(values, knots, strict=True) if len(k) > 1]
-    columns = np.vstack([problem.X, *map(problem.columns, curves)])
-    return np.asarray(left - _ols(columns, left) @ columns)
-
-
-def _quantity(problem: RegressionProblem, name: str) -> Float:
-    values = next(axis.value(problem.data) for axis in AXES if axis.name == name)
-    assert values is not None
-    return values
 
 
 def _selected(problem: RegressionProblem, effects: Sequence[Effect]) -> State:
@@ -222,7 +201,8 @@ def _may_absorb_error(state: State, active: Sequence[Block], block: Block, other
     if Trait.EVEN not in other.effect.traits:
         return True
     problem = state.problem
-    values = _quantity(problem, other.effect.axis)
+    values = next(axis.value(problem.data) for axis in AXES if axis.name == other.effect.axis)
+    assert values is not None
     knots = knots_of(values, problem.data.used)
     hats = np.column_stack([np.interp(values, knots, row) for row in np.eye(len(knots))])
     given = selection.Projected(state.search.training, [b for b in active if b is not block])
