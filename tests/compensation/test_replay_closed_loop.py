@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from friction_audit.compensation.closed_loop import CYCLE
-from friction_audit.compensation.competitors import JointModelCompensation, TorqueRegulation
+from friction_audit.compensation.competitors import TorqueRegulation
 from friction_audit.compensation.controller import hand_cuts
 from friction_audit.compensation.counterfactual import tables_of_file
 from friction_audit.compensation.feed_forward import UNABLE, feed_friction, feed_of
@@ -319,10 +319,3 @@ def test_a_joint_that_cannot_be_simulated_or_has_no_friction_to_apply_says_why(
     joint = run(log_by(SIMPLE), "same-motion" if applied else "same-torque", model, applied=applied)
     assert joint.numbers is None
     assert message in joint.reason
-
-
-def test_models_that_do_not_fit_are_refused() -> None:
-    with pytest.raises(UsageError, match="1 joints, and the log has a joint 2"):
-        file_of(SIMPLE).joint(2)
-    with pytest.raises(UsageError, match="no term of friction"):
-        JointModelCompensation(terms=())
