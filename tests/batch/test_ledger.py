@@ -17,8 +17,9 @@ import numpy as np
 import pytest
 
 from friction_audit.batch.find_logs import LogFile
-from friction_audit.batch.identity import Worked
+from friction_audit.batch.identity import Fault, Worked
 from friction_audit.batch.ledger import RESULTS_VERSION, SCHEMA_VERSION, BatchSettings, Ledger
+from friction_audit.batch.run_batch import run_lock
 from friction_audit.drift.session import SpeedCurve
 from friction_audit.errors import InputError
 from friction_audit.friction.history import UNDETERMINED, Coefficient
@@ -69,6 +70,16 @@ def test_numbers_come_back_to_the_bit(path: Path) -> None:
         assert repr(ledger.known(["f00"], KEY)["f00"].sessions) == repr((SESSION,))
         assert ledger.known(["f00"], "other settings") == {}
         assert ledger.known([f"{n:x}" for n in range(2000)] + ["f00"], KEY).keys() == {"f00"}
+
+
+def test_a_log_with_a_fault_that_may_pass_is_not_done(path: Path) -> None:
+    passing = Fault(message="killed", topic="/r", lasting=False)
+    with Ledger(path) as ledger:
+        ledger.save(LOG, SETTINGS, Worked(sha256="f00", sessions=(SESSION,), faults=(passing,)))
+        assert not ledger.is_done("f00", KEY)
+        ledger.save(LOG, SETTINGS, Worked(sha256="f00", sessions=(SESSION,)))
+        assert ledger.is_done("f00", KEY)
+        assert not ledger.is_done("f00", "other settings")
 
 
 def test_names_are_written_with_the_numbers(path: Path) -> None:
@@ -231,3 +242,10 @@ def test_killed_at_any_moment_nothing_finished_is_lost_or_done_again(many: Path,
     assert [run.returncode for run in runs] == [0, 0]
     assert (max(new), sessions) == (LOGS - before, (LOGS, LOGS))
     assert finished(output) == LOGS
+
+
+def test_the_second_run_in_a_folder_knows_of_the_first(tmp_path: Path) -> None:
+    with run_lock(tmp_path) as alone, run_lock(tmp_path) as also:
+        assert (alone, also) == (True, False)
+    with run_lock(tmp_path) as alone:
+        assert alone

@@ -211,11 +211,6 @@ def run(log: JointLog, assume: str, model: JointModel | None, *, applied: bool =
     return replay(log, settings).joints[0]
 
 
-def motion_of(log: JointLog) -> Motion:
-    q, dq = log.q[:, 0], log.dq[:, 0]
-    return Motion(t=log.t, q=np.ascontiguousarray(q), dq=dq, ddq=np.gradient(dq, log.t))
-
-
 def assert_same(one: Any, other: Any, tolerance: float) -> None:
     for name in ("dq", "interaction_nm", "compensation_nm"):
         np.testing.assert_allclose(getattr(one.replayed, name), getattr(other.replayed, name), atol=tolerance)
@@ -274,10 +269,9 @@ def test_what_is_applied_is_the_friction_by_hand(speed: float) -> None:
 
 
 def test_every_term_runs_or_is_refused_by_name() -> None:
-    motion, firm = (
-        motion_of(log_by(SIMPLE)),
-        simple_model(inertia_kg_m2=1.0, coulomb_nm=3.0, viscous_nms_per_rad=1.0),
-    )
+    log, firm = log_by(SIMPLE), simple_model(inertia_kg_m2=1.0, coulomb_nm=3.0, viscous_nms_per_rad=1.0)
+    q, dq = np.ascontiguousarray(log.q[:, 0]), log.dq[:, 0]
+    motion = Motion(t=log.t, q=q, dq=dq, ddq=np.gradient(dq, log.t))
     plain = {"gravity_error": (0.3, 0.1, *[0.0] * 15), "warm_up": (0.1, 0.02, 30.0, 0.0)}  # not of the arm or the air
     for term in terms():
         if term.name not in {*UNABLE, "inertia"}:

@@ -196,17 +196,15 @@ SIGN, REST, SENSED = np.sign(MOTION.dq), np.asarray(MOTION.rest), MOTION.others.
 LOAD = np.asarray(MOTION.load) + REST
 
 
-def law_of(function: str) -> Callable[..., Any]:
+def law_of(function: str) -> Any:
     """A formula of the simulator, in the family that has it."""
-    families = ("velocity", "load_and_place", "sensors", "structure", "slow_and_events")
-    modules = [import_module(f"friction_audit.simulation.effects.{name}") for name in families]
-    law: Callable[..., Any] = next(getattr(module, function) for module in modules if hasattr(module, function))
-    return law
+    modules = (import_module(effect.__module__) for effect in EFFECTS)
+    return next(getattr(module, function) for module in modules if hasattr(module, function))
 
 
 def by_sample(function: str, *signals: Float) -> Callable[[Any], Float]:
     """A law of the simulator, sample by sample; as Python, for to compile by_sample by itself takes seconds."""
-    law: Callable[..., Any] = law_of(function).py_func  # type: ignore[attr-defined]
+    law: Callable[..., Any] = law_of(function).py_func
     return lambda group: np.array(
         [law(pack([group]).view(np.recarray)[0], *args) for args in zip(*signals, strict=True)]
     )
