@@ -92,7 +92,7 @@ def test_the_grid_is_within_bounds_and_complete(effect: Effect) -> None:
 def test_columns_are_finite_and_never_read_the_measured_torque(effect: Effect) -> None:
     other = replace(MOVING, torque=MOVING.torque + 1.0)
     grid = effect.grid(MOVING)
-    together = {}
+    together: dict[int, Float] = {}
     for places, rows in effect.regressors_of(MOVING, [NOMINAL] * len(grid), grid, np.transpose):
         together |= dict(zip(places, rows.reshape(len(places), -1, len(MOVING.t)), strict=True))
     for place, at in enumerate(grid):
