@@ -128,7 +128,6 @@ def test_rows_by_place(tmp_path: Path) -> None:
 
 
 FAULTY = {
-    "no path": ("robot\nleft\n", "no column path; found robot; expected path, start"),
     "empty": ("", "no column at all; found an empty file"),
     "header alone": ("path\n", "no rows below the header"),
     "misspelt": ("path,temprature\nrun1.csv,20\n", "column temprature: did you mean temperature?"),

@@ -19,7 +19,6 @@ from friction_audit.batch.work import bin_torque, session_of
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.drift.session import JointSummary, Session
 from friction_audit.friction.history import Coefficient
-from friction_audit.friction.settings import FrictionSettings
 from friction_audit.io.files import sha256_of as hash_file
 from friction_audit.io.writers.write_log import write_log
 from friction_audit.joint_log import Float, JointLog
@@ -248,10 +247,3 @@ def test_what_changes_within_a_session_is_told(log: Any) -> None:
     assert steady.low < 0.0 < steady.high
     # From the middle of the first third to the middle of the last one: 0.75 / 0.95 - 1.
     assert falling.low < 0.75 / 0.95 - 1.0 < falling.high < 0.0
-
-
-def test_a_model_without_a_coefficient_has_no_change_of_it(log: JointLog) -> None:
-    settings = AuditSettings(friction=FrictionSettings(model="coulomb"))
-    within = summaries(estimate_log(log, settings))[0].within
-    assert np.isfinite(within["coulomb_nm"].value)
-    assert np.isnan(within["viscous_nms_per_rad"].value)

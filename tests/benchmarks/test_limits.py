@@ -23,13 +23,9 @@ def pull(data: JointData) -> Float:
     return np.asarray(0.05 * np.sin(7.0 * data.q))
 
 
-def wave(data: JointData) -> Float:
-    return np.asarray(0.05 * np.sin(0.4 * data.t))
-
-
 def test_a_log_holds_n_eff_times_the_square_of_the_strength_and_nothing_of_what_is_absent() -> None:
     samples = samples_of(moved_joint(pull, noise_nm=NOISE_NM), None)
-    torques = [samples.rows.of(torque(samples.data)) for torque in (pull, wave)]
+    torques = [samples.rows.of(one) for one in (pull(samples.data), 0.05 * np.sin(0.4 * samples.data.t))]
     here, absent = held_by(samples, torques, 0), held_by(samples, torques, 1)
     n_eff = len(samples.rows.t) / integral_time(samples.residual(*torques), samples.rows)
     assert here == pytest.approx(n_eff * np.mean(torques[0] ** 2) / NOISE_NM**2, rel=0.3)

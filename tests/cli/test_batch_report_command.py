@@ -106,6 +106,8 @@ def test_rebuild_keeps_the_old_ledger(rig: Path, run: Run) -> None:
     answer = run("batch-report", rig / "2026-03-01.npz", "--rebuild")
     assert (answer.code, "1 computed, 0 known" in answer.out) == (0, True), answer
     assert "warning: the ledger that was there is kept as friction-drift/ledger-1.sqlite" in answer.err
+    with closing(sqlite3.connect("friction-drift/ledger-1.sqlite")) as kept:
+        assert kept.execute("SELECT COUNT(*) FROM arms").fetchone() == (1,)
     with closing(sqlite3.connect("friction-drift/ledger.sqlite")) as database:
         database.execute(f"PRAGMA user_version = {SCHEMA_VERSION - 1}")
     older = run("batch-report", rig / "2026-03-01.npz")

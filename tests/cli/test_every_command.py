@@ -11,8 +11,6 @@ from friction_audit.cli import NAMES, choices, command_of
 from tests.cli.conftest import Run
 
 EACH = pytest.mark.parametrize("name", NAMES)
-SHORTEST = 4
-"""Letters of an option from which on a slip still tells what was meant."""
 READ_AT_ONCE = (".urdf", "panda.xml", "model.toml", "sessions.csv")
 """Files of the examples that must be there."""
 EAGER = {"--list-dialects"}
@@ -29,11 +27,6 @@ def options(name: str) -> list[str]:
     return [max(p.opts, key=len) for p in command_of(name).params if p.param_type_name == "option"]
 
 
-def slip(word: str) -> str:
-    """Return a word with its last two letters the other way round, or the last one doubled if they are the same."""
-    return word[:-2] + word[-1] + word[-2] if word[-1] != word[-2] else word + word[-1]
-
-
 @EACH
 def test_help_shows_examples_that_are_the_command_s(name: str, run: Run) -> None:
     shown = run(name, "--help").out
@@ -44,23 +37,6 @@ def test_help_shows_examples_that_are_the_command_s(name: str, run: Run) -> None
         assert words[:2] == ["friction-audit", name]
         named = {word.partition("=")[0] for word in words if re.match(r"--[a-z]", word)}
         assert named <= set(options(name))
-
-
-@EACH
-def test_a_misspelt_command_suggests_the_near_one(name: str, run: Run) -> None:
-    answer = run(slip(name))
-    assert answer.code == 2
-    assert f"'{name}'" in answer.err.partition("Did you mean")[2]
-
-
-@EACH
-def test_a_misspelt_option_suggests_the_near_one(name: str) -> None:
-    for option in options(name):
-        if len(option) < SHORTEST + len("--"):
-            continue
-        with pytest.raises(Exception, match="No such option") as refused:
-            command_of(name).make_context(name, [slip(option)])
-        assert option in refused.value.possibilities, option  # type: ignore[attr-defined]
 
 
 @EACH

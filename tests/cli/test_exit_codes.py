@@ -28,6 +28,8 @@ ANSWERED = [
 ]
 REFUSED = [
     ("estimate", 2, "Missing argument 'LOG'"),
+    ("estimte", 2, "No such command 'estimte'. Did you mean 'estimate'"),
+    ("estimate {logs}/moved1.csv --windwo 3", 2, "--window"),
     ("estimate {logs}/moved1.csv --model combind", 2, "did you mean combined?"),
     ("estimate {logs}/moved1.csv --figure-format png,gif", 2, "gif: expected one of png, svg, pdf"),
     ("estimate {logs}/moved1.csv --joints 1,x", 2, "error: --joints 1,x: 'x' is no joint"),
@@ -51,6 +53,7 @@ REFUSED = [
     ("estimate {logs}/moved1.csv --config absent.toml", 2, "absent.toml: cannot be read"),
     ("reproduce --figures 15", 2, "15: expected one of 3, 6, 7"),
     ("estimate {logs}/moved1.csv --window 1", 2, "needs at least 4 cycles"),
+    ("estimate {logs}/moved1.csv --estimator paper --window 1", 2, "the combined model needs at least 2"),
     ("convert {logs}/moved1.csv out.xyz", 2, "ending .xyz: expected one of .parquet, .csv, .npz, .bag, .db3, .mcap"),
     ("convert {logs}/moved1.csv out", 2, "ending missing"),
     ("convert {logs}/moved1.csv out.csv --dialect cvs", 2, "--dialect cvs: expected one of parquet, "),

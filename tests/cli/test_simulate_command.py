@@ -49,9 +49,7 @@ def test_every_scenario_gives_a_log(scenario: Scenario, run: Run, tmp_path: Path
     assert truth["log_sha256"] == output["sha256"]
 
 
-@cache
-def simulated(settings: AnySettings, seed: int) -> Simulation:
-    return simulate(settings, seed)
+simulated = cache(simulate)
 
 
 @pytest.fixture

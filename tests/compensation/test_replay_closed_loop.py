@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from friction_audit.compensation.closed_loop import CYCLE
-from friction_audit.compensation.competitors import JointModelCompensation, TorqueRegulation
+from friction_audit.compensation.competitors import TorqueRegulation
 from friction_audit.compensation.controller import hand_cuts
 from friction_audit.compensation.counterfactual import tables_of_file
 from friction_audit.compensation.feed_forward import UNABLE, feed_friction, feed_of
@@ -211,11 +211,6 @@ def run(log: JointLog, assume: str, model: JointModel | None, *, applied: bool =
     return replay(log, settings).joints[0]
 
 
-def motion_of(log: JointLog) -> Motion:
-    q, dq = log.q[:, 0], log.dq[:, 0]
-    return Motion(t=log.t, q=np.ascontiguousarray(q), dq=dq, ddq=np.gradient(dq, log.t))
-
-
 def assert_same(one: Any, other: Any, tolerance: float) -> None:
     for name in ("dq", "interaction_nm", "compensation_nm"):
         np.testing.assert_allclose(getattr(one.replayed, name), getattr(other.replayed, name), atol=tolerance)
@@ -274,10 +269,9 @@ def test_what_is_applied_is_the_friction_by_hand(speed: float) -> None:
 
 
 def test_every_term_runs_or_is_refused_by_name() -> None:
-    motion, firm = (
-        motion_of(log_by(SIMPLE)),
-        simple_model(inertia_kg_m2=1.0, coulomb_nm=3.0, viscous_nms_per_rad=1.0),
-    )
+    log, firm = log_by(SIMPLE), simple_model(inertia_kg_m2=1.0, coulomb_nm=3.0, viscous_nms_per_rad=1.0)
+    q, dq = np.ascontiguousarray(log.q[:, 0]), log.dq[:, 0]
+    motion = Motion(t=log.t, q=q, dq=dq, ddq=np.gradient(dq, log.t))
     plain = {"gravity_error": (0.3, 0.1, *[0.0] * 15), "warm_up": (0.1, 0.02, 30.0, 0.0)}  # not of the arm or the air
     for term in terms():
         if term.name not in {*UNABLE, "inertia"}:
@@ -319,10 +313,3 @@ def test_a_joint_that_cannot_be_simulated_or_has_no_friction_to_apply_says_why(
     joint = run(log_by(SIMPLE), "same-motion" if applied else "same-torque", model, applied=applied)
     assert joint.numbers is None
     assert message in joint.reason
-
-
-def test_models_that_do_not_fit_are_refused() -> None:
-    with pytest.raises(UsageError, match="1 joints, and the log has a joint 2"):
-        file_of(SIMPLE).joint(2)
-    with pytest.raises(UsageError, match="no term of friction"):
-        JointModelCompensation(terms=())

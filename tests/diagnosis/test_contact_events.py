@@ -75,11 +75,6 @@ def test_an_impulse_of_a_sample_is_separated_from_a_push() -> None:
         np.testing.assert_allclose(without, problem.samples.of(rest), atol=0.1 * np.max(seen))
 
 
-def test_several_contacts_are_found_in_the_order_of_time() -> None:
-    contacts = found(noise(0.01) + box(31.0, 0.4, -0.3) + box(10.0, 0.2, 0.5) + box(50.0, 0.2, 0.2))
-    assert [round(one.start_s) for one in contacts] == [10, 31, 50]
-
-
 def test_what_every_stroke_repeats_is_none() -> None:
     place = (np.abs(MOTION.q - 0.4) < 0.05) & (MOTION.dq > 0.0)
     assert found(noise(0.01) + 0.15 * place) == ()

@@ -37,14 +37,6 @@ def names(found: Any) -> list[str]:
     return [effect.name for effect in found.effects]
 
 
-def offset(data: JointData) -> Float:
-    return np.full(len(data.t), 0.03)
-
-
-def smoothed(data: JointData) -> Float:
-    return 0.3 * (np.tanh(data.dq / 0.004) - data.way)
-
-
 def scattered(data: JointData) -> Float:
     """Coulomb friction that differs from stroke to stroke."""
     size = 0.1 * np.random.default_rng(5).standard_normal(int(data.cycle.max()) + 1)
@@ -74,7 +66,8 @@ def test_an_adequate_model_has_no_name_and_the_right_numbers() -> None:
 
 
 def test_a_smoothed_sign_is_no_effect() -> None:
-    assert diagnosed(moved_joint(smoothed, noise_nm=0.01)).verdict == "adequate"
+    data = moved_joint(lambda data: 0.3 * (np.tanh(data.dq / 0.004) - data.way), noise_nm=0.01)
+    assert diagnosed(data).verdict == "adequate"
 
 
 def test_an_effect_is_named_with_its_numbers_and_the_gap_closes() -> None:
@@ -128,7 +121,7 @@ def test_what_changes_by_more_than_half_without_another_effect_may_be_a_part_of_
 
 
 def test_an_offset_is_named_with_what_cannot_be_separated_from_it() -> None:
-    found = diagnosed(moved_joint(offset, noise_nm=NOISE_NM, duration_s=40.0))
+    found = diagnosed(moved_joint(lambda data: np.full(len(data.t), 0.03), noise_nm=NOISE_NM, duration_s=40.0))
     (effect,) = found.effects
     assert {"torque_bias", "asymmetric_coulomb"} <= {effect.name, *effect.alternatives}
     assert found.verdict == "ambiguous"

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
 from statsmodels.api import OLS
 
 from friction_audit.diagnosis.problem import AXES, Curve, curve, knots_of
@@ -33,13 +32,10 @@ def over(name: str, values: Float) -> Curve:
     return Curve(axis=axis, columns=np.ascontiguousarray(columns.T), values=values)
 
 
-def profiles(residual: Float, *curves: Curve, dq: Float = DQ, **p_values: float) -> tuple[Profile, ...]:
-    problem: Any = SimpleNamespace(curves=curves, kinematics=(None, dq), samples=SimpleNamespace(cycle=CYCLE))
-    return profiles_of(problem, residual, p_values)
-
-
 def profile(residual: Float, dq: Float = DQ) -> Profile:
-    (found,) = profiles(residual, over("speed", VALUES), dq=dq)
+    curves, samples = (over("speed", VALUES),), SimpleNamespace(cycle=CYCLE)
+    problem: Any = SimpleNamespace(curves=curves, kinematics=(None, dq), samples=samples)
+    (found,) = profiles_of(problem, residual, {})
     return found
 
 
@@ -84,13 +80,6 @@ def test_share_is_that_of_cycles_not_seen_and_never_below_zero() -> None:
     assert profile(np.zeros(N)).share == 0.0
 
 
-def test_what_takes_most_comes_first_with_its_p_value() -> None:
-    time = np.linspace(0.0, 60.0, N)
-    found = profiles(0.1 * time / 60.0 + NOISE, over("speed", VALUES), over("time", time), speed=0.7, time=0.01)
-    assert [(one.axis, one.p_value) for one in found] == [("time", 0.01), ("speed", 0.7)]
-    assert np.isnan(profile(NOISE).p_value)
-
-
 DATA = moved_joint(duration_s=10.0)
 
 
@@ -110,15 +99,6 @@ def test_the_neighbour_is_the_one_that_moves_most_and_never_the_joint_itself() -
     others = np.column_stack([0.1 * DATA.dq, 9.0 * DATA.ddq, 2.0 * DATA.dq])
     among = replace(DATA, others_ddq=others, others_joint=1)
     assert AXIS["neighbour"](among) == pytest.approx(2.0 * DATA.dq)
-
-
-@given(st.lists(st.floats(-10, 10), min_size=1, max_size=50), st.integers(2, 8))
-def test_knots_ascend_from_the_smallest_to_the_largest(values: list[float], most: int) -> None:
-    array = np.array(values)
-    knots = knots_of(array, np.ones(len(array), bool), most)
-    assert 1 <= len(knots) <= most
-    assert np.all(np.diff(knots) > 0)
-    assert knots[0] == array.min()
 
 
 def test_a_curve_is_a_line_between_its_knots_for_each_direction() -> None:

@@ -14,11 +14,6 @@ NOTEBOOK = DOCS / "notebook.ipynb"
 MOST_BYTES = 20_000
 
 
-def code_cells() -> list[str]:
-    cells = json.loads(NOTEBOOK.read_text())["cells"]
-    return ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
-
-
 def run(source: str, names: dict[str, Any]) -> Any:
     """Run a cell as a notebook does, and return the value of its last line."""
     module = ast.parse(source)
@@ -42,7 +37,8 @@ def test_every_cell_runs(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
     monkeypatch.chdir(DOCS)
     mpl.use("agg")
     names: dict[str, Any] = {"__name__": "__main__"}
-    shown = [run(source, names) for source in code_cells()]
+    cells = [cell for cell in json.loads(NOTEBOOK.read_text())["cells"] if cell["cell_type"] == "code"]
+    shown = [run("".join(cell["source"]), names) for cell in cells]
     pages = [value._repr_html_() for value in shown if hasattr(value, "_repr_html_")]
     tables = [page for page in pages if page is not None]  # a figure has none: its picture is shown
     assert len(tables) == 3

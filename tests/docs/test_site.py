@@ -1,13 +1,10 @@
 """The documentation as a site: built strictly, whole, the same as in the repository, asking for nothing."""
 
 import re
-from html import unescape
 
 import pytest
 from markdown_it import MarkdownIt
-from typer.main import get_command
 
-from friction_audit.cli import app
 from friction_audit.diagnosis.result import VERDICTS
 from tests.docs.conftest import Site
 from tests.documented_commands import ROOT
@@ -56,11 +53,6 @@ def test_nothing_comes_from_elsewhere(site: Site) -> None:
     assert asked == []
 
 
-def test_every_command_has_its_page() -> None:
-    commands = getattr(get_command(app), "commands")  # noqa: B009 - typer's own type does not tell
-    assert {page.stem for page in (DOCS / "commands").iterdir()} == set(commands)
-
-
 def test_every_verdict_is_explained() -> None:
     section = (DOCS / "commands" / "diagnose.md").read_text().partition("## Verdicts")[2].partition("\n## ")[0]
     assert re.findall(r"^\| `(\w+)` \|", section, re.MULTILINE) == list(VERDICTS)
@@ -71,9 +63,3 @@ def test_no_page_is_longer_than_anyone_reads() -> None:
     assert [page for page, count in words.items() if count > LONGEST_PAGE] == []
     assert len((ROOT / "README.md").read_text().split()) <= LONGEST_README
     assert len((ROOT / "CHANGELOG.md").read_text().split()) <= LONGEST_CHANGELOG
-
-
-def test_titles_are_those_of_the_pages(site: Site) -> None:
-    for name, source in SOURCES.items():
-        title = (ROOT / source).read_text().splitlines()[0].removeprefix("# ").replace("`", "")
-        assert f">{title}<" in unescape(re.sub(r"</?code>", "", article(site, name))), name

@@ -9,7 +9,7 @@ from friction_audit.drift.report import ArmDrift, CoefficientDrift, DriftSetting
 from friction_audit.drift.session import Session
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
-from friction_audit.reporting.drift_words import arm_sentence, describe, headline, joint_sentence
+from friction_audit.reporting.drift_words import arm_sentence, describe, joint_sentence
 from tests.drift.made_sessions import FIRST_S, about, make_arm_sessions, make_joint, make_session, make_sessions, noisy
 
 QUICK = DriftSettings(permutations=199)
@@ -184,8 +184,6 @@ def test_scale_changes_nothing(factor: float, seed: int) -> None:
     assert one.shape == other.shape
     assert one.p_value == other.p_value
     assert one.total.value == pytest.approx(other.total.value, rel=1e-6)
-    made = make_sessions(level)
-    assert headline(one, made).partition(";")[0] == headline(other, made).partition(";")[0]
 
 
 @settings(max_examples=3, deadline=None)

@@ -98,6 +98,7 @@ JOINT_TEXT = '[[joint]]\nname = "a"\ninertia_kg_m2 = 1.0\n'
         (HEAD + JOINT_TEXT + "terms.coulomb = 1", "joint 1: coulomb is no table"),
         (HEAD + JOINT_TEXT + "terms.coulomb.coulomb_nm = true", "coulomb: coulomb_nm is no number"),
         (HEAD + JOINT_TEXT + "terms.coulomb.coulomb_nm = -1", "joint 1: term coulomb: coulomb_nm = -1; expected"),
+        (HEAD + JOINT_TEXT + "terms.offset.offset_nm = nan", "offset_nm = nan"),
         (HEAD + JOINT_TEXT + "terms.coulomb.coulomb = 1", r"did you mean coulomb_nm\?\).*coulomb_nm missing"),
         (HEAD + JOINT_TEXT + "terms.stribeck.stribeck_exponent = 1", "excess_nm, stribeck_speed_rad_s missing"),
         ("color = 1\n" + HEAD + JOINT_TEXT, "the file: 'color' is no key"),
@@ -123,13 +124,6 @@ def test_a_file_that_is_no_text_or_not_there(tmp_path: Path) -> None:
         load_model(tmp_path / "model.toml")
     with pytest.raises(InputError, match="cannot be read: No such file"):
         load_model(tmp_path / "none.toml")
-
-
-def test_an_arm_has_a_name_per_joint() -> None:
-    with pytest.raises(AnalysisError, match="2 names for 1 joints"):
-        ArmModel(names=("a", "b"), joints=(JOINT,))
-    with pytest.raises(AnalysisError, match="a joint at least"):
-        ArmModel(names=(), joints=())
 
 
 def test_the_page_shows_a_file_that_loads_and_every_term(tmp_path: Path) -> None:
@@ -204,20 +198,6 @@ def test_torque_and_friction_of_a_model_by_hand() -> None:
     assert model.torque(motion) == pytest.approx([1.05, 0.05])
     # What is left of the inertia where a model of the links took too much of it.
     assert JointModel(inertia_kg_m2=-0.1).torque(motion) == pytest.approx([-0.1, -0.1])
-
-
-@pytest.mark.parametrize(
-    ("name", "values", "message"),
-    [
-        ("coulom", (1.0,), r"'coulom' is no term \(did you mean coulomb\?\); expected inertia, coulomb"),
-        ("coulomb", (-1.0,), "term coulomb: coulomb_nm = -1; expected a number from 0 to inf"),
-        ("offset", (np.nan,), "offset_nm = nan"),
-        ("stribeck", (1.0,), "1 values; expected 3: stribeck_excess_nm, stribeck_speed_rad_s, stribeck_exponent"),
-    ],
-)
-def test_a_term_that_cannot_be_is_refused(name: str, values: tuple[float, ...], message: str) -> None:
-    with pytest.raises(AnalysisError, match=message):
-        FittedTerm(name, values)
 
 
 def test_a_term_twice_and_inertia_among_the_terms_are_refused() -> None:

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from friction_audit.errors import UsageError
 from friction_audit.io.readers import read_log
 from friction_audit.io.writers.tables import Writer
-from friction_audit.io.writers.write_log import WRITERS, choose_writer, write_log
+from friction_audit.io.writers.write_log import WRITERS, write_log
 from friction_audit.joint_log import JOINT_CHANNELS, Float, JointLog, Source
 
 NAMES = [writer.name for writer in WRITERS]
@@ -66,11 +66,6 @@ def test_a_motor_current_reads_back_as_one_or_is_said_to_be_none(writer: Writer,
 def assert_nearly_equal(actual: Float, desired: Float) -> None:
     """Six digits, and milliseconds."""
     assert_allclose(actual, desired, rtol=1e-5, atol=0.51e-3)
-
-
-def test_ending_chooses_the_writer() -> None:
-    chosen = {name: choose_writer(Path(f"a.{name}")).name for name in ("parquet", "csv", "NPZ", "mcap", "bag")}
-    assert chosen == {name: name.lower() for name in chosen} | {"bag": "rosbag1-joint-state"}
 
 
 INTERACTION, SIX = make_log(channels=("q", "dq", "tau_interaction"), samples=10), make_log(joints=6, samples=10)

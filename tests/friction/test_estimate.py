@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from scipy.special import stdtrit
 
-from friction_audit.errors import UsageError
 from friction_audit.friction.estimate import estimate_friction
 from friction_audit.friction.history import FrictionHistory, JointFriction
 from friction_audit.friction.settings import FrictionSettings
@@ -99,16 +98,6 @@ def test_a_step_of_friction_is_seen_once_the_window_has_passed_it() -> None:
     assert joint.history.coulomb_nm[-1] == pytest.approx(0.6, rel=0.01)
 
 
-def test_the_torque_regression_agrees_without_a_hidden_effect() -> None:
-    t, v, a = strokes(LENGTHS, DURATIONS)
-    noise = 0.05 * np.random.default_rng(0).normal(size=len(t))
-    regression: Any = estimate(t, v, friction(v, a) + noise, FrictionSettings()).regression
-    assert regression.coulomb.low < COULOMB < regression.coulomb.high
-    assert regression.viscous.low < VISCOUS < regression.viscous.high
-    assert regression.inertia_kg_m2 == pytest.approx(INERTIA, rel=0.02)
-    assert regression.offset_nm == pytest.approx(0.0, abs=0.02)
-
-
 @pytest.mark.parametrize(
     ("lengths", "durations", "sentence"),
     [
@@ -187,14 +176,6 @@ def test_a_delay_looks_like_viscous_friction_to_both_methods() -> None:
     (warning,) = history.warnings
     assert (warning.code, warning.numbers["late"]) == ("torque_delayed", "late")
     assert warning.numbers["ms"] == pytest.approx(30.0, rel=0.05)
-
-
-def test_the_smallest_window_is_checked() -> None:
-    with pytest.raises(UsageError, match=r"--window 3: the weighted estimator .* needs at least 4 cycles"):
-        FrictionSettings(window=3)
-    with pytest.raises(UsageError, match=r"--window 1: the paper estimator with the combined model .* at least 2"):
-        FrictionSettings(estimator="paper", window=1)
-    assert FrictionSettings(estimator="paper", model="viscous", window=1).cycles_per_point == 1
 
 
 def test_the_regression_ignores_slow_samples_by_the_joints_own_threshold_whoever_defines_the_cycles() -> None:

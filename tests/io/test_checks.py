@@ -89,10 +89,7 @@ def test_time_starts_at_zero_and_the_start_follows() -> None:
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (put("tau_J", ..., NAN), r"tau_J \(tau_J\): none of the 3000 rows holds a number"),
         (put("t", slice(2000, None), lambda t: t[2000:] - 2.0), "back at 1 of 2999 rows, by up to 1.999 s at row 2001"),
-        (put("t", ..., lambda t: t[::-1].copy()), "goes back at 2999 of 2999 rows"),
-        (put("t", ..., 4.0), "is the same in all 3000 rows"),
         (times("t", 2.0), r"q changes 0\.5 times the integral of dq over time; .*--time-scale 0\.5"),
         (put("dq", ..., 0.0), r"dq .* is 0 in all 3000 rows while q moves by 1"),
         (put("t", slice(1, None), NAN), r"1 sample; .*2999 of 3000 rows hold NaN"),
@@ -101,12 +98,6 @@ def test_time_starts_at_zero_and_the_start_follows() -> None:
 def test_recordings_that_cannot_be_used_are_refused(change: Change, words: str) -> None:
     with pytest.raises(InputError, match=words):
         vetted(changed(change))
-
-
-@pytest.mark.parametrize("samples", [0, 1])
-def test_too_few_samples(samples: int) -> None:
-    with pytest.raises(InputError, match=f"{samples} sample"):
-        vetted(recording(samples))
 
 
 @pytest.mark.parametrize(

@@ -214,11 +214,6 @@ def test_joints_with_stamps_of_their_own_are_interpolated(tmp_path: Path) -> Non
     np.testing.assert_allclose(log.q, expected, atol=1e-12)
 
 
-def test_shuffled_rows_are_told_in_the_right_unit(tmp_path: Path) -> None:
-    frame = long_frame(1).drop(columns="joint").sample(frac=1.0, random_state=1)
-    refused(r"time \(time \[s\]\) goes back at", read_text, tmp_path, frame)
-
-
 @pytest.mark.parametrize(
     ("name", "is_long"),
     [*((name, is_long) for name in ("torque", "tau", "effort") for is_long in (True, False)), ("torque_1", False)],

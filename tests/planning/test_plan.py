@@ -17,9 +17,9 @@ from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.planning import design
 from friction_audit.planning.design import Limits, candidates_of, limits_of
-from friction_audit.planning.plan import Answer, JointPlan, plan_task, trajectory_of
+from friction_audit.planning.plan import JointPlan, plan_task, trajectory_of
 from friction_audit.planning.task import Arm, Joint, Task, task_of
-from friction_audit.reporting.plan import ANSWER, Recording, plan_lines
+from friction_audit.reporting.plan import Recording, plan_lines
 from tests.cli.conftest import Run, run
 
 __all__ = ["run"]
@@ -202,8 +202,3 @@ def test_a_drift_is_sought_at_both_ends_of_the_time() -> None:
     assert (short.rest_s, len(short.runs) >= 3) == (0.0, True)
     text = plan_lines([Recording("decide", (plan,), ())], [])
     assert any("s, and all of it once more" in line for line in text)
-
-
-def test_a_line_of_the_table_has_room_for_two_names() -> None:
-    answer = Answer("stribeck", {}, "ambiguous", (("stribeck", "stiction"), ("backlash",), ("warm_up",)), True, False)
-    assert "ambiguous: stribeck or stiction and backlash and 1 more" in "\n".join(ANSWER.people((answer,), "t").lines())

@@ -1,7 +1,6 @@
 """A log on an even grid: the low-pass, stamps on the ticks of a clock, gaps and stale samples."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -223,19 +222,6 @@ def test_inverse_dynamics_from_the_grid_is_within_a_hundredth_of_the_inertial_to
     inside = (log.t > 0.5) & (log.t < log.t[-1] - 0.5)
     moving = np.abs(exact - arm.gravity(log.q)).max(axis=0)
     assert (np.abs(torque - exact)[inside].max(axis=0) < np.maximum(0.01, 0.01 * moving)).all()
-
-
-def test_velocity_has_no_delay_and_loses_noise() -> None:
-    t = jittered(1000.0, 6.0)
-    log, ddq = moving_arm(t)
-    noisy = np.asfortranarray(log.dq + np.random.default_rng(5).normal(0, 0.003, log.dq.shape))
-    (grid,) = grids_of(log, RATE_HZ)
-    _, smooth, slope = motion_on((grid,), replace(log, dq=noisy))[0]
-    inside = slice(50, -50)
-    for joint in range(7):
-        exact = np.interp(grid.t, t, log.dq[:, joint])
-        assert np.abs(smooth[inside, joint] - exact[inside]).max() < 0.01
-        assert np.abs(slope[inside, joint] - np.interp(grid.t, t, ddq[:, joint])[inside]).max() < 0.3
 
 
 @pytest.mark.parametrize("rate_hz", [30.0, 12.0, 3.0])

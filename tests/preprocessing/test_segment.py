@@ -1,11 +1,8 @@
 """Energy cycles whose borders and energies are known by hand."""
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-from hypothesis.extra.numpy import arrays
 
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing import cycle_sums
@@ -129,13 +126,6 @@ def test_two_humps_without_rest_are_one_stroke_with_rest_or_without_a_sign_two()
     assert len(cycle_sums.find_borders(dip, 0.2, 0.05, merge=True)) == 2
     assert len(cycle_sums.find_borders(rest, 0.2, 0.05, merge=True)) == 3
     assert cycle_sums.find_borders(dip, 0.2, 0.05, merge=False).tolist()[1] == 1100
-
-
-@given(arrays(np.float64, st.integers(1, 200), elements=st.floats(-1, 1)))
-def test_borders_are_ordered_and_a_cycle_moves(velocity: np.ndarray) -> None:
-    borders = cycle_sums.find_borders(velocity, 0.2, 0.05, merge=True)
-    assert np.all(np.diff(borders) > 0)
-    assert all(np.abs(velocity[a : b + 1]).max() > 0.05 for a, b in pairwise(borders))
 
 
 def test_velocity_noise_at_rest_adds_no_path() -> None:

@@ -155,11 +155,8 @@ def below(signal: Float, hertz: float) -> float:
     return float(np.std(np.fft.irfft(np.fft.rfft(signal) * inside)))
 
 
-def test_the_crossover_is_where_both_are_equally_noisy() -> None:
+def test_the_crossover_is_where_both_are_equally_noisy_and_none_is_below_the_frequencies_of_motions() -> None:
     assert crossover_of(*readings(1e-5, 2 * np.pi * 20.0 * 1e-5), GRID_S) == pytest.approx(20.0, rel=0.1)
-
-
-def test_below_the_frequencies_of_motions_there_is_none() -> None:
     assert crossover_of(*readings(1e-3, 2 * np.pi * 1e-3), GRID_S) == 0.0
     assert crossover_of(np.zeros(50), np.ones(50), GRID_S) == 0.0
 

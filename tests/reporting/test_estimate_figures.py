@@ -105,16 +105,3 @@ def test_a_coefficient_that_the_model_lacks_is_no_failure(single: Estimate) -> N
     history = history.with_coefficient("viscous", nothing, nothing, nothing)
     figure = COEFFICIENTS(with_friction(single, model="coulomb", viscous=UNDETERMINED, history=history), 1)
     assert [text.get_text() for axes in figure.axes for text in axes.texts] == ["not in the coulomb model"]
-
-
-def test_coefficients_of_a_regression_have_no_window(single: Estimate) -> None:
-    assert "from torque regression" in words_in(COEFFICIENTS(with_friction(single, method="regression"), 1))
-    assert "window: 5 cycles" in words_in(COEFFICIENTS(single, 1))
-
-
-@pytest.mark.parametrize("layout", [ENERGY, VELOCITY_TORQUE])
-def test_a_sheet_says_what_is_lacking_without_covering_it(seven: Estimate, layout: Any) -> None:
-    lacking = with_friction(seven, reason="all cycles are rejected: gravity is in the torque; remove gravity")
-    said = words_in(layout(lacking, tuple(range(1, 8))))
-    assert "not determined" in said
-    assert "gravity is in the torque" not in said

@@ -94,13 +94,6 @@ def test_a_drawing_has_words_a_description_and_its_own_ids() -> None:
     assert set(re.findall(r'(?:url\(|href=")#([^")]+)', one.svg)) <= ids[0]
 
 
-def test_the_lead_names_the_joints() -> None:
-    assert lead_sentence(log_report_by_hand.cut(report(), 1, 2)) == (
-        "Friction is estimated on all 2 joints. The model misses Stribeck on joint 1; "
-        "the model misses torque bias or asymmetric Coulomb on joint 2."
-    )
-
-
 def test_a_verdict_counts_without_an_estimate_and_a_regression_is_said() -> None:
     both = log_report_by_hand.cut(report(), 1, 2)
     first, second = both.estimate.friction.joints

@@ -9,7 +9,7 @@ import pytest
 
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.reporting.figures.panels import label_in_unit
-from friction_audit.reporting.table import INTERVAL, Column, Record, to_json
+from friction_audit.reporting.table import INTERVAL, Column, Record
 
 INNER = Record(Column("share"), Column("word", ("a", "b")))
 HISTORY = Record(Column("cycle", int), Column("energy", unit="J"), name="history", over="cycle")
@@ -82,12 +82,6 @@ def test_a_page_sorts_numbers_by_their_value() -> None:
     assert coulomb.text(row(found=SimpleNamespace(coulomb=UNDETERMINED))) == "-"
     table = SPEC.people([row(found=SimpleNamespace(coulomb=UNDETERMINED, phrase="a"))])
     assert table.filled().columns == [phrase]
-
-
-def test_values_become_what_json_knows() -> None:
-    settings = {"a": (1, np.nan), "b": np.array([1.0, np.inf]), "c": np.int64(3), "d": True, "e": UNDETERMINED}
-    no_number = dict.fromkeys(("value", "low", "high"))
-    assert to_json(settings) == {"a": [1, None], "b": [1.0, None], "c": 3, "d": True, "e": no_number}
 
 
 def test_axes_of_figures_have_the_unit_of_the_torque() -> None:

@@ -7,11 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.result import ContactTrace, ResidualCheck
+from friction_audit.diagnosis.result import ContactTrace
 from friction_audit.effects.registry import NAMES
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.pipeline import Estimate
-from friction_audit.preprocessing.interaction import Caution
 from friction_audit.reporting import words
 from friction_audit.reporting.diagnosis import diagnose_lines
 from friction_audit.reporting.diagnosis_words import joint_message
@@ -25,7 +24,6 @@ from friction_audit.reporting.notices import (
     diagnose_notices,
     notice_lines,
     reason_lines,
-    sentence_of,
 )
 from friction_audit.reporting.replay import replay_lines
 from tests.reporting import batch_by_hand, log_report_by_hand
@@ -106,19 +104,6 @@ def test_the_longest_sentence_has_two_hundred_characters() -> None:
                     assert len(text) <= 200, text
 
 
-def test_structure_in_what_is_called_noise_is_said_and_a_gravity_error_asks_for_the_payload() -> None:
-    line = ResidualCheck(code="line", along="path", frequency=0.53, share=0.2)
-    assert NAMED.gap is not None
-    gap = replace(NAMED.gap, after=6.1, floor=6.1)
-    text = joint_message(replace(NAMED, verdict="unexplained", effects=(), gap=gap, checks=(line,)))
-    assert text.startswith(
-        "the residual (6.1 N m RMS), with a spectral line at 0.53 waves per rad of path, is unexplained"
-    )
-    gravity = replace(STRIBECK, name="gravity_error", alternatives=())
-    assert "give payload or model of the arm" in joint_message(replace(NAMED, effects=(gravity,)))
-    assert words.in_unit("left 12.1 J in its ledger", "A") == "left 12.1 A rad in its ledger"
-
-
 def test_contacts_are_left_out_and_joints_with_the_same_answer_share_a_line() -> None:
     spans = tuple((float(k), k + 0.5) for k in range(5))
     trace = ContactTrace(t=np.zeros(2), residual_nm=np.zeros(2), spans_s=spans)
@@ -178,8 +163,6 @@ def test_near_a_level_of_zero_drift_is_absolute() -> None:
 
 def test_the_words_that_a_sentence_takes_from_numbers_are_made_for_codes_that_there_are() -> None:
     assert WORDS.keys() <= SENTENCES.keys()
-    lags = {"joints": [1, 3], "lags_s": [0.002, 0.006]}
-    assert sentence_of(Caution(code="dq_late", numbers=lags)).startswith("joints 1, 3: dq lags q by 2.0 to 6.0 ms (")
 
 
 def ranged(*messages: str) -> list[str]:
@@ -205,10 +188,8 @@ def test_notices_of_the_same_words_share_a_line(seven: Estimate) -> None:
 
 @pytest.mark.parametrize(("shown", "text"), [
     (words.format_coefficient(coefficient(0.245, 0.006)), "0.2450 ± 0.0060"),
-    (words.format_coefficient(coefficient(0.246, 0.1)), "0.25 ± 0.10"),
     (words.format_coefficient(Coefficient(value=0.25, low=0.22, high=0.26)), "0.250 +0.010/-0.030"),
     (words.format_coefficient(coefficient(-0.02, 0.45)), "-0.02 ± 0.45"),
-    (words.format_coefficient(coefficient(12.0, 30.0)), "12 ± 30"),
     (words.format_coefficient(coefficient(0.25, 0.0)), "0.2500 ± 0.0001"),
     (words.format_coefficient(coefficient(0.25, math.nan)), "0.25"),
     (words.format_coefficient(UNDETERMINED), "-"),
@@ -217,18 +198,16 @@ def test_notices_of_the_same_words_share_a_line(seven: Estimate) -> None:
     *((f"{words.format_start(one)} {words.iso_start(one)}", "- None") for one in (None, -5.0, math.nan, 1e18)),
     (words.format_quantity(coefficient(0.15, 0.01), "N m"), "0.150 ± 0.010 N m"),
     (words.format_quantity(coefficient(0.0031, 0.0002), "s"), "3.10 ± 0.20 ms"),
-    (words.format_quantity(coefficient(0.0031, 0.0002), "N m"), "0.0031 ± 0.0002 N m"),
     (words.format_quantity(coefficient(0.001037, 0.00002), "rad/(N m)"), "1.037 ± 0.020 mrad/(N m)"),
     (words.format_quantity(coefficient(2.0, 0.0), "1"), "2"),
     (words.format_quantity(UNDETERMINED, "s"), "-"),
     (words.format_percent(Coefficient(value=30.62, low=-1.0, high=8.9e7)), "not identifiable"),
     (words.format_percent(Coefficient(value=-0.06132, low=math.nan, high=math.nan)), "-6.1 %"),
     (words.format_slope(Coefficient(value=0.0026712, low=0.0024, high=0.0029424)), "+0.0027 ± 0.0003"),
-    (words.format_slope(Coefficient(value=-1.0, low=-1.0, high=-1.0)), "-1"),
     (" ".join((words.format_slope(UNDETERMINED), words.format_share(math.nan), words.format_p(math.nan))), "- - -"),
     (", ".join(map(words.format_share, (0.0333, 0.132, 0.95, 9e4))), "3.3 %, 13 %, 95 %, >100 %"),
     (", ".join(map(words.format_p, (1e-9, 0.0432, 1.0))), "< 0.001, 0.043, 1"),
-    (words.enumerate_words([1]), "1"),
+    (words.in_unit("left 12.1 J in its ledger", "A"), "left 12.1 A rad in its ledger"),
     (words.enumerate_words([1, 2, 3]), "1, 2 and 3"),
     (" ".join(words.joint_label(3, n) for n in ("panda_joint3", "elbow", "joint13", "")), "3 3 elbow 3 joint13 3"),
 ])  # fmt: skip

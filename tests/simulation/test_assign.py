@@ -68,7 +68,6 @@ def test_one_value_changes_and_no_other(entry: str, path: str, value: object) ->
     [
         ("motion.ease_s=1@2", "is not set joint by joint; leave out @2"),
         ("hand.stifness_n_per_m=1", r"no such setting; did you mean hand\.stiffness_n_per_m"),
-        ("hand.mas=1", r"did you mean hand\.mass_kg\?$"),
         ("hidden.torque_nm=1", "no such setting; --list"),
         ("duration_s", "expected NAME=VALUE"),
         ("duration_s=", "--set duration_s=: expected a number"),
@@ -77,7 +76,6 @@ def test_one_value_changes_and_no_other(entry: str, path: str, value: object) ->
         ("driven=yes", "expected true or false"),
         ("model=jump", "expected one of"),
         ("path.pause_s=1", "expected 2 values separated by commas, found 1"),
-        ("path.pause_s=none", "expected 2 values separated by commas, found 1"),
         ("mass_kg=-1", "--set hand.mass_kg=-1: hand: mass_kg -1: expected zero or more"),
         ("joints.coulomb_nm=1@8-9", "no joint 8-9; expected joints from 1 to 7"),
         ("joints.coulomb_nm=1@", "'' is no joint"),

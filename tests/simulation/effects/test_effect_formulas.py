@@ -135,17 +135,6 @@ def test_two_half_steps_of_warming_make_a_step(warmth: float, power: float, h: f
     assert_array_equal(temperature_c(WarmUp(cold_c=20.0, rise_k=10.0), np.array([0.0, 0.5, 1.0])), [20.0, 25.0, 30.0])
 
 
-def test_the_sigmoid_is_the_published_friction_of_the_first_joint_of_a_panda() -> None:
-    # Gaz et al. (2019), joint 1: phi1 / (1 + exp(-phi2 (v + phi3))) - phi1 / (1 + exp(-phi2 phi3))
-    phi1, phi2, phi3 = 0.54615, 5.1181, 0.039533
-    numbers = {"share": 1.0, "coulomb_nm": 0.5 * phi1, "width_rad_s": 1.0 / phi2}
-    for velocity in (-2.0, -0.1, 0.05, 1.0):
-        published = phi1 / (1.0 + math.exp(-phi2 * (velocity + phi3))) - phi1 / (1.0 + math.exp(-phi2 * phi3))
-        found = value("unlogged_compensation", "unlogged_nm", "sigmoid", numbers, velocity)
-        assert found == pytest.approx(published, rel=0.02)
-    assert abs(value("unlogged_compensation", "unlogged_nm", "sigmoid", {"share": 1.0}, 1e6)) < 0.25
-
-
 # Errors of sensors
 
 
