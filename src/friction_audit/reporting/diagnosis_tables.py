@@ -255,6 +255,8 @@ JOINT_DIAGNOSIS = Record(
         "profiles", [PROFILE], "residual along a quantity", lambda j: zip_longest(j.profiles, j.profiles[:1]), on="j",
     ),
     Column("remaining", [PROFILE], "after the effects", lambda j: zip_longest(j.remaining, j.remaining[:1]), on="j"),
+    Column("negligible", str, get=words.negligible_words, on="p"),
+    Column("unexplained", str, get=words.remainder_words, on="p"),
     Column("untestable", {"*": str}, "effects that this log cannot show, and the motion it lacks", on="j"),
     Column("findings", [FINDING], "the audit of the data", lambda own: ((own, one) for one in own.findings), on="j"),
     name="verdicts",

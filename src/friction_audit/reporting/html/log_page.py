@@ -127,14 +127,10 @@ def _answer(report: made.LogReport, answered: list[made.JointReport], drawn: Dra
 
 
 def _joint(report: made.LogReport, one: made.JointReport) -> html.Section:
-    label, unit, found = joint_label(one.joint, one.name), report.unit, one.discrepancy
-    pairs = html.terms_of(FRICTION, one.friction, unit)
-    if found is not None:
-        pairs |= html.terms_of(tables.JOINT_DIAGNOSIS, found, unit)
-        pairs |= {"negligible": words.negligible_words(found)} if found.negligible else {}
-        pairs |= {"unexplained": words.remainder_words(found)} if found.checks else {}
-    if one.replay is not None:
-        pairs |= html.terms_of(JOINT_REPLAY, one.replay, unit)
+    label, unit = joint_label(one.joint, one.name), report.unit
+    rows = ((FRICTION, one.friction), (tables.JOINT_DIAGNOSIS, one.discrepancy), (JOINT_REPLAY, one.replay))
+    filled = [(table.people([row], unit=unit).filled(without="joint"), row) for table, row in rows if row is not None]
+    pairs = {column.head(unit): table.text(column, row) for table, row in filled for column in table.columns}
     own = list(dict.fromkeys(notice.message for notice in made.report_notices(report) if notice.joint == one.joint))
     terms = html.Terms([(name, in_unit(words.plain_names(text), unit)) for name, text in pairs.items()])
     parts, note = (terms, *_effects(report, one), html.noted(own)), in_unit(made.joint_words(one), unit)
