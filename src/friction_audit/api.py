@@ -199,7 +199,7 @@ def replay_log(log: JointLog | Estimate, **options: Unpack[ReplayOptions]) -> Lo
     cannot be replayed.
     """
     _check_names("replay_log", options, ReplayOptions)
-    estimate = _estimated(log)
+    estimate = log if isinstance(log, Estimate) else estimate_log(log)
     return audit.replay_estimate(estimate, replay_settings(estimate, options))
 
 
@@ -210,7 +210,8 @@ def diagnose_log(log: JointLog | Estimate, **options: Unpack[DiagnosisOptions]) 
     ``at_most_s``, ``model``. Raises ``AnalysisError`` where the log cannot be diagnosed.
     """
     _check_names("diagnose_log", options, DiagnosisOptions)
-    return audit.diagnose_estimate(_estimated(log), DiagnosisSettings(**options))
+    estimate = log if isinstance(log, Estimate) else estimate_log(log)
+    return audit.diagnose_estimate(estimate, DiagnosisSettings(**options))
 
 
 def report_log(log: JointLog | Estimate, path: str | Path | None = None, *, overwrite: bool = False) -> LogReport:
@@ -226,7 +227,7 @@ def report_log(log: JointLog | Estimate, path: str | Path | None = None, *, over
         raise UsageError(f"{path}: ending {ending or 'missing'}: expected one of {', '.join(writers)}")
     # What cannot be written is refused before anything long is done.
     with nullcontext() if path is None else whole_file(Path(path), overwrite=overwrite) as draft:
-        estimate = _estimated(log)
+        estimate = log if isinstance(log, Estimate) else estimate_log(log)
         report = report_estimate(estimate, replay_settings(estimate, {}), DiagnosisSettings())
         if draft is not None:
             draft.write_bytes(writers[ending.lower()](report))
@@ -240,10 +241,6 @@ def replay_settings(estimate: Estimate, options: ReplayOptions) -> replaying.Rep
         own = replaying.energy_compensator(minimum_path_rad=cycles.minimum_path_rad)
         options = {**options, "compensator": own}
     return replaying.ReplaySettings(**options)
-
-
-def _estimated(log: JointLog | Estimate) -> Estimate:
-    return log if isinstance(log, Estimate) else estimate_log(log)
 
 
 def to_frames(result: Estimate | LogReplay | Diagnosis | LogReport) -> "dict[str, pd.DataFrame]":

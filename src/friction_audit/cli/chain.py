@@ -21,11 +21,13 @@ from friction_audit.joint_numbers import parse_joint_numbers
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 
 if TYPE_CHECKING:
+    from friction_audit.diagnosis.result import JointDiagnosis
     from friction_audit.effects.joint_model import ArmModel
     from friction_audit.io.readers import Listen, ReadOptions
     from friction_audit.joint_log import JointLog
     from friction_audit.pipeline import AuditSettings, Estimate
     from friction_audit.reporting.notices import Joint, Notice
+    from friction_audit.reporting.report import Unanswered
 
 
 BUG = 1  # exit code: part of the result is missing because of a bug
@@ -90,11 +92,12 @@ def untabled(log: "JointLog", notices: "Iterable[Notice]", voice: Voice) -> "lis
 
 def warn_about(log: "JointLog", notices: "Iterable[Notice]", voice: Voice, *, marked: bool = False) -> None:
     """Say the warnings that a result's table does not show; ``marked``: it shows those about the physics."""
-    from friction_audit.reporting.notices import is_physics, notice_lines
+    from friction_audit.reporting.notices import NO_PHYSICS, notice_lines
     from friction_audit.reporting.words import MARK, count_of
 
     shown = untabled(log, notices, voice)
-    data, physics = (notice_lines(one for one in shown if is_physics(one.code) is wanted) for wanted in (False, True))
+    data = notice_lines(one for one in shown if one.code in NO_PHYSICS)
+    physics = notice_lines(one for one in shown if one.code not in NO_PHYSICS)
     kinds = [count_of(len(lines), f"{kind} warning") for lines, kind in ((data, "data"), (physics, "physics")) if lines]
     legend = f" (marked {MARK} below the table)" if marked and physics else ""
     lines = data if marked else data + physics
@@ -118,9 +121,10 @@ def conclude(log: "JointLog", notices: "Iterable[Notice]", *, strict: bool) -> N
 
 def exit_if_strict(codes: Mapping[str, Iterable[str]], *, strict: bool) -> None:
     """If asked to, exit with the code of a limit where warnings of a log, by its path, are about the physics."""
-    from friction_audit.reporting.notices import AS_ASKED, is_physics
+    from friction_audit.reporting.notices import AS_ASKED, NO_PHYSICS
 
-    doubts = {path: [one for one in some if is_physics(one) and one not in AS_ASKED] for path, some in codes.items()}
+    sure = (*NO_PHYSICS, *AS_ASKED)
+    doubts = {path: [one for one in some if one not in sure] for path, some in codes.items()}
     lines = [f"{path}: {', '.join(dict.fromkeys(some))}" for path, some in doubts.items() if some]
     if strict and lines:
         remark(
@@ -136,9 +140,10 @@ def exit_if_damaged(log: "JointLog") -> None:
         raise typer.Exit(DAMAGED)
 
 
-def exit_for_bugs(bugs: Iterable[tuple[str, str]], voice: Voice) -> None:
-    """Report what ended in a bug (sentence and traceback) after the other results stand, and exit as a bug does."""
-    bugs = list(bugs)
+def exit_for_bugs(joints: "Iterable[JointDiagnosis]", voice: Voice, unanswered: "Iterable[Unanswered]" = ()) -> None:
+    """Report joints, and parts of a report, that ended in a bug after the other results stand; exit as a bug does."""
+    bugs = [(one.message, one.traceback) for one in unanswered if one.traceback]
+    bugs += [(f"joint {one.joint}: {one.reason}", one.traceback) for one in joints if one.traceback]
     for sentence, traceback in bugs:
         remark(f"{traceback if voice.verbose else ''}error: {sentence}")
     if bugs:

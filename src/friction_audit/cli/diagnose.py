@@ -108,7 +108,7 @@ def command(
         out.write_figures({"diagnosis": found}, [one.joint for one in joints], recorded.source.torque_unit, stages)
         out.write_exports(diagnose_tables(found), recorded, stages)
     show(text, lambda: diagnose_lines(found, verbose=voice.verbose), json=json)
-    chain.exit_for_bugs(joint_bugs(found), voice)
+    chain.exit_for_bugs(joints, voice)
     chain.conclude(recorded, diagnose_notices(found), strict=strict)
 
 
@@ -127,11 +127,6 @@ def _settings(options: DiagnosisOptions) -> "DiagnosisSettings":
         at_most_s=60.0 * options.at_most,
         model=model,
     )
-
-
-def joint_bugs(found: "Diagnosis") -> list[tuple[str, str]]:
-    """Return a sentence and the traceback for each joint whose diagnosis ended in a bug."""
-    return [(f"joint {one.joint}: {one.reason}", one.traceback) for one in found.discrepancy.joints if one.traceback]
 
 
 def _write_model(found: "Diagnosis", out: ResultFolder, voice: Voice) -> None:

@@ -110,12 +110,14 @@ class ResultFolder:
         load_matplotlib(self.formats)  # once, and not by every copy
         tasks = [(kind, sheet) for kind in kinds]
         for kind in kinds:
-            empty = [one for one in alone if not kind.layout().shows(results[kind.result], one)]
+            layout, result = kind.layout(), results[kind.result]
+            shown = {one.joint for one in layout.joints(result) if layout.has(result, one)}
+            empty = [one for one in alone if one not in shown]
             tasks += [(kind, one) for one in alone if one not in empty]
             if empty and not voice.quiet:
                 from friction_audit.reporting.words import joints_label
 
-                remark(f"{kind.name}: no figure of {joints_label(empty)} alone: {kind.layout().lacks}")
+                remark(f"{kind.name}: no figure of {joints_label(empty)} alone: {layout.lacks}")
         tasks.sort(key=lambda task: kinds.index(task[0]))
 
         def draw(k: int) -> list[bytes]:

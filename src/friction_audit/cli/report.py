@@ -7,7 +7,6 @@ import typer
 
 from friction_audit.cli import chain, choices, options as opt
 from friction_audit.cli.choices import group, option
-from friction_audit.cli.diagnose import joint_bugs
 from friction_audit.cli.grouped_help import OUTPUT, command_line
 from friction_audit.cli.outputs import ResultFolder, show
 from friction_audit.cli.replay import ReplayOptions, replay_settings
@@ -90,7 +89,7 @@ def command(
         exported = out.write_exports(made.report_tables(report), recorded, stages)
     lines = [made.lead_sentence(report), *map(str, (*files.values(), *exported))]
     show(lambda: made.REPORT.json(report, report.unit), lambda: lines, json=json)
-    bugs = [] if report.diagnosis is None else joint_bugs(report.diagnosis)
-    chain.exit_for_bugs([*((one.message, one.traceback) for one in report.unanswered if one.traceback), *bugs], voice)
+    joints = () if report.diagnosis is None else report.diagnosis.discrepancy.joints
+    chain.exit_for_bugs(joints, voice, report.unanswered)
     chain.require_one(estimate.log, estimate.friction.joints)
     chain.conclude(recorded, made.report_notices(report), strict=wanted.strict)

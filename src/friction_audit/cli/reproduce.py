@@ -39,7 +39,7 @@ def command(
     overwrite: opt.Overwrite = False,
 ) -> None:
     """Simulate the paper's figures and measure its claims."""
-    from friction_audit.reporting.compare import REPRODUCE, claim_lines, count_line
+    from friction_audit.reporting.compare import CLAIM, REPRODUCE, count_line
     from friction_audit.reproduce import REPRODUCTIONS, simulate_figures
 
     voice, json, persons = general.voice, general.json, simulation.persons
@@ -57,7 +57,8 @@ def command(
             paths = out.save_figure(f"fig{one.figure}", one.draw(simulations))
             files += [(one.figure, one.title, str(path)) for path in paths]
         if not json:
-            say("\n".join(claim_lines(found)))
+            reasons = [f"{one['figure']}: {one['note']}" for one in found if not one["holds"] and one["note"]]
+            say("\n".join([*CLAIM.people(found, "t").lines(), *reasons]))
         rows += found
     document = partial(REPRODUCE.json, {"seeds": persons, "claims": rows, "figures": files})
     show(document, lambda: [count_line(rows), *(path for *_, path in files)], json=json)

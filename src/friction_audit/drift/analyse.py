@@ -12,7 +12,7 @@ from friction_audit.drift import regression, report as made
 from friction_audit.drift.change_points import Step, find_isolated, find_steps, leave_outliers_out
 from friction_audit.drift.change_test import COLLINEAR, Verdict, judge_family
 from friction_audit.drift.covariates import CONFOUNDED, choose_comparable, shared, use_temperature
-from friction_audit.drift.regression import Fit, Model, to_change, to_level, to_relative
+from friction_audit.drift.regression import Fit, Model, to_change, to_level
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, ControlPoint, DriftSettings
 from friction_audit.drift.session import COEFFICIENTS, NORMAL_95, Order, Series, Session, make_series, put_in_order
 from friction_audit.friction.history import UNDETERMINED, Coefficient
@@ -136,7 +136,8 @@ def describe_series(
     last = fit if ends is model else regression.fit_model(counted, ends.columns, inflation)
     change = last.interval(ends.change) if np.any(ends.change) else UNDETERMINED
     smallest = smallest_change(counted, fit, critical=verdict.critical, growth=growth, power=settings.power)
-    least = Coefficient(value=smallest, low=smallest, high=smallest)
+    least, least_share = to_change(Coefficient(value=smallest, low=smallest, high=smallest), level, series)
+    absolute, total = to_change(change, level, series)
     over, slope = 1.0 if series.logarithmic else abs(level.value), UNDETERMINED
     if counted.temperature is not None and over:
         slope = regression.each(fit.interval(np.eye(len(fit.value))[-1]), lambda end: end / over)
@@ -153,11 +154,11 @@ def describe_series(
         trend_p_value=verdict.ramp_p_value,
         change_points=tuple(_change_points(counted, steps, fit, verdict.p_value)),
         control=make_chart(series, y, fit, level, reference, settings.alpha),
-        change=to_change(change, level, series),
-        total=to_relative(change, level, series),
+        change=absolute,
+        total=total,
         scatter=fit.scatter / abs(level.value) if relative_scatter else fit.scatter,
-        smallest_change=to_change(least, level, series).value,
-        smallest_drift=to_relative(least, level, series).value,
+        smallest_change=least.value,
+        smallest_drift=least_share.value,
         drift=verdict.p_value <= settings.alpha,
         warmer_k=_warming(warm),
         by_temperature=verdict.p_without_temperature <= settings.alpha < verdict.p_value,
@@ -197,7 +198,7 @@ def _change_points(series: Series, steps: Sequence[Step], fit: Fit, p_value: flo
             high=high,
             before=level,
             after=to_level(fit.interval(after), series),
-            relative=to_relative(fit.interval(after - before), level, series),
+            relative=to_change(fit.interval(after - before), level, series)[1],
             p_value=max(step.p_value, p_value),
         )
 
@@ -237,7 +238,7 @@ def make_chart(
     half = float(t.isf(alpha / (2.0 * len(y)), fit.freedom)) * np.sqrt(np.maximum(spread, 0.0))
     outside = (np.abs(y - mean) > half) & (half > 0.0)
     ends = [Coefficient(value=one, low=-far, high=far) for one, far in np.column_stack([y - mean, half]).tolist()]
-    pairs = [(to_change(end, level, series), to_relative(end, level, series)) for end in ends]
+    pairs = [to_change(end, level, series) for end in ends]
     rows = zip(series.session.tolist(), pairs, outside.tolist(), strict=True)
     return tuple(ControlPoint(session=i, deviation=d, relative=r, outside=out) for i, (d, r), out in rows)
 

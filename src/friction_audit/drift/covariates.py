@@ -98,7 +98,7 @@ def _speed_warnings(sessions: Sequence[Session]) -> list[str]:
 def use_temperature(series: Series, sessions: Sequence[Session]) -> tuple[Series, str]:
     """Return a series, without its temperature where that is not taken out, and what limits the comparison."""
     bare = replace(series, temperature=None)
-    if series.temperature is None or not len(series.value):
+    if series.temperature is None or not len(series.y):
         return bare, ""
     known = np.isfinite(series.temperature)
     count, every = int(np.count_nonzero(known)), len(known)

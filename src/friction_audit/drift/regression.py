@@ -178,12 +178,13 @@ def to_level(y: Coefficient, series: Series) -> Coefficient:
         return each(y, np.exp) if series.logarithmic else y
 
 
-def to_relative(change: Coefficient, level: Coefficient, series: Series) -> Coefficient:
-    """Return a change of y over the level; NaN where the level is near zero."""
+def to_change(change: Coefficient, level: Coefficient, series: Series) -> tuple[Coefficient, Coefficient]:
+    """Return a change of y in the unit of the coefficient, and over the level: NaN where the level is near zero."""
     if series.logarithmic:
         with np.errstate(over="ignore"):  # infinite, no limit, beyond all numbers
-            return each(change, np.expm1)
-    return UNDETERMINED if is_near_zero(level) else each(change, lambda end: end / abs(level.value))
+            relative = each(change, np.expm1)
+        return each(relative, lambda end: level.value * end), relative
+    return change, UNDETERMINED if is_near_zero(level) else each(change, lambda end: end / abs(level.value))
 
 
 def relative_change(first: Coefficient, last: Coefficient) -> Coefficient:
@@ -191,12 +192,6 @@ def relative_change(first: Coefficient, last: Coefficient) -> Coefficient:
     ratio = last.value / first.value
     half = float(np.hypot(last.high - last.value, ratio * (first.high - first.value))) / first.value
     return Coefficient(value=ratio - 1.0, low=ratio - 1.0 - half, high=ratio - 1.0 + half)
-
-
-def to_change(change: Coefficient, level: Coefficient, series: Series) -> Coefficient:
-    """Return a change of y in the unit of the coefficient."""
-    relative = to_relative(change, level, series)
-    return each(relative, lambda end: level.value * end) if series.logarithmic else change
 
 
 def is_near_zero(level: Coefficient) -> bool:

@@ -131,22 +131,12 @@ class Series:
     session: NDArray[np.int64]  # indices into all sessions of the arm, shape (n,)
     place: Float  # places among those compared, from 0, shape (n,)
     day: Float | None  # days since the first session, shape (n,), or None where starts are not known [d]
-    value: Float  # estimates, shape (n,)
-    error: Float  # their standard errors, shape (n,)
+    y: Float  # what drift is looked for in, shape (n,)
+    y_error: Float  # its standard errors, shape (n,)
     temperature: Float | None  # of the joint, shape (n,), or None where it cannot be used [degC]
     speed: Float  # median speed in motion, shape (n,) [rad/s]
     logarithmic: bool  # whether y is the logarithm
     kept: NDArray[np.bool_]  # which sessions count: False for an isolated one, shape (n,)
-
-    @property
-    def y(self) -> Float:
-        """What drift is looked for in, shape (n,)."""
-        return np.log(self.value) if self.logarithmic else self.value
-
-    @property
-    def y_error(self) -> Float:
-        """Standard error of y, shape (n,)."""
-        return self.error / self.value if self.logarithmic else self.error
 
     def take(self, which: NDArray[np.bool_]) -> "Series":
         """Return the series of some of its sessions."""
@@ -177,16 +167,17 @@ def make_series(
     error = np.where(np.isfinite(error), error, np.max(error[np.isfinite(error)], initial=0.0))
     error = np.maximum(error, 1e-9 * max(float(np.max(np.abs(value), initial=0.0)), 1e-9))
     positive = len(value) > 0 and np.min(value) > 0.0
+    logarithmic = bool(positive and np.median(error / value) <= LARGEST_RELATIVE_ERROR)
     return Series(
         joint=joint,
         coefficient=coefficient,
         session=index.astype(np.int64),
         place=place,
         day=(start - np.min(start, initial=np.inf)) / SECONDS_A_DAY if by_start else None,
-        value=value,
-        error=error,
+        y=np.log(value) if logarithmic else value,
+        y_error=error / value if logarithmic else error,
         temperature=temperature,
         speed=speed,
-        logarithmic=bool(positive and np.median(error / value) <= LARGEST_RELATIVE_ERROR),
+        logarithmic=logarithmic,
         kept=np.ones(len(value), dtype=np.bool_),
     )

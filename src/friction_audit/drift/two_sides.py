@@ -20,6 +20,7 @@ from friction_audit.joint_numbers import write_joint_numbers
 
 SETTINGS = DriftSettings()  # the level of the tests and the power of the smallest change, as in a batch
 UNITS = dict(zip(COEFFICIENTS, ((1.0, 0.0), (0.0, 1.0)), strict=True))  # combinations that are one coefficient alone
+TWO_SIDED = 0.5 + CONFIDENCE / 2  # probability below the upper end of an interval
 SPEEDS = 25  # points of the friction law
 TOP_SPEED_RAD_S = 1.0  # of the law where no side has a curve: that of a hand
 
@@ -96,7 +97,7 @@ class _Mean:
     borrowed: bool = False  # whether a single recording has the variance between those of the other side
 
     def interval(self) -> Coefficient:
-        half = _critical(self.freedom) * self.variance**0.5
+        half = float(stdtrit(self.freedom, TWO_SIDED)) * self.variance**0.5
         return Coefficient(value=self.value, low=self.value - half, high=self.value + half)
 
 
@@ -164,7 +165,8 @@ def _combined(recording: Recording, joint: JointSummary, parts: tuple[float, flo
     freedom = max(joint.cycles - 1, 1)  # of the jackknife over cycles
     some = [(part, joint.coefficients[name]) for part, name in zip(parts, COEFFICIENTS, strict=True) if part]
     # An interval that covers a second method is not symmetric: its longer side counts.
-    errors = [part * max(one.high - one.value, one.value - one.low) / _critical(freedom) for part, one in some]
+    quantile = float(stdtrit(freedom, TWO_SIDED))
+    errors = [part * max(one.high - one.value, one.value - one.low) / quantile for part, one in some]
     variance = sum(error**2 for error in errors)
     if all(parts):
         variance += 2.0 * recording.correlation.get(joint.joint, NAN) * errors[0] * errors[1]
@@ -205,10 +207,6 @@ def _satterthwaite(*parts: tuple[float, float]) -> float:
     return float(total**2 / below) if below > 0.0 else min(freedom for _, freedom in parts)
 
 
-def _critical(freedom: float, confidence: float = CONFIDENCE) -> float:
-    return float(stdtrit(freedom, 0.5 + confidence / 2))
-
-
 def _difference(first: _Mean, second: _Mean) -> _Mean:
     freedom = _satterthwaite((first.variance, first.freedom), (second.variance, second.freedom))
     if first.borrowed or second.borrowed:  # one variance between recordings stands in both
@@ -238,8 +236,8 @@ def _change(name: str, sides: tuple[_Mean, _Mean], single: float, p_value: float
     total = UNDETERMINED
     if first.value > 0.0 and not before.low <= 0.0:  # of an estimate without an interval the ratio is known
         total = relative_change(*(replace(one, freedom=change.freedom).interval() for one in sides))
-    quantiles = _critical(change.freedom, level) + float(stdtrit(change.freedom, SETTINGS.power))
-    smallest = quantiles * change.variance**0.5
+    quantiles = stdtrit(change.freedom, 0.5 + level / 2) + stdtrit(change.freedom, SETTINGS.power)
+    smallest = float(quantiles) * change.variance**0.5
     found = CoefficientDrift(
         coefficient=name,
         sessions=tuple(range(sum(one.recordings for one in sides if np.isfinite(one.value)))),

@@ -128,7 +128,8 @@ def mjcf_joints(mjcf: XmlText) -> list[Tag]:
 def edit_urdf(robot: XmlText, joints: Sequence[tuple[Tag, ExportedJoint]]) -> Iterator[Edit]:
     """Set ``<dynamics>`` of joints."""
     for tag, joint in joints:
-        values, there = _dynamics(joint), robot.child(tag, "dynamics")
+        coulomb, viscous, *_ = map(number, joint.fitted.coefficients)
+        values, there = {"damping": viscous, "friction": coulomb}, robot.child(tag, "dynamics")
         attributes = " ".join(f'{key}="{value}"' for key, value in values.items())
         yield robot.set_attributes(there, values) if there else robot.append(tag, f"<dynamics {attributes}/>")
 
@@ -144,7 +145,8 @@ def edit_mjcf(mjcf: XmlText, joints: Sequence[tuple[Tag, ExportedJoint]]) -> Ite
 def edit_sdf(sdf: XmlText, joints: Sequence[tuple[Tag, ExportedJoint]]) -> Iterator[Edit]:
     """Set ``<dynamics>`` of the axes of joints."""
     for tag, joint in joints:
-        axis, values = sdf.child(tag, "axis"), _dynamics(joint)
+        coulomb, viscous, *_ = map(number, joint.fitted.coefficients)
+        axis, values = sdf.child(tag, "axis"), {"damping": viscous, "friction": coulomb}
         if axis is None:
             raise InputError(f"{sdf.where}: joint {joint.name} has no <axis>; expected one; repair the file")
         dynamics = sdf.child(axis, "dynamics")
@@ -155,9 +157,3 @@ def edit_sdf(sdf: XmlText, joints: Sequence[tuple[Tag, ExportedJoint]]) -> Itera
             yield sdf.append(axis, f"<dynamics>{lacking}</dynamics>")
         elif lacking:
             yield sdf.append(dynamics, lacking)
-
-
-def _dynamics(joint: ExportedJoint) -> dict[str, str]:
-    """Return damping and friction of a joint, as URDF and SDF name them."""
-    coulomb, viscous, *_ = map(number, joint.fitted.coefficients)
-    return {"damping": viscous, "friction": coulomb}

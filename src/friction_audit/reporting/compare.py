@@ -156,12 +156,6 @@ REPRODUCE = Document(
 )
 
 
-def claim_lines(claims: Sequence[Claim]) -> list[str]:
-    """Return a row per claim, and why those do not hold that do not."""
-    reasons = [f"{row['figure']}: {row['note']}" for row in claims if not row["holds"] and row["note"]]
-    return [*CLAIM.people(claims, "t").lines(), *reasons]
-
-
 def count_line(claims: Sequence[Claim]) -> str:
     """Return how many claims of the paper hold, and apart from them how many experiments of this project."""
     paper, own = ([bool(row["holds"]) for row in claims if row["own"] == kind] for kind in (False, True))

@@ -1,13 +1,15 @@
 """Diagnosis: its document, its tables for files and pages, and its text on the terminal."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
 from friction_audit.diagnosis.result import JointDiagnosis
+from friction_audit.effects.registry import motion_to_decide
 from friction_audit.io.writers.tables import TidyTable
+from friction_audit.joint_log import Float
 from friction_audit.pipeline import Diagnosis
 from friction_audit.reporting import diagnosis_tables as tables, diagnosis_words as words
 from friction_audit.reporting.documents import CHAIN, NO_OPTIONS, chain_document
@@ -43,18 +45,11 @@ RESIDUAL = Record(
     summary="torque of a joint: measured, of the nominal and of the augmented model, low-passed alike",
     over="time_s",
 )
-
-
-def _simulated(name: str) -> Callable[[Any], Any]:
-    """Return what gets a signal without the gaps between the cycles that were simulated."""
-    return lambda gap: getattr(gap, name)[np.isfinite(gap.t)]
-
-
 SIMULATED = Record(
-    Column("time", get=_simulated("t"), unit="s"),
-    Column("dq_measured", get=_simulated("measured"), unit="rad/s"),
-    Column("dq_nominal", get=_simulated("nominal"), unit="rad/s"),
-    Column("dq_augmented", get=_simulated("augmented"), unit="rad/s"),
+    Column("time", get="t", unit="s"),
+    Column("dq_measured", get="measured", unit="rad/s"),
+    Column("dq_nominal", get="nominal", unit="rad/s"),
+    Column("dq_augmented", get="augmented", unit="rad/s"),
     name="simulated_motion",
     summary="velocity of a joint measured and simulated, on held-out cycles",
     over="time_s",
@@ -73,6 +68,15 @@ def diagnose_document(found: Diagnosis, reading: Mapping[str, object] = NO_OPTIO
     return chain_document(DIAGNOSE, found.estimate, diagnose_notices(found), reading, settings, joints=joints)
 
 
+def _simulated(joint: JointDiagnosis) -> dict[str, Float] | None:
+    """Return the signals of the cycles that were simulated, without the gaps between them."""
+    gap = joint.simulation
+    if gap is None:
+        return None
+    there = np.isfinite(gap.t)
+    return {name: getattr(gap, name)[there] for name in ("t", "measured", "nominal", "augmented")}
+
+
 FILES: tuple[tuple[Record, Get], ...] = (
     (tables.JOINT_DIAGNOSIS, lambda joint: [joint]),
     (tables.EFFECT, lambda joint: tables.effect_rows([joint])),
@@ -89,7 +93,7 @@ FILES: tuple[tuple[Record, Get], ...] = (
         for cells in zip(one.centre, one.forwards, one.forwards_se, one.backwards, one.backwards_se, strict=True)
     ]),
     (RESIDUAL, "traces"),
-    (SIMULATED, "simulation"),
+    (SIMULATED, _simulated),
 )  # fmt: skip
 TABLES = tuple(record for record, _ in FILES)
 
@@ -150,7 +154,7 @@ def _competing(joint: JointDiagnosis) -> Iterator[str]:
     """Yield the motions that decide, what competes with each effect, and what the log cannot show."""
     for effect in joint.effects:
         if effect.alternatives:
-            yield f"to decide on {effect.name}: {words.decide_words(effect)}"
+            yield f"to decide on {effect.name}: {motion_to_decide(effect.name, effect.alternatives)}"
         for one in effect.evidence:
             scores = f"2 ln BF {one.two_ln_bayes_factor:+.0f}, correlation {one.correlation:.2f}"
             yield f"{one.name} in place of {effect.name}: {scores}"

@@ -1,9 +1,11 @@
 """Tables of a diagnosis: its columns once, for documents, files, terminal and page."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
+from itertools import zip_longest
 from typing import Any, NamedTuple
 
 from friction_audit.diagnosis.result import VERDICTS, Evidence, JointDiagnosis, NamedEffect
+from friction_audit.effects.registry import motion_to_decide
 from friction_audit.friction.history import Coefficient
 from friction_audit.reporting import diagnosis_words as words
 from friction_audit.reporting.table import ALL, INTERVAL, JOINT, NAME, PEOPLE, Column, Get, Record, Tone, joint_column
@@ -47,7 +49,7 @@ class EffectRow(NamedTuple):
     @property
     def names(self) -> str:
         """Its name, and those indistinguishable from it."""
-        return words.names_of(self.effect, self.joint.effects)
+        return " or ".join((self.effect.name, *words.others_of(self.effect, self.joint.effects)))
 
     @property
     def known(self) -> dict[str, Coefficient]:
@@ -60,12 +62,6 @@ class EffectRow(NamedTuple):
 def effect_rows(joints: Iterable[JointDiagnosis], which: str = "effects") -> list[EffectRow]:
     """Return the effects of joints in order, those named or with ``which`` those negligible."""
     return [EffectRow(joint, rank, one) for joint in joints for rank, one in enumerate(getattr(joint, which), start=1)]
-
-
-def _profiles(name: str, meaning: str) -> Column:
-    """Return the column of what a residual depends on, the strongest first, with the curve of that one."""
-    get = lambda joint: ((one, None if k else one) for k, one in enumerate(getattr(joint, name)))  # noqa: E731
-    return Column(name, [PROFILE], meaning, get, on="j")
 
 
 def _percent(share: float) -> str:
@@ -88,7 +84,10 @@ EFFECT = Record(
     Column("label", str, "in words", "effect.label"),
     Column("alternatives", [str], "indistinguishable effects", "effect.alternatives", on="j"),
     Column("alternatives", str, get=lambda row: " ".join(row.effect.alternatives), on="f"),
-    Column("decide", str, "motion that distinguishes them", lambda row: words.decide_words(row.effect), null=True),
+    Column(
+        "decide", str, "motion that distinguishes them",
+        lambda row: motion_to_decide(row.effect.name, row.effect.alternatives), null=True,
+    ),
     Column(
         "size", float, "RMS of its torque free of the nominal model", "effect.size_nm",
         unit="N m", title="size (RMS)", short="size", on=ALL,
@@ -198,16 +197,6 @@ FINDING = Record(
 )  # fmt: skip
 
 
-def _augmented(path: str) -> Callable[[JointDiagnosis], float | None]:
-    """Return what gets a number of the augmented model, None where no effect was added."""
-    one, _, name = path.partition(".")
-    return lambda joint: getattr(getattr(joint, one), name, None) if joint.added else None
-
-
-def _without_gravity(joint: JointDiagnosis) -> float | None:
-    return joint.share_explained if words.corrects_gravity(joint) and len(joint.added) > 1 else None
-
-
 def _people(title: str, short: str, unit: str, get: Get, form: Any = ".3g", file: str = "shown") -> Column:  # noqa: ANN401
     """Return a column for people, and of files where it has a name there."""
     on = PEOPLE if file == "shown" else "ftp"
@@ -220,28 +209,35 @@ JOINT_DIAGNOSIS = Record(
     joint_column(),
     Column("verdict", VERDICTS, "the answer", form=WORDS, tone=TONES, on=ALL),
     Column("message", str, "the answer: cause, size, what to do", words.joint_message),
-    Column(
-        "missing", str, on="p",
-        get=lambda joint: " and ".join(words.names_of(one, joint.effects) for one in joint.effects),
-    ),
+    Column("missing", str, get=lambda joint: " and ".join(row.names for row in effect_rows([joint])), on="p"),
     Column("effects", [EFFECT], "the largest first", lambda joint: effect_rows([joint]), on="j"),
     Column("negligible", [EFFECT], "too small to count", lambda joint: effect_rows([joint], "negligible"), on="j"),
     Column("gap", GAP, "residual RMS on held-out cycles; null if nothing was fitted", on="j", null=True),
     _people("baseline RMS", "RMS\nbefore", "N m", "gap.before", file="gap_before"),
     Column("gap_after", float, get="gap.after", unit="N m", on="f"),
-    _people("augmented RMS", "RMS\nafter", "N m", _augmented("gap.after")),
+    _people("augmented RMS", "RMS\nafter", "N m", lambda joint: joint.gap.after if joint.added and joint.gap else None),
     _people("noise floor", "noise\nfloor", "N m", "gap.floor", file="noise_floor"),
     Column("shrink", float, get="gap.shrink", on="f"),
-    _people("share explained", "expl.", "%", _augmented("gap.shrink"), _percent),
+    _people(
+        "share explained", "expl.", "%", lambda joint: joint.gap.shrink if joint.added and joint.gap else None, _percent
+    ),
     Column("share_explained_without_gravity", float, "gravity in the model before and after", "share_explained"),
-    _people("explained without gravity", "w/o\ngravity", "%", _without_gravity, _percent),
+    _people(
+        "explained without gravity", "w/o\ngravity", "%", form=_percent,
+        get=lambda joint: (
+            joint.share_explained if joint.added[1:] and "gravity_error" in [one.name for one in joint.added] else None
+        ),
+    ),
     Column("held_out_cycles", int, get="gap.cycles", title="held-out cycles", on="fp"),
     Column("simulation_gap", SIMULATION, "forward-simulation velocity error", "simulation", on="j", null=True),
     _people(
         "velocity error: nominal", "vel. error\nbefore", "rad/s", "simulation.before", file="simulation_gap_before"
     ),
     Column("simulation_gap_after", float, get="simulation.after", unit="rad/s", on="f"),
-    _people("velocity error: augmented", "vel. error\nafter", "rad/s", _augmented("simulation.after")),
+    _people(
+        "velocity error: augmented", "vel. error\nafter", "rad/s",
+        lambda joint: joint.simulation.after if joint.added and joint.simulation else None,
+    ),
     Column(
         "detection_limit", float, "RMS that is detected with 90 % power",
         unit="N m", form=".2g", title="detection limit", on="jfp",
@@ -254,8 +250,13 @@ JOINT_DIAGNOSIS = Record(
     Column("augmented", {"*": Coefficient}, "the same fitted with the effects", on="j"),
     Column("from_energy", {"*": Coefficient}, "the coefficients of `estimate`", on="j"),
     Column("ladder", [STEP], "residual RMS after each effect", lambda joint: enumerate(joint.ladder), on="j"),
-    _profiles("profiles", "residual along a quantity"),
-    _profiles("remaining", "after the effects"),
+    # What a residual depends on, the strongest first, with the curve of that one.
+    Column(
+        "profiles", [PROFILE], "residual along a quantity", lambda j: zip_longest(j.profiles, j.profiles[:1]), on="j",
+    ),
+    Column("remaining", [PROFILE], "after the effects", lambda j: zip_longest(j.remaining, j.remaining[:1]), on="j"),
+    Column("negligible", str, get=words.negligible_words, on="p"),
+    Column("unexplained", str, get=words.remainder_words, on="p"),
     Column("untestable", {"*": str}, "effects that this log cannot show, and the motion it lacks", on="j"),
     Column("findings", [FINDING], "the audit of the data", lambda own: ((own, one) for one in own.findings), on="j"),
     name="verdicts",

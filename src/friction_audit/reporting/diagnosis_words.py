@@ -7,10 +7,9 @@ import numpy as np
 
 from friction_audit.diagnosis.result import CONTACT_EVENT, JointDiagnosis, NamedEffect, Profile, ResidualCheck
 from friction_audit.effects.joint_model import ArmModel
-from friction_audit.effects.registry import NAMES, motion_between, motion_to_decide, terms
+from friction_audit.effects.registry import NAMES, motion_between, terms
 from friction_audit.effects.slow import UNFELT_PER_K
 from friction_audit.friction.history import Coefficient
-from friction_audit.joint_log import Float
 from friction_audit.reporting.words import UNBOUNDED, count_of, enumerate_words, format_quantity, format_share
 
 MOST_NUMBERS = 6  # parameters of an effect that a line has room for
@@ -39,20 +38,10 @@ def others_of(effect: NamedEffect, effects: Sequence[NamedEffect]) -> tuple[str,
     return (*names, *(f"a part of {name}" for name in effect.alternatives if name in named))
 
 
-def names_of(effect: NamedEffect, effects: Sequence[NamedEffect]) -> str:
-    """Return the name of one of some effects and of those indistinguishable from it."""
-    return " or ".join((effect.name, *others_of(effect, effects)))
-
-
 def plain_names(text: str) -> str:
     """Return a text with the names of effects as people write them, without underscores."""
     spaced = UNDERSCORED.sub(lambda found: found[0].replace("_", " "), text)
     return re.sub("coulomb|stribeck", lambda found: found[0].title(), spaced)
-
-
-def decide_words(effect: NamedEffect) -> str:
-    """Return the motion that separates an effect from those indistinguishable from it; empty without any."""
-    return motion_to_decide(effect.name, effect.alternatives)
 
 
 def nominal_model(model: ArmModel | None) -> str:
@@ -93,11 +82,6 @@ def _missing(joint: JointDiagnosis) -> str:
     return f"missing: {names} ({first.size_nm:.2g} N m RMS{share}){f' and {len(rest)} more' if rest else ''}"
 
 
-def corrects_gravity(joint: JointDiagnosis) -> bool:
-    """Whether the augmented model holds an error of the gravity model."""
-    return "gravity_error" in [one.name for one in joint.added]
-
-
 def _todo(joint: JointDiagnosis) -> str:
     if joint.verdict == "unexplained":
         return "look at the figure residual"
@@ -106,7 +90,7 @@ def _todo(joint: JointDiagnosis) -> str:
         which = "" if joint.added[:1] == (unsure,) else f" {unsure.name}"
         return f"to separate{which}: {motion.partition(':')[0].partition(';')[0]}"
     it = "it" if len(joint.added) == 1 else "them"
-    if corrects_gravity(joint):
+    if "gravity_error" in [one.name for one in joint.added]:
         return f"give payload or model of the arm, or add {it} to the model (model.toml)"
     return f"add {it} to the model (model.toml)" if joint.added else "record again without contact"
 
@@ -159,7 +143,11 @@ def where_words(curve: Profile) -> str:
     large = np.flatnonzero(clear & (size >= 0.5 * np.nanmax(np.where(clear, size, np.nan))))
     low, high = float(curve.edges[large[0]]), float(curve.edges[large[-1] + 1])
     span = _span(curve.axis, low, high, from_start=large[0] == 0, to_end=large[-1] == len(size) - 1)
-    clear_up, clear_down = _clearness(up[large], up_se[large]), _clearness(down[large], down_se[large])
+    strength = []  # root mean square of a direction in standard errors: about 1 where nothing is, 0 if it is empty
+    for mean, error in ((up[large], up_se[large]), (down[large], down_se[large])):
+        ratio = mean[error > 0] / error[error > 0]
+        strength.append(float(np.sqrt(np.mean(ratio**2))) if len(ratio) else 0.0)
+    clear_up, clear_down = strength
     direction = "forwards only" if clear_up > clear_down else "backwards only"
     if min(clear_up, clear_down) > CLEAR:
         against = np.nansum(up[large]) * np.nansum(down[large]) < 0
@@ -173,12 +161,6 @@ def _span(axis: str, low: float, high: float, *, from_start: bool, to_end: bool)
         return "over the whole log" if axis == "time" else f"over the whole range of {AXES.get(axis, axis)}"
     span = f"{below} {high:.3g}" if from_start else f"{above} {low:.3g}" if to_end else f"from {low:.3g} to {high:.3g}"
     return f"{span} {UNITS[axis]}"
-
-
-def _clearness(mean: Float, error: Float) -> float:
-    """Root mean square of a direction's bins in standard errors, about 1 where there is nothing; 0 if all are empty."""
-    there = error > 0
-    return float(np.sqrt(np.mean((mean[there] / error[there]) ** 2))) if there.any() else 0.0
 
 
 def effect_numbers(effect: NamedEffect) -> str:

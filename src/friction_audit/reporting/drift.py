@@ -2,8 +2,7 @@
 
 import json
 import math
-from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from operator import attrgetter
 from typing import NamedTuple
@@ -167,15 +166,11 @@ COEFFICIENT = Record(
 )  # fmt: skip
 
 
-def _counts(names: Iterable[str]) -> str:
-    return ", ".join(f"{name} {count}" for name, count in Counter(names).most_common())
-
-
 # A joint, and of its sessions that were diagnosed the verdicts and effects, with how often each was given.
 DIAGNOSED = Record(
     joint_column("0"),
-    Column("verdicts", str, get="1", form=lambda own: _counts(one.verdict.replace("_", " ") for one in own), on="p"),
-    Column("effects", str, get="1", form=lambda own: _counts(name for one in own for name in one.effects), on="p"),
+    Column("verdicts", str, get="1", on="p"),
+    Column("effects", str, get="2", on="p"),
 )
 
 

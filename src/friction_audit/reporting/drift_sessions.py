@@ -98,11 +98,7 @@ SESSION = Record(
 LEFT_OUT = Record(NUMBER, FILE, Column("reason", str, get="note", on="p"))
 
 
-def _interval(prefix: str, get: str) -> tuple[Column, ...]:
-    ends = {"value": "value", "ci95_low": "low", "ci95_high": "high"}
-    return tuple(Column(prefix + name, float, get=f"{get}.{field}") for name, field in ends.items())
-
-
+INTERVAL_ENDS = {"value": "value", "ci95_low": "low", "ci95_high": "high"}  # column in a file: field
 SESSIONS = Record(
     *HEAD,
     Column("rate", float, get="session.conditions.rate_hz", unit="Hz"),
@@ -125,9 +121,9 @@ SESSIONS = Record(
     Column("effects", str, get=lambda row: " ".join(row.joint.effects)),
     Column("coefficient", str),
     Column("unit", str, get=lambda row: UNITS[row.coefficient]),
-    *_interval("", "own"),
+    *(Column(name, float, get=f"own.{end}") for name, end in INTERVAL_ENDS.items()),
     Column("relative_change_within_session", Coefficient, get="within"),
-    *_interval("compared_", "compared"),
+    *(Column(f"compared_{name}", float, get=f"compared.{end}") for name, end in INTERVAL_ENDS.items()),
     Column("relative_deviation", float, get="control.relative.value"),
     Column("outside", bool, get="control.outside"),
     Column("isolated", bool),

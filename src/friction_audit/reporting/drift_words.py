@@ -41,6 +41,7 @@ LARGEST_DETECTABLE = 10.0  # times the level; a larger detectable change is no i
 TWO_DIGITS = 99.5  # larger numbers of per cent are written with all their digits
 WEEK_S = 7 * 86400.0
 MOST_NAMES = 3  # sessions that a sentence names
+NEEDED = f"at least {FEWEST_SESSIONS} are needed to separate drift from scatter"
 TO_DO = (
     "Where friction drifts: check lubrication, load and cables of the joint, and record it once more; "
     "the option --diagnose names the effect that came with it, the command diff compares two recordings."
@@ -77,7 +78,7 @@ def headline(found: CoefficientDrift, sessions: Sequence[Session]) -> str:
     name, unit = f"{NAMES[found.coefficient]} friction", UNITS[found.coefficient]
     changed = f"{name} {verb_of(found.change)} by {how_much(found.total, found.change, unit)}"
     if found.shape == "too_few":
-        return f"{name}: {_too_few(len(found.sessions) - len(found.isolated))}"
+        return f"{name}: {count_of(len(found.sessions) - len(found.isolated), 'comparable session')}, {NEEDED}"
     if found.shape == "temperature":
         return (
             f"{changed} while it became {abs(found.warmer_k):.1f} K "
@@ -143,11 +144,6 @@ def verb_of(change: Coefficient, rising: str = "rose", falling: str = "fell") ->
     return rising if change.value >= 0 else falling
 
 
-def _too_few(count: int) -> str:
-    sessions = count_of(count, "comparable session")
-    return f"{sessions}, at least {FEWEST_SESSIONS} are needed to separate drift from scatter"
-
-
 def _isolated(found: CoefficientDrift, sessions: Sequence[Session]) -> list[str]:
     """Name the isolated sessions and how far each lies from the nearest ones that count, two on each side."""
     parts = []
@@ -184,7 +180,7 @@ def arm_sentence(arm: ArmDrift) -> str:
     together = [joint for joint in arm.joints if any(one.shape == "temperature" for one in joint.coefficients)]
     compared = len(arm.compared)
     if not drifting and compared < FEWEST_SESSIONS:
-        return _too_few(compared)
+        return f"{count_of(compared, 'comparable session')}, {NEEDED}"
     if drifting or together:
         first = (drifting or together)[0]
         numbers = write_joint_numbers(joint.joint for joint in drifting)

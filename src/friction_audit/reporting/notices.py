@@ -165,6 +165,7 @@ RECORDING = (
 AS_ASKED = ("torque_converted",)  # codes about the physics that only repeat what the user asked for
 CORRECTED = ("dq_late", "sign_turned", "joints_left_out")  # detected and taken into account, as the table shows
 TABLED = ("not_determined", "from_regression", "not_replayed")  # a table or the lines below it say so in any case
+NO_PHYSICS = (*TABLED, *CORRECTED, *RECORDING)  # all others change what a number of a result means
 # A number in a sentence, no digit of a name.
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*\w)")
 OTHER = re.compile(r"\bjoint \d+")
@@ -259,14 +260,9 @@ def minor(log: JointLog) -> frozenset[str]:
     return frozenset((*CORRECTED, *(one.code for one in small)))
 
 
-def is_physics(code: str) -> bool:
-    """Return True for a warning that changes what a number of a result means, False for one about the recording."""
-    return code not in (*TABLED, *CORRECTED, *RECORDING)
-
-
 def physics_of(notices: Iterable[Notice], joints: Iterable[Joint]) -> tuple[list[int], list[str]]:
     """Return the rows of a table of joints with a warning about the physics, and the lines that explain the mark."""
-    found = [notice for notice in notices if is_physics(notice.code)]
+    found = [notice for notice in notices if notice.code not in NO_PHYSICS]
     marked = {notice.joint for notice in found}
     rows = [row for row, joint in enumerate(joints) if joint.joint in marked and not joint.reason]
     return rows, [f"{MARK} {line}" for line in notice_lines(found)]

@@ -1,7 +1,7 @@
 """Replay: its document, its tables for files and its text."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -9,9 +9,9 @@ import numpy as np
 from friction_audit.compensation.competitors import Compensator, JointModelCompensation
 from friction_audit.compensation.law import EnergyCompensator
 from friction_audit.compensation.result import STATUSES, JointReplay, Signals
-from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.friction.history import Coefficient
 from friction_audit.io.writers.tables import TidyTable
+from friction_audit.joint_log import Float
 from friction_audit.pipeline import LogReplay
 from friction_audit.reporting.documents import CHAIN, NO_OPTIONS, chain_document
 from friction_audit.reporting.notices import log_line, physics_of, reason_lines, replay_notices
@@ -42,12 +42,9 @@ def _removed(name: str, title: str, short: str = "") -> Column:
 
 def _compensator(compensator: Compensator) -> dict[str, Any]:
     settings: dict[str, Any] = {"kind": compensator.name, **to_json(compensator)}
-    return settings | ({"terms": _terms(compensator.terms)} if isinstance(compensator, JointModelCompensation) else {})
-
-
-def _terms(terms: Iterable[FittedTerm]) -> dict[str, dict[str, float]]:
-    """Return the terms by name, each its numbers by name, as a model file has them."""
-    return {one.name: one.numbers for one in terms}
+    if isinstance(compensator, JointModelCompensation):  # as a model file has them
+        settings["terms"] = {one.name: one.numbers for one in compensator.terms}
+    return settings
 
 
 FITTED = Record(
@@ -64,7 +61,12 @@ OPERATOR = Record(
 MODEL = Record(
     Column("inertia", float, "inertia", unit="kg m²"),
     Column("provenance", dict, "method, log, sha256 and cycles that it was made from"),
-    Column("terms", dict, "terms by name, each its numbers by name", lambda model: _terms(model.terms)),
+    Column(
+        "terms",
+        dict,
+        "terms by name, each its numbers by name",
+        lambda model: {one.name: one.numbers for one in model.terms},
+    ),
 )
 PASSIVITY = Record(
     Column("violations", int, "samples with the ledger below zero by more than two samples and the payback exchange"),
@@ -162,18 +164,13 @@ JOINT_REPLAY = Record(
 )  # fmt: skip
 
 
-def _signal(of: int, name: str) -> Callable[[tuple[Signals, Signals]], Any]:
-    """Return what gets a signal without the compensator or with it, up to where the latter ended."""
-    return lambda both: getattr(both[of], name)[: min(len(one.t) for one in both)]
-
-
 SIGNALS = Record(
-    Column("time", get=_signal(0, "t"), unit="s"),
-    Column("dq_without", get=_signal(0, "dq"), unit="rad/s"),
-    Column("dq_with", get=_signal(1, "dq"), unit="rad/s"),
-    Column("interaction_without", get=_signal(0, "interaction_nm"), unit="N m"),
-    Column("interaction_with", get=_signal(1, "interaction_nm"), unit="N m"),
-    *(Column(name, get=_signal(1, f"{name}_nm"), unit="N m") for name in ("compensation", "passivity", "limited")),
+    Column("time", get="0.t", unit="s"),
+    Column("dq_without", get="0.dq", unit="rad/s"),
+    Column("dq_with", get="1.dq", unit="rad/s"),
+    Column("interaction_without", get="0.interaction_nm", unit="N m"),
+    Column("interaction_with", get="1.interaction_nm", unit="N m"),
+    *(Column(name, get=f"1.{name}_nm", unit="N m") for name in ("compensation", "passivity", "limited")),
     name="replay_signals",
     summary="motion and torque of a joint without the compensator and with it at a sample of the log; "
     "a compensator's torque is the one in force at the sample, computed at the sample before",
@@ -208,8 +205,15 @@ def replay_tables(found: LogReplay) -> tuple[TidyTable, ...]:
     return (
         JOINT_REPLAY.file(joints, lambda one: [one], unit),
         HISTORY.file(joints, "history", unit),
-        SIGNALS.file(replayed, lambda one: (one.without, one.replayed), unit),
+        SIGNALS.file(replayed, _equally_long, unit),
     )
+
+
+def _equally_long(joint: JointReplay) -> list[dict[str, Float]]:
+    """Return the signals without the compensator, and with it, up to where the latter ended."""
+    both = [one for one in (joint.without, joint.replayed) if one is not None]
+    length = min(len(one.t) for one in both)
+    return [{name: getattr(one, name)[:length] for name in Signals.__slots__} for one in both]
 
 
 def replay_lines(found: LogReplay) -> list[str]:

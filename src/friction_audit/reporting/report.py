@@ -16,8 +16,8 @@ from friction_audit.friction.history import Coefficient, JointFriction
 from friction_audit.io.writers.tables import TidyTable
 from friction_audit.pipeline import Diagnosis, Estimate, LogReplay, diagnose_estimate, replay_estimate
 from friction_audit.reporting.diagnosis import DIAGNOSE, diagnose_tables
-from friction_audit.reporting.diagnosis_tables import TONES, WORDS
-from friction_audit.reporting.diagnosis_words import joint_message, names_of, plain_names
+from friction_audit.reporting.diagnosis_tables import TONES, WORDS, effect_rows
+from friction_audit.reporting.diagnosis_words import joint_message, plain_names
 from friction_audit.reporting.documents import CHAIN, SETTINGS, SOURCE, WARNINGS, settings_document
 from friction_audit.reporting.estimate import ESTIMATE, estimate_tables
 from friction_audit.reporting.notices import Notice, diagnose_notices, estimate_notices, replay_notices
@@ -193,7 +193,7 @@ def lead_sentence(report: LogReport) -> str:
 
 
 def _missing(found: JointDiagnosis) -> str:
-    names = enumerate_words(names_of(effect, found.effects) for effect in found.effects)
+    names = enumerate_words(row.names for row in effect_rows([found]))
     if found.verdict == "unexplained":
         return f"an unexplained effect is missing{f' in addition to {names}' if names else ''}"
     return {

@@ -86,11 +86,6 @@ def rows_of(comparison: Comparison, role: str) -> list[Row]:
     return [row for row in rows if row is not None]
 
 
-def means_of(rows: Sequence[Row], measure: str) -> list[float]:
-    """Return the mean of a measure, by its name, of each method."""
-    return [row.interval(measure).value for row in rows]
-
-
 def in_words(rows: Sequence[Row], values: Sequence[float], factor: float, unit: str) -> str:
     """Return the methods with their values, largest first, and how often a loop was lost."""
     pairs = sorted(zip(values, rows, strict=True), key=lambda pair: -pair[0])
@@ -106,7 +101,7 @@ OWN = {PAPER: "", FULL: "own experiment, the observer compensates all that it ob
 def order(comparison: Comparison, role: str) -> Claim:
     """Check the order of the methods by the slope of the net energy."""
     rows = rows_of(comparison, role)
-    slopes = means_of(rows, "energy_slope_w")
+    slopes = [row.interval("energy_slope_w").value for row in rows]
     falls = np.diff(slopes) < 0.0
     claim = "the net energy rises most without compensation, then model-based, disturbance observer, torque regulation"
     return Claim(
@@ -120,7 +115,7 @@ def order(comparison: Comparison, role: str) -> Claim:
 def keeps(comparison: Comparison) -> Claim:
     """Check that the proposed method keeps the net energy."""
     none, *_, proposed = rows_of(comparison, PAPER)
-    slope, alone = means_of((proposed, none), "energy_slope_w")
+    slope, alone = (row.interval("energy_slope_w").value for row in (proposed, none))
     kept, stable = slope / alone, proposed.stable_share
     return Claim(
         "13", "the proposed method keeps the net energy after two cycles", "maintains the energy value",
@@ -132,8 +127,8 @@ def keeps(comparison: Comparison) -> Claim:
 def peaks(comparison: Comparison) -> Claim:
     """Check the order of the methods by the largest torque."""
     rows = rows_of(comparison, PAPER)[:-1]
-    drawn = means_of(rows, "drawn_peak_nm")
-    raw, falls = means_of(rows, "peak_torque_nm"), np.diff(drawn) < 0.0
+    drawn, raw = ([row.interval(name).value for row in rows] for name in ("drawn_peak_nm", "peak_torque_nm"))
+    falls = np.diff(drawn) < 0.0
     return Claim(
         "14", "the largest torque falls from none to model-based, disturbance observer, torque regulation",
         "none > model > DOB > torque regulation",
@@ -146,7 +141,7 @@ def peaks(comparison: Comparison) -> Claim:
 def plateaus(comparison: Comparison, role: str) -> Claim:
     """Check which method leaves least of the plateaus of Coulomb friction."""
     rows = rows_of(comparison, role)
-    left = [abs(mean) for mean in means_of(rows, "coulomb_left")]
+    left = [abs(row.interval("coulomb_left").value) for row in rows]
     return Claim(
         "14", f"{OWN[role]}the proposed method leaves least of the plateaus of Coulomb friction",
         "significantly reduced, outperforms the others", in_words(rows, left, 1.0, "of it left"),

@@ -68,12 +68,13 @@ def check_6(simulations: Simulations) -> tuple[Claim, ...]:
     course, settings = make_course(simulation), simulation.truth.settings
     before = settings.joints[0].viscous_nms_per_rad
     after = before * (1.0 + settings.hidden[0].friction_step.change)
-    first, last = (abs(_applied(course, cycle) / truth - 1.0) for cycle, truth in ((1, before), (4, after)))
     ends = course.ends_j
+    applied = [float(course.viscous_nms_per_rad[np.searchsorted(course.t, course.ends_s[k])]) for k in (0, 3)]
+    first, last = (abs(one / truth - 1.0) for one, truth in zip(applied, (before, after), strict=True))
     return (
         within(
             "6", "the estimate is right after the first cycle", "10 Ns/mm",
-            f"{_applied(course, 1):.5f} N m s/rad, * off", first, ESTIMATE_BOUND,
+            f"{applied[0]:.5f} N m s/rad, * off", first, ESTIMATE_BOUND,
         ),
         within(
             "6", "no net dissipation in cycles 2 and 3", "does not occur",
@@ -82,15 +83,10 @@ def check_6(simulations: Simulations) -> tuple[Claim, ...]:
         ),
         within(
             "6", "right again after the fourth cycle, friction having doubled at 6 s", "20 Ns/mm",
-            f"{_applied(course, 4):.5f} N m s/rad, * off", last, ESTIMATE_BOUND,
+            f"{applied[1]:.5f} N m s/rad, * off", last, ESTIMATE_BOUND,
             f"cycle 4 dissipates {(ends[3] - ends[2]) / ends[0]:.2f} times what cycle 1 did: half is compensated",
         ),
     )  # fmt: skip
-
-
-def _applied(course: Course, cycle: int) -> float:
-    """Return the coefficient applied after a cycle, counted from 1. [N m s/rad]"""
-    return float(course.viscous_nms_per_rad[np.searchsorted(course.t, course.ends_s[cycle - 1])])
 
 
 def draw_6(simulations: Simulations) -> Any:  # noqa: ANN401 - a figure of Matplotlib
@@ -110,7 +106,8 @@ def check_7(simulations: Simulations) -> tuple[Claim, ...]:
     tolerance = tolerance_j(guarded)
     acting = course.t[course.damping_nms_per_rad > 0.0]
     cycles = np.unique(np.searchsorted(course.ends_s, acting, side="right") + 1)
-    truth, highest, after = guarded.truth, float(course.damping_nms_per_rad.max()), _applied(course, 4)
+    truth, highest = guarded.truth, float(course.damping_nms_per_rad.max())
+    after = float(course.viscous_nms_per_rad[np.searchsorted(course.t, course.ends_s[3])])  # applied after cycle 4
     cap = truth.settings.compensator.max_damping_nms_per_rad
     taken = float(truth.compensators["dissipated_j"][-1, 0] / course.ends_j[0])
     return (

@@ -43,7 +43,7 @@ def _draw_both(draw: Any, panels: Sequence[Axes], arm: ArmDrift, joint: JointDri
             axes.set_title(panels[0].get_title(loc="left"), loc="left")
         _number_sessions(axes, arm)
         axes.set_ylabel(TITLES[found.coefficient])
-        if not _estimated(found):
+        if not any(math.isfinite(one.value) for one in found.values):
             axes.set_yticks([])
             parts.write_message(axes, drift_words.headline(found, arm.sessions).partition(";")[0])
             continue
@@ -52,22 +52,22 @@ def _draw_both(draw: Any, panels: Sequence[Axes], arm: ArmDrift, joint: JointDri
         axes.set_title(words, loc="right", y=1.0, color=FITTED if alert else "black")
 
 
-def _estimated(found: CoefficientDrift) -> bool:
-    return any(math.isfinite(value.value) for value in found.values)
-
-
 def _number_sessions(axes: Axes, arm: ArmDrift) -> None:
     """Let an axis run over all sessions; at most MOST_TICKS ticks carry number and, where known, the day or month."""
     places = list(range(1, len(arm.sessions) + 1, max(1, -(-len(arm.sessions) // MOST_TICKS))))
     axes.set_xlim(0.2, len(arm.sessions) + 0.8)
     dates = [format_date(arm.sessions[place - 1].start_s) for place in places]
-    part = slice(None, 7) if len(_years(arm)) > 1 else slice(5, None)  # a tick has room for two of the three
+    _, part = _dates(arm)
     named = zip(places, dates, strict=True)
     axes.set_xticks(places, [str(k) if date == NOTHING else f"{k}\n{date[part]}" for k, date in named])
 
 
-def _years(arm: ArmDrift) -> list[str]:
-    return sorted({date[:4] for date in {format_date(session.start_s) for session in arm.sessions} - {NOTHING}})
+def _dates(arm: ArmDrift) -> tuple[str, slice]:
+    """Return the name of an axis of sessions, and the part of a date at its ticks, which have room for two of three."""
+    years = sorted({date[:4] for date in {format_date(session.start_s) for session in arm.sessions} - {NOTHING}})
+    if len(years) > 1:
+        return "Session (year-month)", slice(None, 7)
+    return f"Session (month-day, {years[0]})" if years else "Session", slice(5, None)
 
 
 def _shade_reference(axes: Axes, arm: ArmDrift) -> None:
@@ -95,7 +95,7 @@ def _draw_coefficient(axes: Axes, arm: ArmDrift, joint: JointDrift, found: Coeff
     elif math.isfinite(found.trend_per_session.value):
         _draw_trend(axes, found)
     # All values and levels; of intervals, and of sessions not compared (without any correction), what is near.
-    value, low, high = _columns(found.values)
+    value, low, high = np.array([(one.value, one.low, one.high) for one in found.values]).T
     levels = [one for change in found.change_points for one in (change.before.value, change.after.value)]
     left_out = np.array([
         (k + 1, one.coefficients.get(found.coefficient, UNDETERMINED).value)
@@ -117,7 +117,7 @@ def _draw_coefficient(axes: Axes, arm: ArmDrift, joint: JointDrift, found: Coeff
 def _draw_values(axes: Axes, found: CoefficientDrift) -> None:
     """Draw sessions, each with its interval, and ring the isolated ones."""
     place = np.array([k + 1.0 for k in found.sessions])
-    value, low, high = _columns(found.values)
+    value, low, high = np.array([(one.value, one.low, one.high) for one in found.values]).T
     # One path for all intervals: a file of a thousand sessions stays small.
     bars = np.stack([low, high, np.full(len(place), np.nan)], axis=1).ravel()
     axes.plot(np.repeat(place, 3), bars, color=FILTERED, lw=0.7, alpha=0.5, label=INTERVAL)
@@ -157,7 +157,7 @@ def _border(found: CoefficientDrift, session: int) -> float:
 
 def _draw_trend(axes: Axes, found: CoefficientDrift) -> None:
     """Draw the trend through the median of the sessions, with the interval of its slope; thin without drift."""
-    number, (value, _, _) = np.array([k + 1.0 for k in found.sessions]), _columns(found.values)
+    number, value = np.array([k + 1.0 for k in found.sessions]), np.array([one.value for one in found.values])
     known, slope = np.isfinite(value), found.trend_per_session
     pivot = float(np.median(number[known]))
     level = float(np.median(value[known] - slope.value * (number[known] - pivot)))
@@ -170,16 +170,11 @@ def _draw_trend(axes: Axes, found: CoefficientDrift) -> None:
         parts.band(axes, place, low, high, FITTED, BAND)
 
 
-def _columns(values: tuple[Coefficient, ...]) -> tuple[Float, Float, Float]:
-    table = np.array([(one.value, one.low, one.high) for one in values], np.float64).reshape(-1, 3)
-    return table[:, 0], table[:, 1], table[:, 2]
-
-
 DRIFT = parts.Layout(
     joints=lambda arm: arm.joints, lacks="no estimate", draw=partial(_draw_both, _draw_coefficient), panels=2,
-    has=lambda _, joint: any(map(_estimated, joint.coefficients)), height_in=(1.15, 1.3), head_in=0.6,
-    x=lambda arm: f"Session ({'year-month' if len(_years(arm)) > 1 else f'month-day, {_years(arm)[0]}'})"
-    if _years(arm) else "Session", shared=True,
+    has=lambda _, joint: any(math.isfinite(one.value) for found in joint.coefficients for one in found.values),
+    height_in=(1.15, 1.3), head_in=0.6,
+    x=lambda arm: _dates(arm)[0], shared=True,
     legend=(SESSION, INTERVAL, "reference sessions", ALONE, ISOLATED, HELD, TREND, BAND, STEP, WHERE),
 )  # fmt: skip
 

@@ -63,27 +63,21 @@ class Layout:
             self._draw_joint([next(panels) for _ in range(count)], result, one)
         add_legend(figure, self.legend)
         figure.align_ylabels()
-        figure.supxlabel(f"{_written(self.x, result)}{note}".strip())
-        figure.supylabel(_written(self.y, result))
+        x, y = (words(result) if callable(words) else words for words in (self.x, self.y))
+        figure.supxlabel(f"{x}{note}".strip())
+        figure.supylabel(y)
         return figure
-
-    def shows(self, result: Any, number: int) -> bool:
-        """Return True if there is something to show of a joint."""
-        return any(self.has(result, one) for one in self.joints(result) if one.joint == number)
 
     def into(self, axes: Axes, result: Any, number: int) -> None:
         """Draw one joint, whose one panel it is, into axes, and name them."""
         self._draw_joint([axes], result, *chosen_joints(self.joints(result), number))
-        axes.set(xlabel=_written(self.x, result), ylabel=_written(self.y, result) or axes.get_ylabel())
+        x, y = (words(result) if callable(words) else words for words in (self.x, self.y))
+        axes.set(xlabel=x, ylabel=y or axes.get_ylabel())
 
     def _draw_joint(self, panels: Sequence[Axes], result: Any, joint: Joint) -> None:
         for axes in panels:
             label_panel(axes, joint_title(joint.joint, joint.name) if axes is panels[0] else "")
         self.draw(panels, result, joint)
-
-
-def _written(words: Words, result: Any) -> str:
-    return words(result) if callable(words) else words
 
 
 def choose(

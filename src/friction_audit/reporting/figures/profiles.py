@@ -29,11 +29,6 @@ STRETCHED, WIDENING = ("speed", "displacement"), 30.0
 POINTS = 30  # stretches with equally many samples over which a fitted torque is averaged for a line
 
 
-def _wave(effect: NamedEffect) -> OwnAxis | None:
-    """Return the wave that a ripple is drawn over; what no quantity shows is not drawn over its own fitted torque."""
-    return effect.own if ORDER in effect.parameters else None
-
-
 class Row(NamedTuple):
     """The residual of a joint along an axis, before and after; None where there is nothing."""
 
@@ -52,7 +47,7 @@ def rows_of(joint: JointDiagnosis) -> list[Row]:
 
     rows: dict[str, Row] = {}
     for effect in joint.added:
-        own = _wave(effect)
+        own = effect.own if ORDER in effect.parameters else None  # a ripple is drawn over its wave
         row = along(effect.curve.axis) if own is None else Row(own.before, own.after, own)
         rows.setdefault(own.label if own else effect.curve.axis, row)
     found = list(rows.values())
@@ -169,7 +164,8 @@ def _draw_nothing_missing(axes: Axes, joint: JointDiagnosis) -> None:
 
 def _draw_effect(axes: Axes, joint: JointDiagnosis, effect: NamedEffect) -> None:
     """Draw the effect as the log shows it, and as it was fitted, a line for each direction."""
-    traces, own = joint.traces, _wave(effect)
+    # A ripple is drawn over its wave; what no quantity shows is not drawn over its own fitted torque.
+    traces, own = joint.traces, effect.own if ORDER in effect.parameters else None
     assert traces is not None
     parts.label_panel(axes, f"{parts.joint_title(joint.joint, joint.name)}: {plain_names(effect.name)}")
     curve, along = (own.curve, own.values) if own else (effect.curve, traces.along[effect.curve.axis])

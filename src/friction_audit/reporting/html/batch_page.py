@@ -1,5 +1,6 @@
 """BatchSummary -> its figures and one HTML page: verdicts, figures, every session, every setting."""
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
@@ -114,7 +115,13 @@ def _arm_section(arm: ArmDrift, anchor: str, figures: tuple[html.Figure, ...], m
 def _diagnosed(arm: ArmDrift) -> Table:
     """Return how often each effect was found on each joint that was diagnosed."""
     tested = [one for session in arm.sessions for one in session.joints if one.verdict]
-    rows = [(joint, own) for joint in arm.joints if (own := [one for one in tested if one.joint == joint.joint])]
+    rows = []
+    for joint in arm.joints:
+        if own := [one for one in tested if one.joint == joint.joint]:
+            verdicts = [one.verdict.replace("_", " ") for one in own if one.verdict]
+            effects = [name for one in own for name in one.effects]
+            counts = (Counter(found).most_common() for found in (verdicts, effects))
+            rows.append((joint, *(", ".join(f"{name} {n}" for name, n in count) for count in counts)))
     return tables.DIAGNOSED.people(rows, caption="Verdicts and effects of the diagnosis, with the number of sessions")
 
 

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 from matplotlib.lines import Line2D
 
+from friction_audit.effects.registry import motion_to_decide
 from friction_audit.parallel import in_processes, workers_for
 from friction_audit.reporting import diagnosis_tables as tables, diagnosis_words as words, report as made
 from friction_audit.reporting.documents import write_document
@@ -126,14 +127,10 @@ def _answer(report: made.LogReport, answered: list[made.JointReport], drawn: Dra
 
 
 def _joint(report: made.LogReport, one: made.JointReport) -> html.Section:
-    label, unit, found = joint_label(one.joint, one.name), report.unit, one.discrepancy
-    pairs = html.terms_of(FRICTION, one.friction, unit)
-    if found is not None:
-        pairs |= html.terms_of(tables.JOINT_DIAGNOSIS, found, unit)
-        pairs |= {"negligible": words.negligible_words(found)} if found.negligible else {}
-        pairs |= {"unexplained": words.remainder_words(found)} if found.checks else {}
-    if one.replay is not None:
-        pairs |= html.terms_of(JOINT_REPLAY, one.replay, unit)
+    label, unit = joint_label(one.joint, one.name), report.unit
+    rows = ((FRICTION, one.friction), (tables.JOINT_DIAGNOSIS, one.discrepancy), (JOINT_REPLAY, one.replay))
+    filled = [(table.people([row], unit=unit).filled(without="joint"), row) for table, row in rows if row is not None]
+    pairs = {column.head(unit): table.text(column, row) for table, row in filled for column in table.columns}
     own = list(dict.fromkeys(notice.message for notice in made.report_notices(report) if notice.joint == one.joint))
     terms = html.Terms([(name, in_unit(words.plain_names(text), unit)) for name, text in pairs.items()])
     parts, note = (terms, *_effects(report, one), html.noted(own)), in_unit(made.joint_words(one), unit)
@@ -146,7 +143,8 @@ def _effects(report: made.LogReport, one: made.JointReport) -> Iterator[html.Par
     rows, joint, unit = tables.effect_rows([one.discrepancy]), f"joint {one.joint}", report.unit
     caption = f"Missing effects of {joint}, the largest first"
     yield tables.EFFECT.people(rows, caption=caption, unit=unit).filled(without="joint")
-    separate = [f"{row.names}: {words.decide_words(row.effect)}." for row in rows if row.effect.alternatives]
+    unsure = [row for row in rows if row.effect.alternatives]
+    separate = [f"{row.names}: {motion_to_decide(row.effect.name, row.effect.alternatives)}." for row in unsure]
     yield html.Text([f"To separate {words.plain_names(line)}".replace(" or ", " from ", 1) for line in separate])
     competing = [(row, other) for row in rows for other in row.effect.evidence]
     caption = f"Effects competing with those of {joint}: from 6 on the evidence against them is strong"
@@ -259,7 +257,8 @@ def _sheets(report: made.LogReport) -> Iterator[tuple[FigureKind, tuple[made.Joi
     for kind in LOG_FIGURES:
         result = getattr(report, kind.result)
         if result is not None and PLACES[kind] in ("verdicts", *report.sections):
-            shown[kind] = {one.joint for one in report.joints if kind.layout().shows(result, one.joint)}
+            layout = kind.layout()
+            shown[kind] = {one.joint for one in layout.joints(result) if layout.has(result, one)}
     every = [one for one in report.joints if any(one.joint in numbers for numbers in shown.values())]
     for own, which in html.sheets_of(every):
         for kind, numbers in shown.items():

@@ -18,7 +18,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 from friction_audit import __version__
 from friction_audit.errors import UsageError, printable
 from friction_audit.reporting.figures.style import figure_style
-from friction_audit.reporting.table import Column, Record, Row, Table, Tone
+from friction_audit.reporting.table import Column, Record, Table, Tone
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -148,12 +148,6 @@ def _is_empty(one: Part | Section) -> bool:
         case Section():
             return all(map(_is_empty, (*one.parts, *one.sections)))
     return False
-
-
-def terms_of(record: Record, row: Row, unit: str) -> dict[str, str]:
-    """Return a row of a table as names and values, without what has no value."""
-    table = record.people([row], unit=unit).filled(without="joint")
-    return {column.head(unit): table.text(column, row) for column in table.columns}
 
 
 def render_page(page: Page, *, paper: bool = False) -> str:
