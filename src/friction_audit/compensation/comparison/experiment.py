@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from itertools import takewhile
 from math import ceil, inf, isinf, sqrt
 from typing import Any
 
@@ -138,7 +139,9 @@ class _Trials:
                 Point(value=value, tuning=tuning, outcomes=tuple(outcome for outcome, _ in heap))
                 for value, (tuning, heap) in zip(some, tried, strict=False)
             ]
-            curves.append(Curve(method.name, method.label, sweep.name, sweep.axis, tuple(points)))
+            held = [point.value for point in takewhile(lambda point: point.stable, points)]
+            boldest = held[-1] if held else None
+            curves.append(Curve(method.name, method.label, sweep.name, sweep.axis, tuple(points), boldest))
         return tuple(curves)
 
     def of(self, tunings: Sequence[Tuning], seeds: Sequence[int], until: float) -> list[list[tuple[Outcome, Any]]]:
@@ -171,12 +174,9 @@ class _Trials:
 
 def choose_best(points: Sequence[Point]) -> Point:
     """Return the point of all sweeps with fewest losses and, of these, the energy slope closest to zero."""
-
-    def badness(point: Point) -> tuple[int, float]:
-        slopes = [abs(one.energy_slope_w) for one in point.outcomes if one.stable]
-        return point.losses, mean_interval(slopes).value
-
-    return min(points, key=badness)
+    slopes = [[abs(one.energy_slope_w) for one in point.outcomes if one.stable] for point in points]
+    badness = [(point.losses, mean_interval(own).value) for point, own in zip(points, slopes, strict=True)]
+    return points[badness.index(min(badness))]
 
 
 def find_margin(holds: Callable[[float], bool]) -> float:

@@ -99,10 +99,6 @@ OBSERVER = (0.8, 20.0)  # its motor inertia over the true one, and its gain [1/s
 SHARES = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)  # of the observed friction, compensated
 
 
-def _fitted(joint: Joint, coulomb_nm: float, viscous_nms_per_rad: float) -> Compensator:
-    return replace(fit_sigmoid(coulomb_nm, viscous_nms_per_rad, TOP_SPEED_RAD_S), guard=joint.guard)
-
-
 def _bristles(joint: Joint, coulomb_nm: float, viscous: float = 0.0) -> Compensator:
     plateau = {"coulomb_nm": coulomb_nm, "breakaway_nm": coulomb_nm}
     return LugreCompensation(**plateau, viscous_nms_per_rad=viscous, guard=joint.guard)
@@ -179,7 +175,9 @@ GAINS = tuple(1.0 / ratio - 1.0 for ratio in SHAPED_RATIOS)
 METHODS: tuple[Method, ...] = (
     Method(NONE, "none", NO_COMPENSATION),
     _model_based(
-        "sigmoid", "model-based", _fitted, "as published for another Panda",
+        "sigmoid", "model-based",
+        lambda joint, coulomb, viscous: replace(fit_sigmoid(coulomb, viscous, TOP_SPEED_RAD_S), guard=joint.guard),
+        "as published for another Panda",
         lambda joint: replace(PUBLISHED[joint.column], guard=joint.guard),
     ),
     _model_based(
