@@ -30,6 +30,7 @@ from friction_audit.compensation.comparison.result import (
     make_course,
     mean_interval,
     measure,
+    median_interval,
 )
 from friction_audit.parallel import in_processes, workers_for
 from friction_audit.simulation.bench import Progress
@@ -62,6 +63,7 @@ def compare(
             tuning_losses=losses,
             outcomes=tuple(outcome for outcome, _ in heap),
             margins=own,
+            margin=median_interval(own),
             course=heap[0][1],
         )
         for (method, tuning, role, losses), heap, own in zip(chosen, tried, margins, strict=True)

@@ -224,15 +224,10 @@ class Scene:
     margin_seeds: int  # of the persons who are reported, those whose stability margins are looked for
     margin_share: float  # of the length of a trial, what looking for a stability margin takes
 
-    @property
-    def joints(self) -> tuple[Joint, ...]:
-        """What methods may know of the joints."""
-        gears = (hidden.joint_elasticity for hidden in self.settings.hidden)
-        return tuple(map(panda_joint, count(), self.settings.joints, gears))
-
     def compensated(self, tuning: Tuning, factor: float | None = None) -> BenchSettings | ArmSettings:
         """Return the settings with a compensator in every joint, its gains times a factor if there is one."""
-        made = tuple(map(tuning.make, self.joints))
+        gears = (hidden.joint_elasticity for hidden in self.settings.hidden)
+        made = tuple(map(tuning.make, map(panda_joint, count(), self.settings.joints, gears)))
         made = made if factor is None else tuple(one.scaled(factor) for one in made)
         if isinstance(self.settings, BenchSettings):
             return replace(self.settings, compensator=made[0])

@@ -274,12 +274,8 @@ class Row(Tried):
     # factor by which the gain may grow, one per seed for which it was looked for; infinite if more than anybody asks
     # for, 0 if the loop is lost as it is
     margins: tuple[float, ...]
+    margin: Interval  # median of the stability margins; NaN if none was looked for
     course: Course  # what figures show of the first seed
-
-    @property
-    def margin(self) -> Interval:
-        """Median of the stability margins; NaN if none was looked for."""
-        return median_interval(self.margins)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
