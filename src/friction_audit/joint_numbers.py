@@ -32,12 +32,6 @@ def write_joint_numbers(joints: Iterable[int]) -> str:
     return ",".join(f"{run[0]}-{run[-1]}" if len(run) > 1 else str(run[0]) for run in runs)
 
 
-def split_joints(text: str, where: str) -> tuple[str, tuple[int, ...] | None]:
-    """Return the text before ``@`` and the joints after it, or None for all where there is no ``@``."""
-    head, at, joints = text.partition("@")
-    return head, parse_joint_numbers(joints, where) if at else None
-
-
 def require_joints(joints: Iterable[int], count: int, where: str) -> None:
     """Refuse joints that are not there, those above ``count``."""
     absent = [joint for joint in joints if joint > count]

@@ -89,12 +89,13 @@ def tunings(method: Method) -> list[Tuning]:
 
 @EACH
 def test_every_tuning_makes_a_compensator_for_every_joint(method: Method) -> None:
-    for joint in SCENES[1].joints:
-        for tuning in tunings(method):
-            assert isinstance(tuning.make(joint), Compensator)
-            assert tuning.name
-            assert tuning.meaning
-            tuning.make(joint).scaled(2.0)
+    for tuning in tunings(method):
+        made = SCENES[1].compensated(tuning, 2.0).compensator
+        assert isinstance(made, tuple)
+        assert len(made) == len(SCENES[1].settings.joints)
+        assert all(isinstance(one, Compensator) for one in made)
+        assert tuning.name
+        assert tuning.meaning
 
 
 # Measures of a trial, by hand where a hand can.

@@ -150,11 +150,13 @@ def _list(name: str | None, lists: ListOptions, *, json: bool) -> None:
     from friction_audit.simulation.assign import Kind, paths, write_value
     from friction_audit.simulation.effects import EFFECTS
     from friction_audit.simulation.effects.effect import described
-    from friction_audit.simulation.scenarios import SCENARIOS
+    from friction_audit.simulation.scenarios import PAPER_SCENARIOS, SCENARIOS
 
     if json:
         raise UsageError("--json: the lists are for people; leave it out")
-    about = {one.name: f"{one.summary} ({one.figure})" if one.figure else one.summary for one in SCENARIOS}
+    about = {one.name: one.summary for one in SCENARIOS}
+    for one in PAPER_SCENARIOS:  # they have the number of their figure in their name
+        about[one.name] += f" (Fig. {one.name.removeprefix('fig').partition('-')[0]})"
     if lists.scenarios and name is None:
         say_table(list(about.items()))
     elif lists.scenarios:

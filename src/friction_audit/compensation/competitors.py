@@ -232,19 +232,6 @@ class TorqueRegulation(Law):
         return replace(self, desired_inertia_kg_m2=self.inertia_kg_m2 / (1.0 + gain))
 
 
-@compiled(inline=True)
-def filter_torque(group: Record, memory: Record, interaction_nm: float, dt: float) -> None:
-    """Filter the torque just read; the first one is taken as it is."""
-    share = 1.0 if memory.ticks == 0 else -math.expm1(-2.0 * math.pi * group.cutoff_hz * dt)
-    memory.filtered_interaction_nm += share * (interaction_nm - memory.filtered_interaction_nm)
-
-
-@compiled(inline=True)
-def regulated_nm(group: Record, memory: Record) -> float:
-    """Return the torque that shapes the inertia. [N m]"""
-    return float((group.inertia_kg_m2 / group.desired_inertia_kg_m2 - 1.0) * memory.filtered_interaction_nm)
-
-
 # What runs on one joint; None where nothing does.
 Compensator = (
     FixedCompensation

@@ -77,7 +77,9 @@ def advance(settings: Record, memory: Record, dq: float, interaction_nm: float, 
     elif settings.kind == law.DISTURBANCE_OBSERVER and memory.ticks > 0:
         competitors.observe(settings.disturbance_observer, memory, dq, interaction_nm, dt)
     elif settings.kind == law.TORQUE_REGULATION:
-        competitors.filter_torque(settings.torque_regulation, memory, interaction_nm, dt)
+        # A low-pass, but the first torque is taken as it is.
+        share = 1.0 if memory.ticks == 0 else -math.expm1(-2.0 * math.pi * settings.torque_regulation.cutoff_hz * dt)
+        memory.filtered_interaction_nm += share * (interaction_nm - memory.filtered_interaction_nm)
 
 
 @compiled(inline=True)
@@ -214,7 +216,8 @@ def compensation(settings: Record, memory: Record, dq: float) -> float:  # noqa:
     if settings.kind == law.DISTURBANCE_OBSERVER:
         return float(competitors.observed_nm(settings.disturbance_observer, memory, dq))
     if settings.kind == law.TORQUE_REGULATION:
-        return float(competitors.regulated_nm(settings.torque_regulation, memory))
+        ratio = settings.torque_regulation.inertia_kg_m2 / settings.torque_regulation.desired_inertia_kg_m2
+        return float((ratio - 1.0) * memory.filtered_interaction_nm)
     if settings.kind == law.JOINT_MODEL:
         sign = law.soft_sign(dq, settings.joint_model.dead_band_rad_s, settings.joint_model.ramp_rad_s)
         return float(sign * memory.modelled_nm + memory.bristle_nm)

@@ -306,13 +306,9 @@ def _reversals(dq: Float, step: float) -> tuple[NDArray[np.int64], Float]:
 def _solve(windows: Float) -> FittedOperator:
     """Solve acceleration, velocity, position and minus torque around reversals, shape (r, w, 4), with a jackknife."""
     count, total = len(windows), windows.sum(axis=0)
-
-    def solve(mean: Float) -> Float:
-        return np.asarray(np.linalg.lstsq(mean[:, :3], mean[:, 3], rcond=None)[0])
-
-    value = solve(total / count)
-    others = np.array([solve((total - one) / (count - 1)) for one in windows])
-    spread = (count - 1) / count * ((others - others.mean(axis=0)) ** 2).sum(axis=0)
+    means = [total / count, *((total - one) / (count - 1) for one in windows)]
+    value, *others = (np.linalg.lstsq(mean[:, :3], mean[:, 3], rcond=None)[0] for mean in means)
+    spread = (count - 1) / count * np.sum((others - np.mean(others, axis=0)) ** 2, axis=0)
     unsure = NORMAL_95 * np.sqrt(spread)
     half = np.hypot(unsure, np.array(INTENTION) * value)
     ends = zip(value.tolist(), (value - half).tolist(), (value + half).tolist(), strict=True)

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import asdict, fields
 from math import inf, nan
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,19 +20,16 @@ NO_CYCLE, ESTIMATED, TOO_FEW, NOT_MOVED, GAP = range(5)
 NET, PATH, SQUARE = range(3)  # columns of ``rows``: net energy [J], path [rad], integral of dq^2 [rad^2/s] of a cycle
 
 
-def _numbers_of(settings: type[Any]) -> list[tuple[str, str]]:
-    """Return the plain numbers of a settings dataclass as fields of a record."""
-    return [(item.name, "f8") for item in fields(settings) if item.type is float]
-
-
+# The plain numbers of the settings of each compensator as fields of a record.
+NUMBERS = {kind: [(item.name, "f8") for item in fields(kind) if item.type is float] for kind in COMPENSATORS}
 # Settings of every compensator, those of the energy method among them, and one group for each kind that has more.
 SETTINGS = np.dtype(
     [
         *((name, "i8") for name in ("kind", "model", "window", "forced_from_cycle", "forced_until_acted", "passivity")),
         *((name, "f8") for name in ("period_s", "coulomb_nm", "viscous_nms_per_rad", "rest_rad_s", "corner_rad_s")),
         *((name, "f8") for name in ("forced_coulomb_nm", "forced_viscous_nms_per_rad")),
-        *_numbers_of(EnergyCompensator),
-        *((kind.name, _numbers_of(kind)) for kind in COMPENSATORS if issubclass(kind, Law)),
+        *NUMBERS[EnergyCompensator],
+        *((kind.name, NUMBERS[kind]) for kind in COMPENSATORS if issubclass(kind, Law)),
     ]
 )
 

@@ -178,15 +178,15 @@ def measure(
     recorded: Record, without: Record, felt: Record, tally: Record, history: ReplayHistory
 ) -> tuple[Numbers, Passivity]:
     """Return what a run comes to, from sums of the torque as recorded, without a compensator and with it."""
-
-    def tallied(kind: type[Any]) -> dict[str, Any]:
-        return {one.name: tally[one.name].item() for one in fields(kind) if one.name in (TALLY.names or ())}
-
+    in_numbers, in_passivity = (
+        {one.name: tally[one.name].item() for one in fields(kind) if one.name in (TALLY.names or ())}
+        for kind in (Numbers, Passivity)
+    )
     updates = np.flatnonzero(history.status == ESTIMATED)[UPDATES - 1 :]
     updated = int(updates[0]) + 1 if len(updates) else len(history)
     without_j, with_j = float(without["work_j"]), float(felt["work_j"])
     numbers = Numbers(
-        **tallied(Numbers),
+        **in_numbers,
         energy_recorded_j=float(recorded["work_j"]),
         energy_without_j=without_j,
         energy_with_j=with_j,
@@ -201,7 +201,7 @@ def measure(
     )
     given_out = history.net_energy_j < -GIVEN_OUT * np.abs(history.friction_j)
     share = float(tally["acting_s"]) / float(tally["t_s"])
-    return numbers, Passivity(**tallied(Passivity), active_cycles=int(given_out.sum()), active_fraction=share)
+    return numbers, Passivity(**in_passivity, active_cycles=int(given_out.sum()), active_fraction=share)
 
 
 def model_error(recorded: Recorded, without: Signals) -> float:

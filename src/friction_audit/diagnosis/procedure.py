@@ -11,7 +11,7 @@ from friction_audit.diagnosis.nonlinear import refine
 from friction_audit.diagnosis.problem import AXES, Nuisance, RegressionProblem, knots_of
 from friction_audit.diagnosis.samples import NoiseModel
 from friction_audit.diagnosis.validation import gains
-from friction_audit.effects.effect import Effect, Trait
+from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.effects.slow import Contact
@@ -198,7 +198,7 @@ def _may_absorb_error(state: State, active: Sequence[Block], block: Block, other
 
     What a torque of the position or of the time alone misses is of the same quantity: a free curve over it holds that.
     """
-    if Trait.EVEN not in other.effect.traits:
+    if not other.effect.even:
         return True
     problem = state.problem
     values = next(axis.value(problem.data) for axis in AXES if axis.name == other.effect.axis)

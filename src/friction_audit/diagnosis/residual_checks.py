@@ -15,7 +15,6 @@ from friction_audit.diagnosis.gram import Gram, Training
 from friction_audit.diagnosis.result import ResidualCheck
 from friction_audit.diagnosis.selection import PRIOR, Projected, split
 from friction_audit.diagnosis.validation import held_out
-from friction_audit.effects.effect import Trait
 from friction_audit.joint_log import Float
 
 SHARE = 0.093  # 1 - 1 / 1.05^2: with an effect named the residual is 5 % above its floor
@@ -74,7 +73,7 @@ def competing_structure(gram: Gram, active: Sequence[Block], block: Block) -> st
     nested: R. Davidson, J. G. MacKinnon, Econometrica 49 (1981) 781. A constant, or a torque of the position, is part
     of many curves. So is an effect part of a curve over its own quantity, unless it holds torque of the nominal model.
     """
-    if block.effect.exact or Trait.EVEN in block.effect.traits:
+    if block.effect.exact or block.effect.even:
         return ""
     given, own = Projected(Training(gram), [b for b in active if b is not block]), gram.of(block)
     evidence, effect_rss = given.evidence(own), given.and_also(own).rss

@@ -1,7 +1,8 @@
 """Motion of one joint, and what else is known of it: the input of every torque of a joint model."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
-from typing import Any, Literal, Protocol, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,23 +88,21 @@ class Motion:
 Forward = Literal["instant", "bristle", "delay", "spring", "gap"]
 
 
-class Term(Protocol):
-    """A term of a joint model, with its values: a torque curve."""
+@dataclass(frozen=True, slots=True)
+class Term(ABC):
+    """A term of a joint model with its numbers: a torque curve."""
+
+    name: str
+    values: tuple[float, ...]  # of the ``parameters`` of its effect, in order
 
     @property
-    def name(self) -> str:
-        """Its name."""
-
-    @property
-    def values(self) -> tuple[float, ...]:
-        """Values of its parameters."""
-
-    @property
+    @abstractmethod
     def effect(self) -> Any:  # noqa: ANN401 - an ``effects.effect.Effect``, of which the dynamics know nothing else
-        """Its law, with ``forward`` and with ``parameters`` in the order of the values, each with a name."""
+        """Its effect: names, bounds and formula."""
 
     def torque(self, motion: Motion) -> Float:
         """Return the torque. [N m], shape (n,)."""
+        return np.asarray(self.effect.torque(motion, self.values))
 
 
 # An ``effects.joint_model.JointModel``: ``inertia_kg_m2``, ``terms``, and ``rest(motion)``, its simple torque.

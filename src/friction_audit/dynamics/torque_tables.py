@@ -110,10 +110,6 @@ def _forms(term: Term, motion: Motion, empty: Tables) -> Iterable[Tables]:
         with np.errstate(all="ignore"):
             return np.stack([term.torque(replace(motion, dq=sign * ways + still)) for sign in (1.0, -1.0)])
 
-    def affine(motion: Motion) -> tuple[Float, Float]:
-        level, moving = ask(CRAWL_RAD_S, motion), ask(0.5 * top, motion)
-        return level, (moving - level) / (0.5 * top)
-
     with np.errstate(all="ignore"):
         more = term.torque(replace(motion, ddq=motion.ddq + 1.0))
     empty = empty._replace(inertia_kg_m2=float(np.mean(more - term.torque(motion))))
@@ -122,10 +118,10 @@ def _forms(term: Term, motion: Motion, empty: Tables) -> Iterable[Tables]:
     unmoved = replace(motion, ddq=still)
     yield empty._replace(speed=ask(speeds, replace(unmoved, q=np.full(n, float(np.median(motion.q))))))
     places = np.asarray(empty.place_start + empty.place_step * np.arange(n), np.float64)
-    level, per_speed = affine(replace(unmoved, q=places))
-    yield empty._replace(place=level, place_per_speed=per_speed)
-    level, per_speed = affine(unmoved)
-    yield empty._replace(time=level, time_per_speed=per_speed)
+    for over, along in (("place", replace(unmoved, q=places)), ("time", unmoved)):
+        level, moving = ask(CRAWL_RAD_S, along), ask(0.5 * top, along)
+        shares: dict[str, Any] = {over: level, f"{over}_per_speed": (moving - level) / (0.5 * top)}
+        yield empty._replace(**shares)
 
 
 @compiled()

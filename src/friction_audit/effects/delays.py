@@ -8,7 +8,7 @@ import numpy as np
 
 from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.transmission import far_side, simple_torque
-from friction_audit.effects.effect import Effect, Trait
+from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData, Nominal, moves, reversals
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
@@ -72,7 +72,7 @@ FRICTIONAL_LAG = FrictionalLag(
         Parameter("lagging_excess", "1", "Stribeck friction at rest over Coulomb", lower=0.0, upper=5.0),
         Parameter("lag_speed_rad_s", "rad/s", "Stribeck velocity", lower=1e-4, upper=1e2),
     ),
-    traits=Trait.NEEDS_NOMINAL,
+    needs_nominal=True,
     not_identifiable=different_speeds,
     tries=lags,
     possible=lambda found, _: 0.0 < found[0] <= LARGEST_SHARE,
@@ -118,7 +118,7 @@ TIME_DELAY = TimeDelay(
         Parameter(STEP, "s", "delay for which jumps are right", lower=-1.0, upper=1.0),
         Parameter.choice("delayed_load", "1 if the load is late too", 0.0, 1.0),
     ),
-    traits=Trait.NEEDS_NOMINAL,
+    needs_nominal=True,
     # All delays, of friction and inertia alone and, where there is a load, of all that the sensor bears.
     tries=lambda data: (
         (sign * step, load)

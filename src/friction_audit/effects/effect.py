@@ -7,7 +7,6 @@ over the nonlinear parameters only. Effects whose formulas are alike share a mod
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from enum import Flag, auto
 from typing import Any
 
 import numpy as np
@@ -19,17 +18,6 @@ from friction_audit.joint_log import Float
 
 # Values of nonlinear parameters by name: a point of the grid.
 Nonlinear = Mapping[str, float]
-
-
-class Trait(Flag):
-    """What holds for the torque of an effect."""
-
-    NONE = 0
-    FRICTION = auto()  # it is dissipated
-    SPEED_ONLY = auto()  # it follows from the velocity alone
-    NEEDS_NOMINAL = auto()  # its columns hold torque of the nominal model and change with that
-    EXACT = auto()  # its formula cannot be wrong, as that of a constant cannot
-    EVEN = auto()  # neither it nor what its formula misses depends on the direction
 
 
 def free(*_: object) -> Any:  # noqa: ANN401 - it returns nothing
@@ -47,7 +35,11 @@ class Effect:
     # Parameters in which the torque is linear, one per column; empty for an effect that no joint model can hold.
     coefficients: tuple[Parameter, ...] = ()
     nonlinear: tuple[Parameter, ...] = ()  # the other parameters
-    traits: Trait = Trait.NONE
+    friction: bool = False  # True if it is dissipated
+    speed_only: bool = False  # True if it follows from the velocity alone
+    needs_nominal: bool = False  # True if its columns hold torque of the nominal model and change with that
+    exact: bool = False  # True if its formula cannot be wrong, as that of a constant cannot
+    even: bool = False  # True if neither it nor what its formula misses depends on the direction
     # Why a log cannot show it, i.e. which motion is lacking; None if it can.
     not_identifiable: Callable[[JointData, Nominal], str | None] = moves
     # The part of the grid that a log shows although ``not_identifiable`` says what it cannot.
@@ -127,13 +119,15 @@ class Effect:
         """All parameters: coefficients, then nonlinear ones."""
         return self.coefficients + self.nonlinear
 
-    follows = property(lambda self: self.coefficient_of is not free)
-    # A link between the measured side and that of inertia and friction.
-    transmits = property(lambda self: self.forward in ("spring", "gap"))
-    needs_nominal = property(lambda self: Trait.NEEDS_NOMINAL in self.traits)
-    exact = property(lambda self: Trait.EXACT in self.traits)
-    friction = property(lambda self: Trait.FRICTION in self.traits)
-    speed_only = property(lambda self: Trait.SPEED_ONLY in self.traits)
+    @property
+    def follows(self) -> bool:
+        """Whether its coefficient follows from the nonlinear parameters."""
+        return self.coefficient_of is not free
+
+    @property
+    def transmits(self) -> bool:
+        """Whether it is a link between the measured side and that of inertia and friction."""
+        return self.forward in ("spring", "gap")
 
     def torque(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return the torque, given the values of ``parameters`` in order. [N m], shape (n,)."""

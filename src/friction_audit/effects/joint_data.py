@@ -1,6 +1,6 @@
 """What one joint did and what drove it, on an even grid; measures for grids of effects; what a log lacks."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -66,6 +66,8 @@ class JointData:
     sample_s: float = 0.0  # usual step of the log itself, 0 where a torque late by part of it is of no interest [s]
     rounding: float = 0.0  # standard deviation of the rounding of that [rad or rad/s]
     crossover_hz: float = 0.0  # below it a velocity from "dq" is mainly the derivative of the position [Hz]
+    # the low-passed motion by corner, as far as it was asked for [Hz]
+    smooth: dict[float, Motion] = field(default_factory=dict, init=False, repr=False)
 
     @cached_property
     def used(self) -> NDArray[np.bool_]:
@@ -86,11 +88,6 @@ class JointData:
     def way(self) -> Float:
         """Mean sign of the velocity over the cell of each sample, shape (n,)."""
         return mean_sign(self.t, self.dq, self.ddq)
-
-    @cached_property
-    def smooth(self) -> dict[float, Motion]:
-        """The low-passed motion by corner, as far as it was asked for. [Hz]"""
-        return {}
 
     def motion(self, rest: Float | None = None) -> Motion:
         """The input of an effect's columns; ``rest`` is the torque of the nominal model, shape (n,)."""

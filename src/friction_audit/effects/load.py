@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.effect import Effect, Nonlinear, Trait
+from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import JointData, Nominal, both_directions, span
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
@@ -63,7 +63,7 @@ LOAD_DEPENDENT_FRICTION = LoadDependentFriction(
             "load_static", "1 if the load is the weight alone, without inertial torque", 0.0, 1.0, optional=True
         ),
     ),
-    traits=Trait.NEEDS_NOMINAL,
+    needs_nominal=True,
     not_identifiable=_changing_load,
     # The load is all that goes through the gear, or what the link weighs: both are in the literature.
     tries=lambda _: ((p, d, *static) for d, p, static in product((0.0, 1.0), EXPONENTS, ((), (1.0,)))),
@@ -184,7 +184,7 @@ GRAVITY_ERROR = GravityError(
         *_of_another("last"),
     ),
     nonlinear=(Parameter.choice(SOURCE, "0 own angle, -1 base, -2 several links, else number of the link", SEVERAL),),
-    traits=Trait.EVEN,
+    even=True,
     not_identifiable=partial(span, least_rad=0.3),
     tries=sources,
     # Of either sign; of several links not what no arm carries.

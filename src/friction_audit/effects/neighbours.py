@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from friction_audit.dynamics.motion import INERTIAL_PARAMETERS, Motion
-from friction_audit.effects.effect import Effect, Nonlinear
+from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData, Nominal, moves
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
@@ -127,12 +127,6 @@ def _moving_neighbours(data: JointData, _nominal: Nominal) -> str | None:
     return "no other joint moves: move the neighbours, also while this joint rests" if still else None
 
 
-def _of_a_body(found: Float, _: Nonlinear) -> bool:
-    """Either sign is possible, for a rotor may turn against its neighbour; not that of what no arm carries."""
-    share, mass_kg = np.abs(found[2 * JOINTS : 2 * JOINTS + 2])
-    return bool(share <= LARGEST_SHARE and mass_kg <= LARGEST_MASS_KG)
-
-
 INERTIAL_COUPLING = InertialCoupling(
     name="inertial_coupling",
     label="acceleration of other joints",
@@ -158,6 +152,7 @@ INERTIAL_COUPLING = InertialCoupling(
     ),
     not_identifiable=_moving_neighbours,
     tries=sources,
-    possible=_of_a_body,
+    # Either sign is possible, for a rotor may turn against its neighbour; not that of what no arm carries.
+    possible=lambda found, _: bool(np.all(np.abs(found[2 * JOINTS :][:2]) <= (LARGEST_SHARE, LARGEST_MASS_KG))),
     record="move the neighbours one at a time, also while this joint rests",
 )

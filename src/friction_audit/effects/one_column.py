@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.effect import Effect, Trait
+from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData, Nominal, both_directions, moves
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
@@ -49,7 +49,8 @@ NOMINAL = (
         label="Coulomb friction",
         axis="speed",
         coefficients=(Parameter("coulomb_nm", "N m", "friction at any speed", lower=0.0),),
-        traits=Trait.FRICTION | Trait.SPEED_ONLY,
+        friction=True,
+        speed_only=True,
         of=lambda motion: motion.direction,  # 0 at rest, where friction is what holds the joint
         in_cpp=lambda values, _: f"{values[0]!r} * way",
     ),
@@ -58,7 +59,8 @@ NOMINAL = (
         label="viscous friction",
         axis="speed",
         coefficients=(Parameter("viscous_nms_per_rad", "N m s/rad", "friction per velocity", lower=0.0),),
-        traits=Trait.FRICTION | Trait.SPEED_ONLY,
+        friction=True,
+        speed_only=True,
         of=lambda motion: motion.dq,
         in_cpp=lambda values, _: f"{values[0]!r} * dq",
     ),
@@ -67,7 +69,7 @@ NOMINAL = (
         label="constant torque",
         axis="time",
         coefficients=(Parameter("offset_nm", "N m", "torque offset"),),
-        traits=Trait.SPEED_ONLY,
+        speed_only=True,
         of=lambda motion: np.ones(len(motion.t)),
     ),
 )
@@ -77,7 +79,8 @@ ASYMMETRIC_COULOMB = OneColumn(
     label="friction differs by direction",
     axis="speed",
     coefficients=(Parameter("coulomb_half_difference_nm", "N m", "half of the difference, forward minus backward"),),
-    traits=Trait.SPEED_ONLY | Trait.EXACT,
+    speed_only=True,
+    exact=True,
     not_identifiable=both_directions,
     record="pass the same places in both directions, with rests",
     separate={
@@ -99,7 +102,7 @@ ASYMMETRIC_VISCOUS = OneColumn(
     coefficients=(
         Parameter("viscous_half_difference_nms_per_rad", "N m s/rad", "half of the difference, forward minus backward"),
     ),
-    traits=Trait.SPEED_ONLY,
+    speed_only=True,
     not_identifiable=both_directions,
     record="pass the same places slowly and fast in both directions",
     separate={
@@ -114,7 +117,9 @@ TORQUE_BIAS = OneColumn(
     label="offset of the torque sensor",
     axis="time",
     coefficients=(Parameter("torque_bias_nm", "N m", "interaction torque as read without a load"),),
-    traits=Trait.SPEED_ONLY | Trait.EXACT | Trait.EVEN,
+    speed_only=True,
+    exact=True,
+    even=True,
     not_identifiable=both_directions,
     record="let the joint rest unloaded for 2 s",
     separate={

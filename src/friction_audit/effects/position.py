@@ -9,7 +9,7 @@ import numpy as np
 
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.effect import Effect, Nonlinear, Trait
+from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, both_directions, reach, span, speeds
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
@@ -104,7 +104,7 @@ POSITION_DEPENDENT_FRICTION = PositionDependentFriction(
         Parameter(CENTRE, "rad", "centre of the stretch", optional=True),
         Parameter(WIDTH, "rad", "half width of the stretch", lower=1e-4, default=EVERYWHERE, optional=True),
     ),
-    traits=Trait.FRICTION,
+    friction=True,
     tries=waves,
     not_identifiable=lambda data, nominal: both_directions(data, nominal) or span(data, nominal, 0.5),
     record="pass every place four times in each direction",
@@ -226,7 +226,7 @@ CABLE_SPRING = CableSpring(
         Parameter("cable_centre_rad", "rad", "neutral position"),
         Parameter("cable_free_rad", "rad", "slack to either side", lower=0.0),
     ),
-    traits=Trait.EVEN,
+    even=True,
     not_identifiable=partial(span, least_rad=0.8),
     tries=free_stretches,
     possible=lambda found, _: found[0] > 0 and found[0] + found[1] > 0,  # still pulls back stretched by a radian
@@ -286,7 +286,7 @@ JOINT_LIMIT_STOP = JointLimitStop(
         Parameter("stop_lower_rad", "rad", "position of the lower stop"),
         Parameter("stop_exponent", "1", "exponent of the depth", lower=0.5, upper=5.0),
     ),
-    traits=Trait.EVEN,
+    even=True,
     not_identifiable=partial(span, least_rad=0.5),
     tries=stops,
     possible=lambda found, _: min(found[:2]) >= 0 and found[0] + found[1] > 0,  # stops push back

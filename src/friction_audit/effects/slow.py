@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.effect import Effect, Nonlinear, Trait
+from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import JointData, Nominal, both_directions
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
@@ -75,7 +75,7 @@ TORQUE_DRIFT = TorqueDrift(
             optional=True,
         ),
     ),
-    traits=Trait.EVEN,
+    even=True,
     not_identifiable=_many_cycles,
     tries=lambda _: ((float(waves),) for waves in range(1, WAVES + 1)),
     record="let the joint rest unloaded for 2 s early and late",
@@ -128,7 +128,7 @@ WARM_UP = WarmUp(
         Parameter("warm_up_time_s", "s", "time constant", lower=1e-2, upper=1e9),
         Parameter("warm_up_per_k", "1/K", "share lost per kelvin", lower=0.0, upper=100.0),
     ),
-    traits=Trait.FRICTION,
+    friction=True,
     not_identifiable=_long_enough,
     tries=_coolings,
     possible=lambda found, _: bool(np.any(found > 0)),  # a cold joint has more friction of one kind at least
@@ -180,7 +180,7 @@ FRICTION_STEP = FrictionStep(
         Parameter("step_time_s", "s", "time of the change"),
         Parameter("step_length_s", "s", "duration of the change", lower=0.0),
     ),
-    traits=Trait.FRICTION,
+    friction=True,
     not_identifiable=_cycles_around,
     tries=_moments,
     record="record at least 4 cycles before and after the change",

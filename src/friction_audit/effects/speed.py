@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.effect import Effect, Trait
+from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData, Nominal, both_directions, speed_range, speeds
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
@@ -57,7 +57,8 @@ STRIBECK = Stribeck(
         Parameter("stribeck_speed_rad_s", "rad/s", "Stribeck velocity", lower=STRIBECK_RAD_S, upper=FASTEST_RAD_S),
         Parameter("stribeck_exponent", "1", "Stribeck exponent", lower=0.2, upper=5.0),
     ),
-    traits=Trait.FRICTION | Trait.SPEED_ONLY,
+    friction=True,
+    speed_only=True,
     not_identifiable=partial(speed_range, ratio=8.0),
     tries=lambda data: product(low_speeds(data, 8, STRIBECK_RAD_S), EXPONENTS),
     in_cpp=lambda v, _: f"{v[0]!r} * way * std::exp(-std::pow(pace / {v[1]!r}, {v[2]!r}))",
@@ -146,7 +147,8 @@ NONLINEAR_VISCOUS = NonlinearViscous(
             optional=True,
         ),
     ),
-    traits=Trait.FRICTION | Trait.SPEED_ONLY,
+    friction=True,
+    speed_only=True,
     not_identifiable=partial(speed_range, ratio=5.0),
     # A curve that flattens must rise: if it fell, friction would fall steeply with speed, which is Stribeck's.
     possible=lambda found, at: found[0] > 0 or at["curved_viscous_exponent"] > 1.0,
@@ -198,7 +200,7 @@ UNLOGGED_COMPENSATION = UnloggedCompensation(
         Parameter("unlogged_skew", "1", "shift of its sigmoid", lower=-2.0, upper=2.0),
         Parameter.choice("unlogged_form", "0 smooth, 1 dead band", 0.0, 1.0),
     ),
-    traits=Trait.SPEED_ONLY,
+    speed_only=True,
     not_identifiable=stated_friction,
     tries=lambda data: ((w, *form) for w, form in product(low_speeds(data, 6, WIDTH_RAD_S), FORMS)),
     record="log the commanded torque",

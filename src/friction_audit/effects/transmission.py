@@ -21,7 +21,7 @@ from friction_audit.dynamics.transmission import (
     flank_stiffness,
     simple_torque,
 )
-from friction_audit.effects.effect import Effect, Nonlinear, Trait
+from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import (
     CORNER_HZ,
     JointData,
@@ -188,7 +188,7 @@ JOINT_ELASTICITY = Link(
         ),
         FAR_SHARE,
     ),
-    traits=Trait.NEEDS_NOMINAL,
+    needs_nominal=True,
     coefficient_of=lambda at: 1.0 / at["spring_nm_per_rad"],
     possible=lambda found, at: LEAST_OF_SPRING <= found[0] / (1.0 / at["spring_nm_per_rad"]) <= LARGEST_SHARE,
     forward="spring",
@@ -251,7 +251,7 @@ BACKLASH = Link(
         Parameter("flank_damping_ratio", "1", "damping ratio in contact", default=CONTACT_DAMPING_RATIO, **RATIO),
         FAR_SHARE,
     ),
-    traits=Trait.NEEDS_NOMINAL,
+    needs_nominal=True,
     coefficient_of=lambda _: 1.0,
     possible=lambda found, _: LEAST_OF_GAP <= found[0] <= LARGEST_SHARE,
     forward="gap",

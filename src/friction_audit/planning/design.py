@@ -9,7 +9,7 @@ largest gain per second and then exchanging candidates as long as one gains (V. 
 Experiments, 1972). Sums of squares add up over candidates, for each starts and ends at rest.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from math import inf
@@ -242,20 +242,17 @@ def information_of(
     competing: Sequence[Effect],
 ) -> Information:
     """Simulate the joint along all candidates; one of the ``truths`` is there, and the ``certain`` in any case."""
-
-    def torque_of(terms: Iterable[FittedTerm]) -> Float:
-        torques = [term.torque(data.motion(nominal.torque)) for term in terms]
-        return problem.samples.of(np.sum(torques, axis=0))
-
     motion = Prescribed(strokes=tuple(one for c in candidates for one in c.strokes))
     data = subject_of(joint, joint.settings(motion, float(starts_of(motion)[-1]) + 0.5), seed=1).data
     problem = RegressionProblem.build(data, None)
     nominal = joint.nominal(data)
-    nuisances = problem.nuisances(nominal)
-    base = np.vstack([problem.X, *(one.column for one in nuisances), *([torque_of(certain)] if certain else [])])
+    nuisances, moved = problem.nuisances(nominal), data.motion(nominal.torque)
+    known = [problem.samples.of(np.sum([term.torque(moved) for term in certain], axis=0))] if certain else []
+    base = np.vstack([problem.X, *(one.column for one in nuisances), *known])
     fit = np.linalg.lstsq(base.T, problem.y)[0]
     noise = NoiseModel.fit(problem.age, [problem.y - fit @ base], problem.model_error(nominal))
-    torques = np.array([torque_of([one]) for one in truths.values()]).reshape(len(truths), len(problem.y))
+    each = [problem.samples.of(term.torque(moved)) for term in truths.values()]
+    torques = np.reshape(each, (len(truths), len(problem.y)))
     grids: dict[str, list[Block]] = {}
     for block in Dictionary.build(problem, competing, nominal).blocks:
         grids.setdefault(block.name, []).append(block)

@@ -12,7 +12,6 @@ from friction_audit.diagnosis.problem import RegressionProblem
 from friction_audit.diagnosis.result import Verdict
 from friction_audit.diagnosis.samples import Index
 from friction_audit.diagnosis.settings import DiagnosisSettings
-from friction_audit.effects.effect import Trait
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.effects.registry import effect_of, effects
 from friction_audit.errors import AnalysisError, UsageError
@@ -140,8 +139,8 @@ def _designed(about: design.Information, duration_s: float) -> tuple[Index, bool
     """Return how often each candidate is run, and whether at both ends of the time, where an offset may drift."""
     share, fewest = AT_AN_END
     known = [effect_of(name) for name in about.truths]
-    constant = [Trait.EXACT in one.traits for one in known]
-    slow = [one.axis == "time" and Trait.EVEN in one.traits for one in known]
+    constant = [one.exact for one in known]
+    slow = [one.axis == "time" and one.even for one in known]
     if 0 < sum(constant) < len(known) and all(map(any, zip(constant, slow, strict=True))):
         counts = design.exchange(about, design.value_of_separation, share * duration_s - AROUND_S)
         if counts.sum() >= fewest:  # else there is no time for both

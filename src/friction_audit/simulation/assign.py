@@ -3,7 +3,7 @@
 Where a field is a union of dataclasses, its kind can be assigned too: ``SlowSweep`` is ``slow_sweep``, None ``none``.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import MISSING, fields, is_dataclass, replace
 from difflib import get_close_matches
@@ -14,7 +14,7 @@ from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_origin, get_
 
 from friction_audit.compensation.law import kind_name
 from friction_audit.errors import UsageError
-from friction_audit.joint_numbers import require_joints, split_joints, write_joint_numbers
+from friction_audit.joint_numbers import parse_joint_numbers, require_joints, write_joint_numbers
 
 Settings = TypeVar("Settings")
 Value = float | int | bool | str | tuple["Value", ...] | None
@@ -115,7 +115,8 @@ def assign_text(settings: Settings, entry: str) -> Settings:
 
     The name is the dotted path of a setting, or as much of its end as no other one shares; without joints, all have it.
     """
-    assignment, joints = split_joints(entry, f"--set {entry}")
+    assignment, at, numbers = entry.partition("@")
+    joints = parse_joint_numbers(numbers, f"--set {entry}") if at else None
     name, equals, text = (part.strip() for part in assignment.partition("="))
     if not equals or not name:
         raise UsageError(f"--set {entry}: expected NAME=VALUE, e.g. duration_s=60")
@@ -170,8 +171,14 @@ def _leaves(node: Any) -> Iterator[_Leaf]:  # noqa: ANN401 - any dataclass
         if item.name in APART:
             continue
         if kinds:
-            others = tuple(name for name, kind in kinds.items() if _can_be_made(kind) and not isinstance(value, kind))
-            yield _Leaf(here, Kind(kind_name(type(value)), others), partial(_turn_into, kinds))
+            usual = [  # those that can be made without being given a number
+                name
+                for name, kind in kinds.items()
+                if not is_dataclass(kind)
+                or not any(item.default is item.default_factory is MISSING for item in fields(kind))
+            ]
+            others = tuple(name for name in usual if not isinstance(value, kinds[name]))
+            yield _Leaf(here, Kind(kind_name(type(value)), others), partial(_turn_into, kinds, usual))
         if is_dataclass(value):
             yield from (leaf._replace(path=here + leaf.path) for leaf in _leaves(value))
         elif isinstance(value, tuple) and value and all(map(is_dataclass, value)):
@@ -191,18 +198,13 @@ def _kinds_of(hint: Any) -> dict[str, type]:  # noqa: ANN401 - any annotation
     return {kind_name(member): member for member in single} if any(map(is_dataclass, single)) else {}
 
 
-def _can_be_made(kind: Any) -> bool:  # noqa: ANN401 - a kind of settings, or of None
-    items = fields(kind) if is_dataclass(kind) else ()
-    return not any(item.default is item.default_factory is MISSING for item in items)
-
-
-def _turn_into(kinds: dict[str, type], name: str, old: object) -> object:
+def _turn_into(kinds: dict[str, type], usual: Collection[str], name: str, old: object) -> object:
     """Return another kind of settings with its usual values, or the old ones if they are of that kind."""
     if name not in kinds:
         raise ValueError(f"one of {', '.join(kinds)}")
     if isinstance(old, kinds[name]):
         return old
-    if not _can_be_made(kinds[name]):
+    if name not in usual:
         raise UsageError(f"{name} has no usual values; a scenario must have it")
     return kinds[name]()
 

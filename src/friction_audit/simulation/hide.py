@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel
 from friction_audit.errors import UsageError
-from friction_audit.joint_numbers import require_joints, split_joints, write_joint_numbers
+from friction_audit.joint_numbers import parse_joint_numbers, require_joints, write_joint_numbers
 from friction_audit.simulation.effects import EFFECTS, HiddenEffect
 from friction_audit.simulation.effects.effect import FORM, Given, NoEqualError, Setting
 from friction_audit.simulation.scenarios import SCENARIOS
@@ -39,7 +39,8 @@ def hide(settings: Settings, entries: Iterable[str]) -> Settings:
     hidden, taken = list(settings.hidden), set[tuple[str, int]]()
     for entry in entries:
         where = f"--effect {entry}"
-        described, joints = split_joints(entry, where)
+        described, at, numbers = entry.partition("@")
+        joints = parse_joint_numbers(numbers, where) if at else None
         name, colon, parameters = described.partition(":")
         if name.strip() not in BY_NAME:
             near = get_close_matches(name, BY_NAME, n=2)

@@ -16,8 +16,6 @@ from friction_audit.simulation.strokes import (
     StopAndGo,
     area,
     course,
-    rising,
-    slope,
 )
 
 WIDEST = 0.5  # up to this spread, the speed never changes its sign inside a half-period
@@ -42,7 +40,7 @@ class Sinusoid(Checked):
         halves, pace = t / half_period, np.full_like(t, 1 / half_period)
         if self.ease_s > 0:
             eased = t / self.ease_s
-            halves, pace = self.ease_s * area(eased) / half_period, rising(eased) / half_period
+            halves, pace = self.ease_s * area(eased) / half_period, course(eased)[0] / half_period
         fitting = int(halves[-1] + ROUNDING)
         pace[halves >= fitting] = 0.0
         halves = np.minimum(halves, fitting)
@@ -51,7 +49,8 @@ class Sinusoid(Checked):
         ends[0] = self.amplitude_rad
         end = np.minimum(np.floor(halves), fitting).astype(np.intp)
         passed, change = halves - end, np.diff(ends)[end]
-        amplitude, change = ends[end] + change * course(passed), change * slope(passed)
+        covered, slope = course(passed)
+        amplitude, change = ends[end] + change * covered, change * slope
         half = np.minimum(np.floor(halves), max(fitting - 1, 0))
         x, side = halves - half, np.where(half % 2 == 0, 1.0, -1.0)
         rate = pi * amplitude * np.sin(pi * x) - change * np.cos(pi * x)
@@ -95,9 +94,8 @@ def intend_joints(settings: Commanded, joints: int, ticks: int, dt: float, rng: 
     phase = rng.uniform(0.0, 2 * np.pi, pulsation.shape)
     # A factor that rises from 0 to 1 and falls to 0 at the end, and its derivative [1/s].
     ease_s = min(settings.ease_s, t[-1] / 2)
-    rise, fall = t / ease_s, (t[-1] - t) / ease_s
-    envelope = np.minimum(rising(rise), rising(fall))
-    steepness = (slope(np.clip(rise, 0.0, 1.0)) - slope(np.clip(fall, 0.0, 1.0))) / ease_s
+    (rise, steeper), (fall, flatter) = course(t / ease_s), course((t[-1] - t) / ease_s)
+    envelope, steepness = np.minimum(rise, fall), (steeper - flatter) / ease_s
     position, velocity = np.empty((2, ticks + 1, joints))
     for joint in range(joints):
         # One joint at a time keeps the arrays inside the cache.

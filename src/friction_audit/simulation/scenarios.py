@@ -1,6 +1,5 @@
 """Scenarios: settings with a name; and the simulation of any settings."""
 
-import re
 from dataclasses import dataclass, replace
 
 from friction_audit.compensation.competitors import FixedCompensation
@@ -34,12 +33,6 @@ class Scenario:
     name: str  # as on the command line
     summary: str  # one line
     settings: AnySettings  # what is simulated; every number of it can be set
-
-    @property
-    def figure(self) -> str | None:
-        """The figure of the paper that it belongs to, or None."""
-        found = re.match(r"fig(\d+)", self.name)
-        return f"Fig. {found[1]}" if found else None
 
 
 # Rotary friction that stands for 1 Ns/mm of the paper, on a lever of sqrt(1e-5) m = 3.2 mm: 10 Ns/mm are then

@@ -110,16 +110,16 @@ def _channels(settings: SomeSettings, moved: Moved) -> dict[str, Float]:
 def _sense(settings: SomeSettings, moved: Moved, error: Float) -> tuple[Float, Float, Float]:
     """Return position, velocity and interaction torque as read, which has an ``error`` before it is rounded."""
     hidden, sensors, motion, loop = settings.hidden, settings.sensors, moved.motion, moved.loop
-    delays = [inside.time_delay for inside in hidden]
-
-    def late(signal: Float, form: int) -> Float:
-        return _by_joint(delayed, [one.delay_s if one.form == form else 0.0 for one in delays], signal)
-
-    port = crosstalk_mixed([inside.torque_crosstalk for inside in hidden], late(motion.port_nm, TORQUE_LATE))
+    torque_late, motion_late = (
+        [one.time_delay.delay_s if one.time_delay.form == form else 0.0 for one in hidden]
+        for form in (TORQUE_LATE, VELOCITY_LATE)
+    )
+    port = _by_joint(delayed, torque_late, motion.port_nm)
+    port = crosstalk_mixed([inside.torque_crosstalk for inside in hidden], port)
     ripple = _by_joint(ripple_reading_nm, [inside.torque_ripple for inside in hidden], motion.q)
     torque = port + ripple + loop.torque_noise + error
-    place = late(motion.q, VELOCITY_LATE) + loop.position_noise
-    velocity = late(motion.dq, VELOCITY_LATE) + loop.velocity_noise
+    place = _by_joint(delayed, motion_late, motion.q) + loop.position_noise
+    velocity = _by_joint(delayed, motion_late, motion.dq) + loop.velocity_noise
     return (
         _by_joint(quantise, [one.position_step_rad for one in sensors], place),
         _by_joint(quantise, [one.velocity_step_rad_s for one in sensors], velocity),

@@ -24,25 +24,17 @@ class Intention(NamedTuple):
     velocity: Float  # its exact derivative [rad/s]
 
 
-def course(x: Float) -> Float:
-    """Return the share of the way covered at the share x of the time, in [0, 1]."""
-    return x * x * x * (10.0 + x * (6.0 * x - 15.0))
-
-
-def slope(x: Float) -> Float:
-    """Return the derivative of the course at x in [0, 1]."""
-    return 30.0 * x * x * (1.0 - x) * (1.0 - x)
+def course(x: Float) -> tuple[Float, Float]:
+    """Return the share of the way covered at the share x of the time, and its derivative; level outside of [0, 1]."""
+    x = np.clip(x, 0.0, 1.0)
+    covered = x * x * x * (10.0 + x * (6.0 * x - 15.0))
+    return covered, 30.0 * x * x * (1.0 - x) * (1.0 - x)
 
 
 def area(x: Float) -> Float:
     """Return the integral from 0 to x of the course, which stays 0 below 0 and 1 above 1."""
     inside = np.clip(x, 0.0, 1.0)
     return inside**4 * (2.5 + inside * (inside - 3.0)) + np.maximum(x - 1.0, 0.0)
-
-
-def rising(x: Float) -> Float:
-    """Return the course for any x: 0 below 0 and 1 above 1."""
-    return course(np.clip(x, 0.0, 1.0))
 
 
 def latest(start_s: Float, t: Float) -> np.ndarray[tuple[int, ...], np.dtype[np.intp]]:
@@ -59,7 +51,7 @@ def at_constant_speed(t: Float, start_s: Float, way: Float, speed: Float, ease_s
     fall = rise - (np.abs(way) / speed / ease_s)[stroke]
     signed, origin = np.copysign(speed, way)[stroke], (np.cumsum(way) - way)[stroke]
     position = origin + signed * ease_s[stroke] * (area(rise) - area(fall))
-    return Intention(position, signed * (rising(rise) - rising(fall)))
+    return Intention(position, signed * (course(rise)[0] - course(fall)[0]))
 
 
 STRATA = 10  # the speeds of so many strokes in a row are spread evenly over their distribution
@@ -105,8 +97,8 @@ class StopAndGo(Checked):
             place, direction = place + way, float(np.sign(way))
         strokes, t = np.array(rows), np.arange(ticks + 1, dtype=np.float64) * dt
         start, lasts, origin, length = strokes[latest(strokes[:, 0], t)].T
-        x = np.clip((t - start) / lasts, 0.0, 1.0)
-        return Intention(origin + length * course(x), length / lasts * slope(x))
+        covered, slope = course((t - start) / lasts)
+        return Intention(origin + length * covered, length / lasts * slope)
 
 
 def _draw_length(settings: StopAndGo, speed: float, place: float, direction: float, rng: np.random.Generator) -> float:
@@ -274,9 +266,9 @@ def plan_hand(settings: HandPath, ticks: int, dt: float, rng: np.random.Generato
         pose = pose + change
     strokes, t = np.array(rows), np.arange(ticks + 1, dtype=np.float64) * dt
     start, lasts, origin, change = np.split(strokes[latest(strokes[:, 0], t)], [1, 2, 8], axis=1)
-    x = np.clip((t[:, np.newaxis] - start) / lasts, 0.0, 1.0)
-    position, rotation = np.hsplit(origin + course(x) * change, 2)
-    velocity, turning = np.hsplit(slope(x) / lasts * change, 2)
+    covered, slope = course((t[:, np.newaxis] - start) / lasts)
+    position, rotation = np.hsplit(origin + covered * change, 2)
+    velocity, turning = np.hsplit(slope / lasts * change, 2)
     # The angular velocity in the world's axes, by the left Jacobian of the rotation group.
     angle = np.linalg.norm(rotation, axis=1)
     safe = np.maximum(angle, SMALL_RAD)

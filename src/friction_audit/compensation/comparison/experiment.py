@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from itertools import takewhile
 from math import ceil, inf, isinf, sqrt
 from typing import Any
 
@@ -29,6 +30,7 @@ from friction_audit.compensation.comparison.result import (
     make_course,
     mean_interval,
     measure,
+    median_interval,
 )
 from friction_audit.parallel import in_processes, workers_for
 from friction_audit.simulation.bench import Progress
@@ -61,6 +63,7 @@ def compare(
             tuning_losses=losses,
             outcomes=tuple(outcome for outcome, _ in heap),
             margins=own,
+            margin=median_interval(own),
             course=heap[0][1],
         )
         for (method, tuning, role, losses), heap, own in zip(chosen, tried, margins, strict=True)
@@ -138,7 +141,9 @@ class _Trials:
                 Point(value=value, tuning=tuning, outcomes=tuple(outcome for outcome, _ in heap))
                 for value, (tuning, heap) in zip(some, tried, strict=False)
             ]
-            curves.append(Curve(method.name, method.label, sweep.name, sweep.axis, tuple(points)))
+            held = [point.value for point in takewhile(lambda point: point.stable, points)]
+            boldest = held[-1] if held else None
+            curves.append(Curve(method.name, method.label, sweep.name, sweep.axis, tuple(points), boldest))
         return tuple(curves)
 
     def of(self, tunings: Sequence[Tuning], seeds: Sequence[int], until: float) -> list[list[tuple[Outcome, Any]]]:
@@ -171,12 +176,9 @@ class _Trials:
 
 def choose_best(points: Sequence[Point]) -> Point:
     """Return the point of all sweeps with fewest losses and, of these, the energy slope closest to zero."""
-
-    def badness(point: Point) -> tuple[int, float]:
-        slopes = [abs(one.energy_slope_w) for one in point.outcomes if one.stable]
-        return point.losses, mean_interval(slopes).value
-
-    return min(points, key=badness)
+    slopes = [[abs(one.energy_slope_w) for one in point.outcomes if one.stable] for point in points]
+    badness = [(point.losses, mean_interval(own).value) for point, own in zip(points, slopes, strict=True)]
+    return points[badness.index(min(badness))]
 
 
 def find_margin(holds: Callable[[float], bool]) -> float:

@@ -99,10 +99,6 @@ OBSERVER = (0.8, 20.0)  # its motor inertia over the true one, and its gain [1/s
 SHARES = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)  # of the observed friction, compensated
 
 
-def _fitted(joint: Joint, coulomb_nm: float, viscous_nms_per_rad: float) -> Compensator:
-    return replace(fit_sigmoid(coulomb_nm, viscous_nms_per_rad, TOP_SPEED_RAD_S), guard=joint.guard)
-
-
 def _bristles(joint: Joint, coulomb_nm: float, viscous: float = 0.0) -> Compensator:
     plateau = {"coulomb_nm": coulomb_nm, "breakaway_nm": coulomb_nm}
     return LugreCompensation(**plateau, viscous_nms_per_rad=viscous, guard=joint.guard)
@@ -179,7 +175,9 @@ GAINS = tuple(1.0 / ratio - 1.0 for ratio in SHAPED_RATIOS)
 METHODS: tuple[Method, ...] = (
     Method(NONE, "none", NO_COMPENSATION),
     _model_based(
-        "sigmoid", "model-based", _fitted, "as published for another Panda",
+        "sigmoid", "model-based",
+        lambda joint, coulomb, viscous: replace(fit_sigmoid(coulomb, viscous, TOP_SPEED_RAD_S), guard=joint.guard),
+        "as published for another Panda",
         lambda joint: replace(PUBLISHED[joint.column], guard=joint.guard),
     ),
     _model_based(
@@ -226,15 +224,10 @@ class Scene:
     margin_seeds: int  # of the persons who are reported, those whose stability margins are looked for
     margin_share: float  # of the length of a trial, what looking for a stability margin takes
 
-    @property
-    def joints(self) -> tuple[Joint, ...]:
-        """What methods may know of the joints."""
-        gears = (hidden.joint_elasticity for hidden in self.settings.hidden)
-        return tuple(map(panda_joint, count(), self.settings.joints, gears))
-
     def compensated(self, tuning: Tuning, factor: float | None = None) -> BenchSettings | ArmSettings:
         """Return the settings with a compensator in every joint, its gains times a factor if there is one."""
-        made = tuple(map(tuning.make, self.joints))
+        gears = (hidden.joint_elasticity for hidden in self.settings.hidden)
+        made = tuple(map(tuning.make, map(panda_joint, count(), self.settings.joints, gears)))
         made = made if factor is None else tuple(one.scaled(factor) for one in made)
         if isinstance(self.settings, BenchSettings):
             return replace(self.settings, compensator=made[0])

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass
-from itertools import takewhile
 from math import isfinite, nan, sqrt
 from typing import Any, NamedTuple
 
@@ -218,10 +217,20 @@ class Tried:
     tuning: Tuning
     outcomes: tuple[Outcome, ...]  # one per seed
 
-    # Number of seeds that lost the loop, share of those that did not, and when it was lost in the former. [s]
-    losses = property(lambda self: sum(not one.stable for one in self.outcomes))
-    stable_share = property(lambda self: 1.0 - self.losses / len(self.outcomes))
-    lost_s = property(lambda self: tuple(one.lost_s for one in self.outcomes if isfinite(one.lost_s)))
+    @property
+    def losses(self) -> int:
+        """Number of seeds that lost the loop."""
+        return sum(not one.stable for one in self.outcomes)
+
+    @property
+    def stable_share(self) -> float:
+        """Share of the seeds that did not lose it."""
+        return 1.0 - self.losses / len(self.outcomes)
+
+    @property
+    def lost_s(self) -> tuple[float, ...]:
+        """When the loop was lost, of the seeds that lost it. [s]"""
+        return tuple(one.lost_s for one in self.outcomes if isfinite(one.lost_s))
 
     def interval(self, measure: str) -> Interval:
         """Return mean and interval of a measure, by its name, over the seeds in which the loop held."""
@@ -233,7 +242,11 @@ class Point(Tried):
     """One value of a sweep, tried by the persons who are not reported."""
 
     value: float
-    stable = property(lambda self: self.losses == 0)
+
+    @property
+    def stable(self) -> bool:
+        """Whether nobody lost the loop."""
+        return self.losses == 0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -245,12 +258,7 @@ class Curve:
     name: str  # name of the sweep
     axis: str  # what was varied
     points: tuple[Point, ...]  # from careful to bold
-
-    @property
-    def boldest_stable(self) -> float | None:
-        """The last value before the first at which the loop was lost; None if it is lost at once."""
-        stable = [point.value for point in takewhile(lambda point: point.stable, self.points)]
-        return stable[-1] if stable else None
+    boldest_stable: float | None  # the last value before the first at which the loop was lost; None if lost at once
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -266,9 +274,8 @@ class Row(Tried):
     # factor by which the gain may grow, one per seed for which it was looked for; infinite if more than anybody asks
     # for, 0 if the loop is lost as it is
     margins: tuple[float, ...]
+    margin: Interval  # median of the stability margins; NaN if none was looked for
     course: Course  # what figures show of the first seed
-    # Median of the stability margins; NaN if none was looked for.
-    margin = property(lambda self: median_interval(self.margins))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
