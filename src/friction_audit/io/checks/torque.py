@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.io.checks.clock import GAP_S
 from friction_audit.io.checks.columns import Column, Thinned
@@ -41,7 +40,7 @@ class Stale:
             equal = equal[column[equal] == np.where(equal > 0, column[equal - 1], old)]
         equal = equal[equal + first > 0]
         if len(equal):
-            equal = equal[moving(channels["dq"], equal)]
+            equal = equal[(np.abs(channels["dq"][equal]) > MOVING_RAD_S).any(axis=1)]
         fresh = np.ones(len(t), np.bool_)
         fresh[equal] = False
         self.marks.add(first, ~fresh)
@@ -58,7 +57,7 @@ class Stale:
 def drop_stale_samples(recording: Recording, stale: Stale, columns: Mapping[str, Column]) -> Recording:
     """Drop rows equal to the row before while a joint moves; WholeLogError where the state is slow and in blocks."""
     marks = stale.marks
-    moves = stale.rows * float(moving(columns["dq"].sample, slice(None)).mean())
+    moves = stale.rows * float((np.abs(columns["dq"].sample) > MOVING_RAD_S).any(axis=1).mean())
     if marks.count and _HELD_PERIODS * stale.period > GAP_S and stale.repeats >= _HELD_SHARE * moves:
         if recording.blocks is not None:
             raise WholeLogError
@@ -70,11 +69,6 @@ def drop_stale_samples(recording: Recording, stale: Stale, columns: Mapping[str,
         "than the robot updates); they are removed"
     )
     return recording.without(marks).with_findings(Finding("stale_samples", message, amount=float(marks.count)))
-
-
-def moving(dq: Float, rows: NDArray[np.intp] | slice) -> NDArray[np.bool_]:
-    """Return in which of some rows a joint moves."""
-    return np.asarray((np.abs(dq[rows]) > MOVING_RAD_S).any(axis=1))
 
 
 def _keep_slow_state(recording: Recording, stale: Stale) -> tuple[Recording, Marks]:
