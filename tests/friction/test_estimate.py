@@ -105,7 +105,7 @@ def test_the_torque_regression_agrees_without_a_hidden_effect() -> None:
     regression: Any = estimate(t, v, friction(v, a) + noise, FrictionSettings()).regression
     assert regression.coulomb.low < COULOMB < regression.coulomb.high
     assert regression.viscous.low < VISCOUS < regression.viscous.high
-    assert regression.inertia_kg_m2 == pytest.approx(INERTIA, rel=0.02)
+    assert regression.inertia.value == pytest.approx(INERTIA, rel=0.02)
     assert regression.offset_nm == pytest.approx(0.0, abs=0.02)
 
 
