@@ -3,7 +3,9 @@
 import json
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from functools import partial
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -121,27 +123,19 @@ class ParquetTable(ColumnTable):
                     )
             start += len(batch)
 
-    def read_clock(self, time: TimeColumn) -> Clock:
+    def read_clock(self, time: TimeColumn, stop: float = inf) -> Clock:
         """Read the stamps, NaN where they are damaged; integers as they are, which floats would round."""
-        number, _ = self._stamps(time)
-        parts = [np.zeros(self._file.metadata.num_rows, number) for _ in time.cells]
-        self._read_cells(zip(time.cells, parts, strict=True), None)
-        return self._to_clock(parts, time)
-
-    def first_stamps(self, time: TimeColumn, options: ReadOptions) -> Clock:
-        """Read the stamps up to the end of the part asked for."""
-        found: list[NDArray[Any]] = []
-        (_, unit), (_, stop), path = self._stamps(time), options.window_of_clock(), str(self.path)
-        try:
-            for piece in self._batches(time, time.cells):
+        (number, unit), found, path = self._stamps(time), list[NDArray[Any]](), str(self.path)
+        with suppress(InputError):  # all are read where some are damaged, and these are left out
+            for piece in self._batches(time, time.cells) if stop < inf else ():
                 found.append(stamps_of([piece[cell] for cell in time.cells]))
                 clock = to_clock(found[-1].copy(), unit, path=path, origin=found[0][0].item())
                 unit = clock.unit
                 if clock.t[-1] > stop:
                     return to_clock(np.concatenate(found), unit, path=path)
-        except InputError:
-            pass
-        return self.read_clock(time)  # which leaves out what is damaged
+        parts = [np.zeros(self._file.metadata.num_rows, number) for _ in time.cells]
+        self._read_cells(zip(time.cells, parts, strict=True), None)
+        return self._to_clock(parts, time)
 
     def read_rows(self, columns: ColumnMap, clock: Clock, rows: NDArray[np.bool_] | None) -> Part:
         channels, pairs = self._channel_arrays(columns, len(clock.t))
