@@ -89,7 +89,7 @@ def side_by_side(seeds: int) -> list[str]:
         peer = by_rollouts(estimate, 0)
         peer_s = time.process_time() - begun
         assert joint.regression is not None
-        own = joint.coulomb.value, joint.viscous.value, joint.regression.inertia_kg_m2
+        own = joint.coulomb.value, joint.viscous.value, joint.regression.inertia.value
         off = " | ".join(
             f"{100 * (a / truth - 1):+.1f} / {100 * (b / truth - 1):+.1f}"
             for a, b, truth in zip(own, peer, TRUTH, strict=True)

@@ -23,7 +23,7 @@ from friction_audit.preprocessing.torque_source import arm_for_hand, known_arm
 from friction_audit.preprocessing.velocity import filter_velocity, settling_samples
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterator
 
     from friction_audit.compensation.result import Replay
     from friction_audit.compensation.settings import ReplaySettings
@@ -77,17 +77,9 @@ class Estimate(Shown):
     settings: AuditSettings
     port: PortTorque | None = None  # of a log that is read in blocks, whose ``interaction`` has no samples
 
-    def parts(self) -> "Iterator[Interaction]":
-        """Return velocity and torque in parts that follow each other; those of a log in memory are one."""
-        return iter([self.interaction]) if self.port is None else self.port.driving()
-
     def __repr__(self) -> str:
         unit = f"torque in {self.log.source.torque_unit}, velocity in rad/s, 95 % intervals"
-        return _repr("Estimate", self.log.source.path, unit, self.friction.joints)
-
-
-def _repr(name: str, path: str, unit: str, joints: "Iterable[object]") -> str:
-    return "\n  ".join((f"{name}({path}: {unit})", *map(repr, joints)))
+        return "\n  ".join((f"Estimate({self.log.source.path}: {unit})", *map(repr, self.friction.joints)))
 
 
 def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
@@ -226,12 +218,8 @@ class LogReplay(Shown):
     settings: "ReplaySettings"
 
     def __repr__(self) -> str:
-        return _repr("LogReplay", self.estimate.log.source.path, self.replay.counterfactual.title, self.replay.joints)
-
-
-def replay_log(log: JointLog, settings: AuditSettings, replay_settings: "ReplaySettings") -> LogReplay:
-    """Estimate a log, then run a friction compensator on its joints."""
-    return replay_estimate(estimate_log(log, settings), replay_settings)
+        path, title = self.estimate.log.source.path, self.replay.counterfactual.title
+        return "\n  ".join((f"LogReplay({path}: {title})", *map(repr, self.replay.joints)))
 
 
 def replay_estimate(
@@ -248,7 +236,8 @@ def replay_estimate(
         release_memory()
     if settings.needs_whole and isinstance(log, LogInBlocks):
         return replay_estimate(estimate_log(log.read_whole(), estimate.settings), settings, joints=joints)
-    parts = estimate.interaction, estimate.parts(), estimate.cycles, estimate.friction
+    driving = iter([estimate.interaction]) if estimate.port is None else estimate.port.driving()
+    parts = estimate.interaction, driving, estimate.cycles, estimate.friction
     found = replay(log, *parts, settings, joints=joints, hand_speed=hand_speed)
     return LogReplay(estimate=estimate, replay=found, settings=settings)
 
@@ -262,8 +251,9 @@ class Diagnosis(Shown):
     settings: "DiagnosisSettings"
 
     def __repr__(self) -> str:
-        unit = f"residual RMS on held-out cycles in {self.estimate.log.source.torque_unit}"
-        return _repr("Diagnosis", self.estimate.log.source.path, unit, self.discrepancy.joints)
+        source, joints = self.estimate.log.source, map(repr, self.discrepancy.joints)
+        head = f"Diagnosis({source.path}: residual RMS on held-out cycles in {source.torque_unit})"
+        return "\n  ".join((head, *joints))
 
 
 def diagnose_log(log: JointLog, settings: AuditSettings, diagnosis_settings: "DiagnosisSettings") -> Diagnosis:
@@ -283,7 +273,7 @@ def diagnose_estimate(
 
 def diagnosis_subjects(estimate: Estimate, settings: "DiagnosisSettings") -> "tuple[Subject, ...]":
     """Prepare the joints of a log that was estimated before, or of the part of a long one that tells most."""
-    from friction_audit.diagnosis.data_audit import audit_part
+    from friction_audit.diagnosis.data_audit import judged
     from friction_audit.diagnosis.prepare import PREPARED, best_window, parts_of, subjects_of
 
     part, whole_s = estimate, estimate.log.duration_s
@@ -293,7 +283,8 @@ def diagnosis_subjects(estimate: Estimate, settings: "DiagnosisSettings") -> "tu
         if whole_s > (longest_s := PREPARED * settings.at_most_s):
             part_s = best_window(estimate.cycles, whole_s, longest_s)
             part = estimate_log(estimate.log, replace(estimate.settings, t_start_s=part_s[0], t_stop_s=part_s[1]))
-        findings = (audit_part(part_s, whole_s, settings.at_most_s),)
+        words = {"start": part_s[0], "stop": part_s[1], "minutes": np.ceil(whole_s / 60.0)}
+        findings = (judged("part", whole_s, settings.at_most_s, **words),)
     arm = known_arm(part.log, part.settings.torque, part.interaction.choice)
     with sparing_memory():
         subjects = subjects_of(part.log, part.interaction, part.cycles, estimate.friction, settings, arm)

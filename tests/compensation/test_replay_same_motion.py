@@ -13,7 +13,7 @@ from friction_audit.compensation.law import Coefficients, EnergyCompensator
 from friction_audit.compensation.settings import Competitor, ReplaySettings, energy_compensator
 from friction_audit.joint_log import JointLog
 from friction_audit.log_in_blocks import LogInBlocks
-from friction_audit.pipeline import AuditSettings, LogReplay, replay_log
+from friction_audit.pipeline import AuditSettings, LogReplay, estimate_log, replay_estimate
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.reporting.notices import sentence_of
 from friction_audit.reporting.replay import replay_document
@@ -226,7 +226,9 @@ def test_the_hand_ends_the_cycles_as_it_did_and_the_torque_of_the_closed_loop_co
     simulation: Any = simulate(arm, 2)
     # The simulated controller knows no limits of a Panda.
     what = ReplaySettings(compensator=compensator, max_torque_nm=inf, max_torque_rate_nm_s=inf)
-    found: Any = replay_log(simulation.log, AuditSettings(cycles=CycleSettings(cycles_from="hand")), what)
+    found: Any = replay_estimate(
+        estimate_log(simulation.log, AuditSettings(cycles=CycleSettings(cycles_from="hand"))), what
+    )
     ticks = np.flatnonzero(np.diff(simulation.truth.compensators["cycle"][:, 0])) + 1
     assert len(ticks) > 5
     for joint in found.replay.joints:
@@ -253,7 +255,7 @@ SETTINGS = {
 
 
 def replayed(log: JointLog, name: str) -> LogReplay:
-    return replay_log(log, AUDIT, SETTINGS[name])
+    return replay_estimate(estimate_log(log, AUDIT), SETTINGS[name])
 
 
 def numbers(found: LogReplay) -> dict[str, Any]:
@@ -282,6 +284,6 @@ def test_block_borders_change_nothing(name: str, seed: int, sizes: list[int], co
 def test_a_joint_that_moves_otherwise_takes_the_whole_log() -> None:
     log = recorded(3)
     settings = ReplaySettings(assume="same-torque")
-    found = replay_log(in_blocks(log, [1000]), AUDIT, settings)
+    found = replay_estimate(estimate_log(in_blocks(log, [1000]), AUDIT), settings)
     assert not isinstance(found.estimate.log, LogInBlocks)
-    assert numbers(found) == numbers(replay_log(log, AUDIT, settings))
+    assert numbers(found) == numbers(replay_estimate(estimate_log(log, AUDIT), settings))

@@ -98,6 +98,16 @@ def test_a_step_of_friction_is_seen_once_the_window_has_passed_it() -> None:
     assert joint.history.coulomb_nm[-1] == pytest.approx(0.6, rel=0.01)
 
 
+def test_the_torque_regression_agrees_without_a_hidden_effect() -> None:
+    t, v, a = strokes(LENGTHS, DURATIONS)
+    noise = 0.05 * np.random.default_rng(0).normal(size=len(t))
+    regression: Any = estimate(t, v, friction(v, a) + noise, FrictionSettings()).regression
+    assert regression.coulomb.low < COULOMB < regression.coulomb.high
+    assert regression.viscous.low < VISCOUS < regression.viscous.high
+    assert regression.inertia.value == pytest.approx(INERTIA, rel=0.02)
+    assert regression.offset_nm == pytest.approx(0.0, abs=0.02)
+
+
 @pytest.mark.parametrize(
     ("lengths", "durations", "sentence"),
     [

@@ -16,7 +16,7 @@ from friction_audit.io.readers.reader import InBlocks
 from friction_audit.io.writers.write_log import WRITERS, write_log
 from friction_audit.joint_log import JointLog, LogPart, Source
 from friction_audit.log_in_blocks import LogInBlocks, Means, block_means
-from friction_audit.pipeline import AuditSettings, estimate_log, replay_log, while_read
+from friction_audit.pipeline import AuditSettings, estimate_log, replay_estimate, while_read
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.preprocessing.sign import coarse_log
 from friction_audit.reporting.estimate import estimate_document
@@ -103,7 +103,10 @@ def test_the_estimate_is_the_same(
 def test_the_replay_reads_what_the_torque_is_made_from(frame: pd.DataFrame, tmp_path: Path, case: str) -> None:
     channels, torque = CASES[case]
     path, settings = written(frame, tmp_path, *channels), AuditSettings(torque=TorqueSettings(**torque))
-    whole, blocks = (replay_log(read_log(path, how), settings, ReplaySettings()) for how in (ReadOptions(), InBlocks()))
+    whole, blocks = (
+        replay_estimate(estimate_log(read_log(path, how), settings), ReplaySettings())
+        for how in (ReadOptions(), InBlocks())
+    )
     assert any(joint.numbers for joint in whole.replay.joints)
     assert_same(replay_document(blocks)["joints"], replay_document(whole)["joints"])
 

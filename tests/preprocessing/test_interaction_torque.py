@@ -136,7 +136,7 @@ def test_auto_trusts_the_vendor_s_estimate_if_a_payload_is_missing_from_the_mode
 def test_no_robot_is_assumed_that_neither_log_nor_user_names() -> None:
     found = extract(robot_log("unknown"), drive="robot")
     assert (found.choice.robot, found.choice.gravity, found.choice.inertia) == ("none", "in-torque", "none")
-    assert found.choice.gravity_in_torque
+    assert found.choice.gravity == "in-torque"
     (caution,) = [one for one in found.warnings if one.code == "gravity_in_torque"]
     assert caution.numbers["command"] == "`friction-audit estimate made.csv --drive robot --robot panda`"
     named = extract(robot_log("unknown"), drive="robot", robot="panda")

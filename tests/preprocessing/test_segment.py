@@ -31,7 +31,7 @@ def test_each_stroke_is_a_cycle_and_its_energies_are_known_by_hand() -> None:
     np.testing.assert_allclose(cycles.sums.displacement_rad, lengths, rtol=1e-5)
     square = lengths**2 / durations * 10 / 7  # integral of the squared minimum-jerk velocity
     np.testing.assert_allclose(cycles.sums.square_speed_rad2_s, square, rtol=1e-5)
-    np.testing.assert_allclose(cycles.work_j, COULOMB * np.abs(lengths) + VISCOUS * square, rtol=1e-4)
+    np.testing.assert_allclose(cycles.sums.work_j, COULOMB * np.abs(lengths) + VISCOUS * square, rtol=1e-4)
     assert np.all(cycles.reason == KEPT)
     assert np.all(cycles.open)
     assert np.all(cycles.start[1:] == cycles.stop[:-1])
@@ -115,8 +115,8 @@ def test_a_shift_in_time_changes_nothing_and_joints_are_independent(lengths: lis
     once = segment_cycles(interaction(t, v, torque), DEFAULT)
     later = segment_cycles(interaction(t + shift_s, v, torque), DEFAULT)
     twice = segment_cycles(interaction(t, np.stack([0 * v, v], 1), np.stack([v, torque], 1)), DEFAULT)
-    np.testing.assert_allclose(later.work_j, once.work_j, rtol=1e-9, atol=1e-12)
-    np.testing.assert_array_equal(twice.of_joint(1).work_j, once.work_j)
+    np.testing.assert_allclose(later.sums.work_j, once.sums.work_j, rtol=1e-9, atol=1e-12)
+    np.testing.assert_array_equal(twice.of_joint(1).sums.work_j, once.sums.work_j)
 
 
 def test_two_humps_without_rest_are_one_stroke_with_rest_or_without_a_sign_two() -> None:

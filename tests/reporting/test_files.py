@@ -62,7 +62,7 @@ def test_columns_are_the_result_s() -> None:
         assert rows.columns["viscous_high_nms_per_rad"][0] == pytest.approx(joint.viscous.high, nan_ok=True)
     for column, rows in enumerate(every()["cycles"].rows):
         own = found.estimate.cycles.of_joint(column)
-        assert np.sum(rows.columns["net_energy_j"]) == pytest.approx(own.work_j.sum())
+        assert np.sum(rows.columns["net_energy_j"]) == pytest.approx(own.sums.work_j.sum())
 
 
 def test_residual_is_measured_less_model_and_effects_are_words() -> None:

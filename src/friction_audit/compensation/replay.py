@@ -77,7 +77,7 @@ def replay(
     if not by_hand:
         assumed = replace(assumed, assumes=assumed.assumes.replace("the person", "the arm's drive"))
     warnings = [] if by_hand else [Caution(code="arm_moves_itself")]
-    if interaction.choice.gravity_in_torque:
+    if interaction.choice.gravity == "in-torque":
         warnings.append(Caution(code="gravity_in_replay"))
     for run in runs:
         found = seems_compensated(interaction, cycles, run.friction, log.source.robot, run.square)
@@ -292,8 +292,8 @@ def seems_compensated(
 def _vanishing(interaction: Interaction, cycles: EnergyCycles, joint: int, square: float) -> dict[str, object]:
     """Return that friction is gone, from the start or after the first cycles; nothing where it is not."""
     own = cycles.joint == interaction.joint_numbers.index(joint)
-    work, path, samples = cycles.work_j[own], cycles.sums.path_rad[own], (cycles.stop - cycles.start)[own]
-    if len(work) < FEWEST_CYCLES or interaction.choice.gravity_in_torque:
+    work, path, samples = cycles.sums.work_j[own], cycles.sums.path_rad[own], (cycles.stop - cycles.start)[own]
+    if len(work) < FEWEST_CYCLES or interaction.choice.gravity == "in-torque":
         return {}
     little = NEXT_TO_NOTHING * np.sqrt(square / samples.sum())
     half = len(work) // 2

@@ -112,15 +112,11 @@ def simulate_cycles(
     after = before if models[1] == models[0] else simulate_along(models[1], motion, drive, pieces, load)
     if before is None or after is None:
         return None
-    inside = np.isfinite(before)
-    return SimulationGap(
-        before=_rms((before - data.dq)[inside]),
-        after=_rms((after - data.dq)[inside]),
-        t=_traced(data.t, pieces),
-        measured=_traced(data.dq, pieces),
-        nominal=_traced(before, pieces),
-        augmented=_traced(after, pieces),
-    )
+    inside, traces = np.isfinite(before), {}
+    for name, signal in {"t": data.t, "measured": data.dq, "nominal": before, "augmented": after}.items():
+        parts = [np.append(signal[first : last + 1], np.nan) for first, last in pieces]
+        traces[name] = np.concatenate(parts)[:-1]  # a NaN after each piece but the last
+    return SimulationGap(before=_rms((before - data.dq)[inside]), after=_rms((after - data.dq)[inside]), **traces)
 
 
 def gap_in_motion(joint: JointDiagnosis, subject: Subject, cycles: NDArray[np.int64]) -> SimulationGap | None:
@@ -145,12 +141,6 @@ def _heavier(model: JointModel, inertia_kg_m2: float) -> JointModel:
             values[at] = float(np.clip(1.0 - (1.0 - values[at]) * model.inertia_kg_m2 / whole, 0.0, 1.0))
         heavier.append(replace(term, values=tuple(values)))
     return replace(model, inertia_kg_m2=whole, terms=tuple(heavier))
-
-
-def _traced(signal: Float, pieces: NDArray[np.int64]) -> Float:
-    """Cut the pieces out and put a NaN after each but the last."""
-    parts = [np.append(signal[first : last + 1], np.nan) for first, last in pieces]
-    return np.concatenate(parts)[:-1]
 
 
 def _rms(signal: Float) -> float:

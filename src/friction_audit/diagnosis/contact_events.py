@@ -129,7 +129,7 @@ def detect(
 ) -> tuple[Contact, ...]:
     """Contacts in what a model leaves, where the formulas of effects may err, (m,) each; none if they are not rare."""
     filters = MatchedFilters(problem, residual, noise, errors)
-    reach, start = _reach(problem), float(problem.samples.t[0])
+    reach, start = len(problem.samples.kernel) // 2 * problem.data.step_s, float(problem.samples.t[0])
     spans = [
         (start + at * filters.slot_s + reach, start + (at + len(filters.pushes[k])) * filters.slot_s - reach)
         for k, at in _stand_out(filters, Reference(problem, filters.slot))
@@ -165,7 +165,7 @@ def without_impulses(problem: RegressionProblem, left: Float, fine: Float) -> Fl
 
 def touched(problem: RegressionProblem, contacts: tuple[Contact, ...]) -> Marks:
     """Samples that the filter mixes with a contact, shape (m,)."""
-    reach, t = _reach(problem), problem.samples.t
+    reach, t = len(problem.samples.kernel) // 2 * problem.data.step_s, problem.samples.t
     inside = np.zeros(len(t), bool)
     for contact in contacts:
         inside |= (t >= contact.start_s - reach) & (t <= contact.stop_s + reach)
@@ -217,8 +217,3 @@ def _stand_out(filters: MatchedFilters, reference: Reference) -> list[tuple[int,
         first, last = max(at - filters.reach, 0), min(stop, slots)
         outputs[:, first:last] = outputs_of(*filters.sums(kept, 0, first, last)) / usual
     return found if any_known else []
-
-
-def _reach(problem: RegressionProblem) -> float:
-    """Half of the length of the filter of the samples. [s]"""
-    return len(problem.samples.kernel) // 2 * problem.data.step_s

@@ -86,23 +86,14 @@ def audit_data(
     return (
         *clock,
         *constant,
-        *(() if faults(constant[1:]) else _velocity(interaction, data)),
-        _judged("power", scores[0]) if scores and not np.isnan(scores[0]) else _judged("power", NAN, NAN),
+        *(() if any(one.verdict == "fault" for one in constant[1:]) else _velocity(interaction, data)),
+        judged("power", scores[0]) if scores and not np.isnan(scores[0]) else judged("power", NAN, NAN),
         *_sensors_and_motion(interaction, data),
     )
 
 
-def faults(findings: tuple[DataFinding, ...]) -> tuple[DataFinding, ...]:
-    """Return the findings with which no effect may be named."""
-    return tuple(finding for finding in findings if finding.verdict == "fault")
-
-
-def audit_part(part_s: tuple[float, float], whole_s: float, most_s: float) -> DataFinding:
-    """Say how much of a log is diagnosed, and where that lies, from its first sample on. [s]"""
-    return _judged("part", whole_s, most_s, start=part_s[0], stop=part_s[1], minutes=np.ceil(whole_s / 60.0))
-
-
-def _judged(code: str, value: float, bound: float | None = None, **words: object) -> DataFinding:
+def judged(code: str, value: float, bound: float | None = None, **words: object) -> DataFinding:
+    """Compare one number with the bound of its rule, or with another; its sentence takes some words."""
     rule = RULES.get(code) or _Rule(NAN, "", "", STATED[code])
     bound = rule.bound if bound is None else bound
     broken = value > bound if rule.at_most else value < bound
@@ -116,10 +107,10 @@ def audit_clock(log: JointLog) -> tuple[DataFinding, ...]:
     fresh = fresh_samples(log)
     t, step, usual = log.t[fresh], np.diff(log.t), median_step(log.t)
     return (
-        _judged("batched_stamps", float(sum(one.code == "batched_stamps" for one in log.source.findings))),
-        _judged("clock_jitter", SIGMA_PER_MEDIAN * float(np.median(np.abs(step - usual))) / usual),
-        _judged("holes", float(np.diff(t)[gaps(t)].sum()) / log.duration_s),
-        _judged("stale", float(np.mean(~fresh))),
+        judged("batched_stamps", float(sum(one.code == "batched_stamps" for one in log.source.findings))),
+        judged("clock_jitter", SIGMA_PER_MEDIAN * float(np.median(np.abs(step - usual))) / usual),
+        judged("holes", float(np.diff(t)[gaps(t)].sum()) / log.duration_s),
+        judged("stale", float(np.mean(~fresh))),
     )
 
 
@@ -132,8 +123,8 @@ def _constant_channels(log: JointLog, interaction: Interaction, data: JointData)
     reads = f"{torque[0]:.4g}" if constant else f"{torque.min():.3g} to {torque.max():.3g}"
     no_speed = np.ptp(q) > RESTING_RAD and np.ptp(dq) == 0.0
     return (
-        _judged("torque_constant", float(data.used.any() and (constant or dead)), reads=reads, channel=channel),
-        _judged("dq_constant", float(no_speed), reads=dq[0], moved=np.ptp(q)),
+        judged("torque_constant", float(data.used.any() and (constant or dead)), reads=reads, channel=channel),
+        judged("dq_constant", float(no_speed), reads=dq[0], moved=np.ptp(q)),
     )
 
 
@@ -141,12 +132,12 @@ def _velocity(interaction: Interaction, data: JointData) -> tuple[DataFinding, .
     """Compare the logged dq with the change of q: dq(t) = scale * (dq/dt of q)(t - delay)."""
     good = data.valid
     dq = data.dq if data.logged_dq is None else data.logged_dq
-    noise = _judged("dq_noise", data.dead_speed_rad_s)
+    noise = judged("dq_noise", data.dead_speed_rad_s)
     if good.any() and not data.used.any() and np.ptp(data.q[good]) < RESTING_RAD:
         return (noise,)
     slope = np.gradient(data.q, data.step_s)
     if not good.any() or not np.any(slope[good]):
-        return (_judged("dq_against_q", 0.0, why=": the position does not change"),)
+        return (judged("dq_against_q", 0.0, why=": the position does not change"),)
     design = np.column_stack([slope, -np.gradient(slope, data.step_s)])[good]
     scale, shift = np.linalg.lstsq(design, dq[good], rcond=None)[0]
     left = dq[good] - design @ np.array([scale, shift])
@@ -161,9 +152,9 @@ def _velocity(interaction: Interaction, data: JointData) -> tuple[DataFinding, .
             lags = dict(zip(one.numbers["joints"], one.numbers["lags_s"], strict=True))
             delay = lags.get(interaction.joint_numbers[data.joint], delay)
     return (
-        _judged("dq_against_q", explained, why=": they do not belong together"),
-        _judged("dq_scale", error, how=f"dq differs from the derivative of q by {error:.0%}" if scale > 0 else turned),
-        _judged("dq_delay", delay, most_delay),
+        judged("dq_against_q", explained, why=": they do not belong together"),
+        judged("dq_scale", error, how=f"dq differs from the derivative of q by {error:.0%}" if scale > 0 else turned),
+        judged("dq_delay", delay, most_delay),
         noise,
     )
 
@@ -185,10 +176,10 @@ def _sensors_and_motion(interaction: Interaction, data: JointData) -> tuple[Data
     direction = np.sign(data.dq[data.moving & data.valid])
     steps, speed = np.diff(data.torque)[still[1:] & still[:-1]], np.abs(data.dq[data.used])
     return (
-        _judged("standstill_noise", float(np.std(steps) / np.sqrt(2)) if len(steps) else NAN),
-        _judged("torque_step", resolution(interaction.torque[:, data.joint])),
-        _judged("standstill", float(still.sum()) * data.step_s),
-        _judged("cycles", float(len(np.unique(data.cycle[data.used])))),
-        _judged("speed_spread", float(speed.std() / speed.mean()) if len(speed) else 0.0),
-        _judged("reversals", float(np.count_nonzero(np.diff(direction)))),
+        judged("standstill_noise", float(np.std(steps) / np.sqrt(2)) if len(steps) else NAN),
+        judged("torque_step", resolution(interaction.torque[:, data.joint])),
+        judged("standstill", float(still.sum()) * data.step_s),
+        judged("cycles", float(len(np.unique(data.cycle[data.used])))),
+        judged("speed_spread", float(speed.std() / speed.mean()) if len(speed) else 0.0),
+        judged("reversals", float(np.count_nonzero(np.diff(direction)))),
     )

@@ -8,7 +8,6 @@ import numpy as np
 
 from friction_audit.diagnosis import profiles, residual_checks, selection
 from friction_audit.diagnosis.augmented_model import gap_in_motion
-from friction_audit.diagnosis.data_audit import faults
 from friction_audit.diagnosis.dictionary import Block
 from friction_audit.diagnosis.nonlinear import Estimates, intervals
 from friction_audit.diagnosis.prepare import Subject
@@ -75,8 +74,7 @@ def diagnose_joint(subject: Subject, effects: Sequence[Effect], settings: Diagno
     # What is kept with a copy, columns of the arm's model above all, is freed with it.
     rigid = subject.data.rigid
     subject = replace(subject, data=replace(subject.data, rigid=None if rigid is None else replace(rigid)))
-    wrong = faults(subject.findings)
-    if wrong:
+    if wrong := [one for one in subject.findings if one.verdict == "fault"]:
         return _answer(subject, "data_fault", "; ".join(one.message for one in wrong))
     cycles = len(np.unique(make_samples(subject.data).cycle))
     if cycles < FEWEST_CYCLES:
@@ -252,7 +250,7 @@ def _traces(state: State, before: Float, after: Float) -> Traces:
         t=problem.samples.t,
         q=q,
         dq=dq,
-        displacement=problem.at_samples(displacement(problem.data)),
+        displacement=displacement(problem.data)[problem.samples.fine],
         cycle=problem.samples.cycle,
         held_out=np.ones(len(q), bool),
         measured=measured,

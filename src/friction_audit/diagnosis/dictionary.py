@@ -183,7 +183,8 @@ class Dictionary:
 
     def columns_at(self, block: Block, shape: Nonlinear, baseline: Nominal) -> Float:
         """Columns of a block's effect at another point, shape (p, m)."""
-        return self.problem.columns(self.fine_at(block, shape, baseline))
+        fine = block.effect.regressor(self.problem.data, baseline, shape)[:, block.there]
+        return self.problem.columns(fine)
 
     def torques_at(self, block: Block, shapes: Sequence[Nonlinear], nominals: Sequence[Nominal]) -> Float:
         """Torques of an effect whose coefficient follows, each on its own nominal model, shape (k, m)."""
@@ -191,10 +192,6 @@ class Dictionary:
         for places, rows in block.effect.regressors_of(self.problem.data, nominals, shapes, self.problem.columns):
             out[places] = rows * [[block.effect.coefficient_of(shapes[place])] for place in places]
         return out
-
-    def fine_at(self, block: Block, shape: Nonlinear, baseline: Nominal) -> Float:
-        """The same on the fine grid, shape (n, p)."""
-        return np.asarray(block.effect.regressor(self.problem.data, baseline, shape)[:, block.there])
 
     def scan_orders(self, residual: Float) -> list[Block]:
         """Ripples beyond the grid: the largest peaks of a Fourier transform of a residual over the position."""
@@ -225,7 +222,9 @@ class Dictionary:
 
     def bounds(self, block: Block) -> dict[str, tuple[float, float]]:
         """From where to where nonlinear parameters may be refined: the grid and half as much again."""
-        tried, free = self._grid(block.effect), {p.name: p for p in block.effect.nonlinear if not p.whole}
+        effect, data = block.effect, self.problem.data
+        tried = effect.grid(data) or effect.identifiable_part(data)
+        free = {parameter.name: parameter for parameter in effect.nonlinear if not parameter.whole}
         found = {}
         for name in (name for name in block.shape if name in free):
             values = [s[name] for s in tried if name in s] + [block.shape[name]]
@@ -238,9 +237,8 @@ class Dictionary:
 
     def spacing(self, block: Block, name: str) -> float:
         """Distance of the closest point of the grid to the next one."""
-        values = np.unique([s[name] for s in self._grid(block.effect) if name in s])
+        effect, data = block.effect, self.problem.data
+        tried = effect.grid(data) or effect.identifiable_part(data)
+        values = np.unique([s[name] for s in tried if name in s])
         away = np.abs(values - values[np.argmin(np.abs(values - block.shape[name]))]) if len(values) else values
         return float(away[away > 0].min()) if np.any(away > 0) else 0.2 * abs(block.shape[name]) + 1e-9
-
-    def _grid(self, effect: Effect) -> Sequence[Nonlinear]:
-        return effect.grid(self.problem.data) or effect.identifiable_part(self.problem.data)

@@ -155,24 +155,23 @@ class JointProjection(Projection):
 
     def at(self, x: Float, near: Point | None = None) -> Point:
         """Fit at a point, from the nominal coefficients of another."""
-        shape, rows = self.scale.at(x), self.rows
+        shape, rows, problem = self.scale.at(x), self.rows, self.gram.problem
         coefficients = self.start if near is None else near.coefficients
         size = np.sqrt(np.maximum(np.sum(rows**2, axis=1), 1e-300))
         whole = (rows @ rows.T + np.diag(self.precision)) / size[:, None] / size
         for _ in range(INNER_STEPS):
-            nominal = self._nominal(coefficients)
+            nominal = problem.nominal.baseline(coefficients[: len(problem.X)])
             response = self.gram.y - self.gram.whiten(self.dictionary.torques_at(self.block, [shape], [nominal]))[0]
             coefficients = np.linalg.lstsq(whole, rows @ response / size, rcond=1e-11)[0] / size
         left = response - coefficients @ rows
         cost = self.cost(float(left @ left + self.precision @ coefficients**2))
         return Point(x, cost, coefficients, left, self.inside, self.dictionary.columns_at(self.block, shape, nominal))
 
-    def _nominal(self, coefficients: Float) -> Nominal:
-        return self.gram.problem.nominal.baseline(coefficients[: len(self.gram.problem.X)])
-
     def torques(self, point: Point, shapes: Sequence[Nonlinear]) -> Float:
         """Torque of the effect at other nonlinear parameters, the nominal coefficients those of a point, (k, m)."""
-        return self.dictionary.torques_at(self.block, shapes, [self._nominal(point.coefficients)] * len(shapes))
+        problem = self.gram.problem
+        nominal = problem.nominal.baseline(point.coefficients[: len(problem.X)])
+        return self.dictionary.torques_at(self.block, shapes, [nominal] * len(shapes))
 
 
 def refine(

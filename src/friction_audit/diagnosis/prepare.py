@@ -81,8 +81,11 @@ def prepare(
         new[new] = ~belated
         fresh, t = new, t[~belated]
     low_pass = LowPass.for_stamps(t)
-    valid, slope_gain = low_pass.away_from_gaps(t), _slope_gain(low_pass, t)
-    (all_q, all_dq, all_ddq, logged_dq), sources = _filtered_motion(log, low_pass, t, fresh, valid)
+    valid = low_pass.away_from_gaps(t)
+    # Standard deviation of the slope of a low-passed signal over that of its white noise. [1/s]
+    fine_s = float(low_pass.fine[1] - low_pass.fine[0])
+    slope_gain = float(np.linalg.norm(low_pass.slope) * np.sqrt(median_step(t) / fine_s))
+    (all_q, all_dq, all_ddq, logged_dq), sources = _filtered_motion(log, low_pass, t, fresh, valid, slope_gain)
     read: Float = getattr(log, CHANNELS[choice.source])
     sensed = choice.sign * low_pass.all_of(t, read, fresh)
     logged = None if log.gravity is None else low_pass.all_of(t, log.gravity, fresh)
@@ -199,7 +202,12 @@ def _cubics(data: JointData, end: Index, begin: Index, samples: int) -> tuple[Fl
 
 
 def _filtered_motion(
-    log: JointLog, low_pass: LowPass, t: Float, fresh: NDArray[np.bool_] | slice, valid: NDArray[np.bool_]
+    log: JointLog,
+    low_pass: LowPass,
+    t: Float,
+    fresh: NDArray[np.bool_] | slice,
+    valid: NDArray[np.bool_],
+    slope_gain: float,
 ) -> tuple[list[Float], list[tuple[str, float, float]]]:
     """Position, velocity, acceleration and logged velocity, (n, j) each; per joint their source, crossover, rounding.
 
@@ -213,7 +221,6 @@ def _filtered_motion(
     # One array each, not a list of columns that is stacked: half of the memory.
     many = log.q.shape[1]
     moved = [np.empty((len(low_pass.t), many)) for _ in range(4)]
-    slope_gain = _slope_gain(low_pass, t)
 
     def one(column: int) -> tuple[str, float, float]:
         q, slope = low_pass.with_slope(t, log.q[fresh, column])
@@ -239,12 +246,6 @@ def _filtered_motion(
         return source, crossover_hz, of_q if source == "q" else of_dq
 
     return moved, per_joint(one, many)
-
-
-def _slope_gain(low_pass: LowPass, t: Float) -> float:
-    """Standard deviation of the slope of a low-passed signal over that of its white noise. [1/s]"""
-    fine_s = float(low_pass.fine[1] - low_pass.fine[0])
-    return float(np.linalg.norm(low_pass.slope) * np.sqrt(median_step(t) / fine_s))
 
 
 def _cycle_of(t: Float, cycles: EnergyCycles, joint: int) -> Index:

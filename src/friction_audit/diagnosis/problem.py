@@ -150,7 +150,8 @@ class RegressionProblem:
     @cached_property
     def kinematics(self) -> tuple[Float, Float, Float]:
         """Position, velocity, acceleration at the samples, shape (m,) each."""
-        return self.at_samples(self.data.q), self.at_samples(self.data.dq), self.at_samples(self.data.ddq)
+        at = self.samples.fine
+        return self.data.q[at], self.data.dq[at], self.data.ddq[at]
 
     @cached_property
     def responses(self) -> list[Float]:
@@ -162,10 +163,6 @@ class RegressionProblem:
             rung = first_order(data.ddq.astype(complex), pole, 0j)
             found.append(np.column_stack([rung.real, rung.imag]))
         return [self.columns(one) for one in found]
-
-    def at_samples(self, fine: Float) -> Float:
-        """A quantity of the fine grid at the samples, not filtered."""
-        return fine[self.samples.fine]
 
     def columns(self, fine: Float) -> Float:
         """Columns of the fine grid, shape (n, p), on the samples, shape (p, m)."""

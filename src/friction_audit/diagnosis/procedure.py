@@ -58,7 +58,8 @@ def select(data: JointData, model: JointModel | None, effects: Sequence[Effect])
     state = _selected(problem, effects)
     left = residual_checks.residual_of(state.gram, state.active)
     left = contact_events.without_impulses(problem, left, fine_residual(state))
-    contacts = contact_events.detect(problem, left, state.gram.noise, _formula_errors(state))
+    errors = [_formula_error(block) * (c @ block.columns) for block, c in fitted(state.gram, state.active)]
+    contacts = contact_events.detect(problem, left, state.gram.noise, errors)
     if contacts:
         state = _selected(problem.without(contact_events.touched(problem, contacts)), effects)
         state.contacts, state.disturbed = contacts, problem
@@ -130,13 +131,14 @@ def _refitted(state: State) -> State:
     baseline = nominal(state.search.training, state.active)
     rows = np.vstack([state.gram.base_raw, *(b.columns for b in state.active)])
     left = problem.y - _ols(rows, problem.y) @ rows
-    errors = np.linalg.norm([problem.model_error(baseline), *_formula_errors(state)], axis=0)
-    noise = NoiseModel.fit(problem.age, [left], errors)
+    torques = [(block, c @ block.columns) for block, c in fitted(state.gram, state.active)]
+    errors = [problem.model_error(baseline), *(_formula_error(block) * torque for block, torque in torques)]
+    noise = NoiseModel.fit(problem.age, [left], np.linalg.norm(errors, axis=0))
     known = [b for b in state.gram.blocks if not b.refined or b in state.active]
     state.dictionary.blocks = known
     before = state.dictionary.baseline.torque
     if np.mean((before - baseline.torque) ** 2) > CHANGED**2 * np.mean(before**2):
-        others = [c @ b.columns for b, c in fitted(state.gram, state.active) if not b.effect.transmits]
+        others = [torque for block, torque in torques if not block.effect.transmits]
         state.dictionary.rebuild(baseline, problem.y - np.sum(others, axis=0))
     made = State(problem, state.dictionary, state.gram.nuisances, noise, state.search.most_numbers)
     made.active = state.active
@@ -154,11 +156,6 @@ def plausible(problem: RegressionProblem, nuisances: Sequence[Nuisance], baselin
             break
         kept.pop(int(np.argmax(size)))
     return tuple(kept)
-
-
-def _formula_errors(state: State) -> list[Float]:
-    """Standard deviation of what the formula of each named effect gets wrong, shape (m,) each. [N m]"""
-    return [_formula_error(block) * (c @ block.columns) for block, c in fitted(state.gram, state.active)]
 
 
 def _formula_error(block: Block) -> float:
@@ -224,10 +221,10 @@ def nominal(training: Training, active: Sequence[Block]) -> Nominal:
 def fine_residual(state: State) -> Float:
     """What the augmented model leaves on the fine grid, shape (n,). [N m]"""
     baseline = nominal(state.search.training, state.active)
-    torques = [
-        state.dictionary.fine_at(block, block.shape, baseline) @ c for block, c in fitted(state.gram, state.active)
-    ]
-    return np.asarray(state.problem.data.torque - baseline.torque - np.sum(torques, axis=0))
+    data, torques = state.problem.data, []
+    for block, c in fitted(state.gram, state.active):
+        torques.append(block.effect.regressor(data, baseline, block.shape)[:, block.there] @ c)
+    return np.asarray(data.torque - baseline.torque - np.sum(torques, axis=0))
 
 
 def _plain_and_bent(problem: RegressionProblem, nuisances: Sequence[Nuisance]) -> list[Float]:

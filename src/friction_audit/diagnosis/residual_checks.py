@@ -94,7 +94,7 @@ def competing_structure(gram: Gram, active: Sequence[Block], block: Block) -> st
 def _lines(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
     problem, left = gram.problem, residual_of(gram, active)
     _, dq, _ = problem.kinematics
-    path = problem.at_samples(np.cumsum(np.abs(problem.data.dq) * problem.data.moving)) * problem.data.step_s
+    path = np.cumsum(np.abs(problem.data.dq) * problem.data.moving)[problem.samples.fine] * problem.data.step_s
     highest = min(0.9 * problem.samples.corner_hz, 40.0)
     found = []
     for along, residual, x, low, high, weight in (

@@ -267,34 +267,33 @@ class NoiseModel:
         Of several residuals that with the shortest autocorrelation time counts: what a model misses remembers longer
         than the noise.
         """
-        return min((cls._of(age, r, model_error) for r in residuals), key=lambda one: one[0])[1]
-
-    @classmethod
-    def _of(cls, age: Index, residual: Float, model_error: Float) -> tuple[float, "NoiseModel"]:
-        # The model error is part of what is left: what remains of the variance where it is small is the noise.
-        calm = model_error <= np.median(model_error)
-        whole, wrong = (float(np.mean(one[calm] ** 2)) for one in (residual, model_error))
-        variance = max(whole - wrong, 0.25 * whole)
-        weight = np.sqrt(variance / (variance + model_error**2))
-        # An offset that is not in the model yet would pass for noise with a long autocorrelation time.
-        scaled = (residual - np.average(residual, weights=weight**2)) * weight
-        later = [np.flatnonzero(age >= lag) for lag in range(MOST_LAGS + 1)]
-        sums = np.array([scaled[k] @ scaled[k - lag] / max(len(k), 1) for lag, k in enumerate(later)])
-        sums[0] *= 1.0 + LOADING
-        predictors, errors = levinson_durbin(sums)
-        n = len(residual)
-        criterion = [n * np.log(errors[k]) + 2 * k * n / (n - k - 2) for k in range(MOST_LAGS + 1)]  # AICc
-        p = int(np.argmin(criterion))
-        time = errors[p] / max((1.0 - predictors[p, :p].sum()) ** 2, 1e-9) / errors[0]
-        noise = cls(
-            predictors=predictors[: p + 1, : max(p, 1)].copy(),
-            scales=1.0 / np.sqrt(errors[: p + 1]),
-            age=np.minimum(age, p),
-            weight=weight,
-            effective_samples=float(n),
-        )
-        squared = float(np.sum(noise.whiten(residual) ** 2))
-        return time, replace(noise, effective_samples=min(squared, float(n)))
+        found: list[tuple[float, NoiseModel]] = []
+        for residual in residuals:
+            # The model error is part of what is left: what remains of the variance where it is small is the noise.
+            calm = model_error <= np.median(model_error)
+            whole, wrong = (float(np.mean(one[calm] ** 2)) for one in (residual, model_error))
+            variance = max(whole - wrong, 0.25 * whole)
+            weight = np.sqrt(variance / (variance + model_error**2))
+            # An offset that is not in the model yet would pass for noise with a long autocorrelation time.
+            scaled = (residual - np.average(residual, weights=weight**2)) * weight
+            later = [np.flatnonzero(age >= lag) for lag in range(MOST_LAGS + 1)]
+            sums = np.array([scaled[k] @ scaled[k - lag] / max(len(k), 1) for lag, k in enumerate(later)])
+            sums[0] *= 1.0 + LOADING
+            predictors, errors = levinson_durbin(sums)
+            n = len(residual)
+            criterion = [n * np.log(errors[k]) + 2 * k * n / (n - k - 2) for k in range(MOST_LAGS + 1)]  # AICc
+            p = int(np.argmin(criterion))
+            time = errors[p] / max((1.0 - predictors[p, :p].sum()) ** 2, 1e-9) / errors[0]
+            noise = cls(
+                predictors=predictors[: p + 1, : max(p, 1)].copy(),
+                scales=1.0 / np.sqrt(errors[: p + 1]),
+                age=np.minimum(age, p),
+                weight=weight,
+                effective_samples=float(n),
+            )
+            squared = float(np.sum(noise.whiten(residual) ** 2))
+            found.append((time, replace(noise, effective_samples=min(squared, float(n)))))
+        return min(found, key=lambda one: one[0])[1]
 
 
 def levinson_durbin(covariance: Float) -> tuple[Float, Float]:

@@ -100,22 +100,18 @@ class Search:
     _penalty: dict[int, float] = field(default_factory=dict)
     _scores: dict[tuple[object, ...], dict[str, Score]] = field(default_factory=dict)
 
-    @property
-    def gram(self) -> Gram:
-        """Products of all columns."""
-        return self.training.gram
-
     def scores(self, active: Sequence[Block]) -> dict[str, Score]:
         """Every effect that is not active, by name."""
-        key = (self.gram.version, *sorted(map(id, active)))
+        key = (self.training.gram.version, *sorted(map(id, active)))
         if key not in self._scores:
             self._scores[key] = self._integrated(active)
         return self._scores[key]
 
     def _integrated(self, active: Sequence[Block]) -> dict[str, Score]:
-        blocks, names = self.gram.blocks, self.gram.names
+        gram = self.training.gram
+        blocks, names = gram.blocks, gram.names
         gains, coefficients = self.training.gain(active)
-        factor, found = occam(gains, self.gram.widths.astype(float)), {}
+        factor, found = occam(gains, gram.widths.astype(float)), {}
         order = np.argsort(-factor, kind="stable")
         given = {a.name for a in active}
         for name in (name for name in dict.fromkeys(names.tolist()) if name not in given):
@@ -150,10 +146,6 @@ class Search:
         """Whether the cycles can carry the numbers of these effects; a constant, which cannot stand in, is free."""
         return sum(b.p + b.numbers for b in active if not b.effect.exact) <= self.most_numbers
 
-    def allowed(self, active: Sequence[Block]) -> bool:
-        """Whether the cycles can carry the numbers of these effects, and all signs are possible."""
-        return self.carried(active) and not self._impossible(active)
-
     def _impossible(self, active: Sequence[Block]) -> list[Block]:
         fit = self.training.fit(active)
         return [b for b, c in zip(active, split(fit, active), strict=True) if not b.possible(c)]
@@ -171,7 +163,7 @@ class Search:
                 moved = self.refine(one.block, active)
                 new += [moved] if moved is not None else []
         if new:
-            self.gram.add(new)
+            self.training.gram.add(new)
             found = ranked(self.scores(active))
         return found
 
@@ -209,14 +201,17 @@ class Search:
             rest = [b for b in active if b is not block]
             if self.objective(rest) > self.objective(active):
                 active = rest
-        while active and not self.allowed(active):
-            wrong = self._impossible(active) or active
-            worst = max(wrong, key=lambda b: self.objective([x for x in active if x is not b]))
+        while active:
+            wrong = self._impossible(active)
+            if self.carried(active) and not wrong:
+                break
+            worst = max(wrong or active, key=lambda b: self.objective([x for x in active if x is not b]))
             active = [b for b in active if b is not worst]
         return active
 
     def _better(self, trial: list[Block], active: list[Block], by: float = TOLERANCE) -> bool:
-        return self.objective(trial) > self.objective(active) + by and self.allowed(trial)
+        more = self.objective(trial) > self.objective(active) + by
+        return more and self.carried(trial) and not self._impossible(trial)
 
     def _exchange(self, active: list[Block]) -> list[Block]:
         for block in active:
@@ -286,10 +281,11 @@ def competing_effects(search: Search, active: Sequence[Block], block: Block) -> 
     rest = [b for b in active if b is not block]
     given, scores = Projected(search.training, rest), search.scores(rest)
     mine = scores[block.name].evidence if block.name in scores else 0.0
-    own, found = given.torque(search.gram.of(block)), []
+    gram = search.training.gram
+    own, found = given.torque(gram.of(block)), []
     for name, score in scores.items():
         if name != block.name and score.evidence >= LEAST_EVIDENCE:
-            same = correlation(own, given.torque(search.gram.of(score.block)))
+            same = correlation(own, given.torque(gram.of(score.block)))
             found.append(Evidence(name=name, two_ln_bayes_factor=mine - score.evidence, correlation=same))
     return tuple(sorted(found, key=lambda one: round(one.two_ln_bayes_factor, 6)))
 

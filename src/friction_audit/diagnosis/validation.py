@@ -189,11 +189,8 @@ def wild_cluster_bootstrap(gram: Gram, active: Sequence[Block], seed: int) -> Sc
     drawn, seen = np.abs(scores @ sign) / norm[:, None], np.abs(scores.sum(axis=1)) / norm
     largest = drawn.max(axis=0)
 
-    def p_of(value: float) -> float:
-        return float((1 + np.count_nonzero(largest >= value)) / (DRAWS + 1))
-
     of_curves = seen[np.count_nonzero(free) :]
-    curves = {
-        name: p_of(float(max(of_curves[k] for k, n in enumerate(names) if n == name))) for name in dict.fromkeys(names)
-    }
-    return Screening(p_value=p_of(float(seen.max())), curves=curves)
+    highest = {name: max(of_curves[k] for k, n in enumerate(names) if n == name) for name in dict.fromkeys(names)}
+    highest["all"] = seen.max()
+    p_values = {name: (1 + int(np.count_nonzero(largest >= value))) / (DRAWS + 1) for name, value in highest.items()}
+    return Screening(p_value=p_values.pop("all"), curves=p_values)

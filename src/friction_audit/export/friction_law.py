@@ -180,7 +180,7 @@ def read_result(path: Path, arm: str | None = None) -> Joints:
 def of_estimate(estimate: Estimate) -> Joints:
     """Return the models that an estimate amounts to: inertia, Coulomb and viscous friction."""
     choice, joints = estimate.interaction.choice, estimate.friction.joints
-    inertias = [float("nan") if one.regression is None else one.regression.inertia_kg_m2 for one in joints]
+    inertias = [float("nan") if one.regression is None else one.regression.inertia.value for one in joints]
     values = [(inertia, one.coulomb.value, one.viscous.value) for one, inertia in zip(joints, inertias, strict=True)]
     rows = [(one.joint, one.name, three, one.reason) for one, three in zip(joints, values, strict=True)]
     return _joints(rows, choice.drive, choice.inertia)

@@ -25,7 +25,7 @@ from friction_audit.friction.reasons import (
     not_simultaneous,
     one_speed,
 )
-from friction_audit.friction.settings import FrictionSettings
+from friction_audit.friction.settings import PARTS, FrictionSettings
 from friction_audit.friction.torque_regression import CUTOFF_HZ, HIGHEST_CONDITION, RegressionRows, regress_torque
 from friction_audit.friction.weighted import FRICTION, fit_windows, set_up
 from friction_audit.joint_log import Float, median_step
@@ -110,28 +110,30 @@ def _estimate_joint(
     if settings.compare and (alone or not reason):
         others = {other: rows[k] for k, other in enumerate(port.joint_numbers) if k != column}
         regression = regress_torque(rows[column], standstill, others if alone else None)
+    many = len(kept.joint)
+    window = settings.window or max(min(many // PARTS, settings.cycles_per_point), settings.fewest_cycles)
     joint = JointFriction(
         joint=number,
         name=port.joint_names[column],
         model=settings.model,
-        window=settings.window_of(len(kept.joint)),
-        cycles=len(kept.joint),
-        rejected_cycles=len(own.joint) - len(kept.joint),
+        window=window,
+        cycles=many,
+        rejected_cycles=len(own.joint) - many,
         moving_s=float(own.moving_s[0]),
         regression=regression,
         reason=reason,
     )
     if not reason:
         solve = _solve_weighted if settings.estimator == "weighted" else _solve_paper
-        joint = replace(joint, **solve(own, kept, settings))
+        joint = replace(joint, **solve(own, kept, settings.model, window))
     return _conclude(joint, seen, kept, standstill)
 
 
-def _solve_weighted(own: EnergyCycles, kept: EnergyCycles, settings: FrictionSettings) -> dict[str, Any]:
-    equations = set_up(kept, settings.model)
+def _solve_weighted(own: EnergyCycles, kept: EnergyCycles, model: str, window: int) -> dict[str, Any]:
+    equations = set_up(kept, model)
     whole = fit_windows(equations, len(kept.joint))
     condition, correlation = equations.conditioning()
-    window = min(settings.window_of(len(kept.joint)), len(kept.joint))
+    window = min(window, len(kept.joint))
     offset, x, y = (whole.coefficient(name).value for name in ("offset", "gravity_x", "gravity_y"))
     moved = fit_windows(equations, window)  # over the first cycles together a change would hide in the mean
     found = ((name, *moved.column(name)) for name in UNITS)
@@ -147,9 +149,9 @@ def _solve_weighted(own: EnergyCycles, kept: EnergyCycles, settings: FrictionSet
     }
 
 
-def _solve_paper(own: EnergyCycles, kept: EnergyCycles, settings: FrictionSettings) -> dict[str, Any]:
+def _solve_paper(own: EnergyCycles, kept: EnergyCycles, model: str, window: int) -> dict[str, Any]:
     """Estimate after each cycle from the last k, (8), (14) or (20) of the paper; their median stands for the log."""
-    sums, window, used = kept.sums, settings.window_of(len(kept.joint)), FRICTION[settings.model]
+    sums, used = kept.sums, FRICTION[model]
     lengths = {"coulomb": sums.rectified_path_rad, "viscous": sums.square_speed_rad2_s}
     matrix = np.stack([lengths[name] for name in used], axis=1)
     found = {name: np.full(max(len(matrix) - window + 1, 0), NAN) for name in UNITS}
@@ -181,8 +183,8 @@ def _history(own: EnergyCycles, first: int, columns: Columns) -> CoefficientHist
         start_s=own.start_s[kept],
         stop_s=own.stop_s[kept],
         **coefficients,
-        net_energy_j=np.cumsum(own.work_j)[kept],
-        dissipated_j=own.dissipated_j[kept],
+        net_energy_j=np.cumsum(own.sums.work_j)[kept],
+        dissipated_j=own.sums.dissipated_j[kept],
         path_rad=own.sums.rectified_path_rad[kept],
         square_speed_rad2_s=own.sums.square_speed_rad2_s[kept],
     )

@@ -80,11 +80,6 @@ class TorqueRegression:
     # why it cannot stand alone for the friction of the joint; empty if it can, or if that was not asked
     doubt: str = ""
 
-    @property
-    def inertia_kg_m2(self) -> float:
-        """Value of the inertia. [kg m^2]"""
-        return self.inertia.value
-
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class JointFriction:

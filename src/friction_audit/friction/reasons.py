@@ -7,7 +7,6 @@ import numpy as np
 
 from friction_audit.friction.history import UNITS, Coefficient, JointFriction
 from friction_audit.friction.settings import FEWEST_CYCLES, FrictionSettings
-from friction_audit.joint_log import Float
 from friction_audit.preprocessing.energy_cycles import GAP, KEPT, LONG, ONE_WAY, OPEN, SMALL, EnergyCycles
 from friction_audit.preprocessing.interaction import Caution, Interaction
 
@@ -50,15 +49,10 @@ def _weaknesses(joint: JointFriction) -> Iterator[tuple[str, dict[str, Any]]]:
             yield f"{name}_disagrees", {}
     first = joint.window - 1 - (joint.cycles - len(joint.history.cycle))
     for name in UNITS if joint.cycles >= 2 * joint.window else ():
-        columns = joint.history.of(name)
-        early, late = (_at(columns, k) for k in (first, -1))
+        ends = np.column_stack(joint.history.of(name))[[first, -1]].tolist()
+        early, late = (Coefficient(value=value, low=low, high=high) for value, low, high in ends)
         if _disagree(early, late):
             yield f"{name}_changes", {"early": early.value, "late": late.value, "cycles": joint.window}
-
-
-def _at(columns: tuple[Float, Float, Float], k: int) -> Coefficient:
-    value, low, high = (float(column[k]) for column in columns)
-    return Coefficient(value=value, low=low, high=high)
 
 
 def _disagree(a: Coefficient, b: Coefficient) -> bool:
@@ -148,7 +142,7 @@ def one_speed(cycles: EnergyCycles) -> str:
     spread = max(second / path - mean**2, 0.0) ** 0.5 / mean
     if spread >= SMALLEST_SPREAD:
         return ""
-    level = float(cycles.dissipated_j.sum()) / path
+    level = float(cycles.sums.dissipated_j.sum()) / path
     return (
         f"all motion has one speed ({mean:.2g} rad/s, spread {100 * spread:.0f} %): friction there is {level:.3f} N m, "
         "but its Coulomb and viscous parts cannot be separated; move at two or more speeds"

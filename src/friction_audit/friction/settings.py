@@ -47,8 +47,3 @@ class FrictionSettings:
         if self.window is not None:
             return self.window
         return LONGEST_WINDOW if self.estimator == "weighted" else self.fewest_cycles
-
-    def window_of(self, cycles: int) -> int:
-        """Return the window k in force for a joint with so many cycles that count."""
-        k = self.cycles_per_point
-        return k if self.window is not None else max(min(cycles // PARTS, k), self.fewest_cycles)

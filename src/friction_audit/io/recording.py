@@ -148,11 +148,6 @@ class Recording:
 
         return self.mended(mend, rows)
 
-    def take_joints(self, joints: list[int]) -> "Recording":
-        """Return some joints only, given by column."""
-        left = self.changed(lambda t, every: (t, {name: np.asfortranarray(a[:, joints]) for name, a in every.items()}))
-        return replace(left, joint_names=tuple(self.joint_names[joint] for joint in joints))
-
     def name_of(self, channel: str, joint: int) -> str:
         """Return how messages call a channel of a joint (0-based)."""
         return f"{channel} ({self.mapping.get(channel, channel)}) of {self.joint_names[joint]}"

@@ -9,7 +9,7 @@ from friction_audit.joint_log import Float, JointLog
 from friction_audit.parallel import WORKERS, per_joint
 from friction_audit.preprocessing.interaction import SignEvidence
 from friction_audit.preprocessing.resampling import GridTorque
-from friction_audit.preprocessing.sign import CoarseLog, most
+from friction_audit.preprocessing.sign import CoarseLog
 from friction_audit.preprocessing.torque_source import CHANNELS, Plan
 
 SIGNS = {"hand": -1, "robot": 1}  # factor on tau_J and on tau_ext in each row
@@ -27,11 +27,6 @@ class Balance:
     inertial: GridTorque | None  # M ddq + c of the model, or None
     modelled_means: Float | None  # what the model removes at the times of the coarse log, shape (m, j), or None
     evidence: tuple[SignEvidence, ...] = ()
-
-    @property
-    def proved(self) -> bool:
-        """True if the energy rises on most of the moving joints."""
-        return most(self.evidence, "rises")
 
     @property
     def inertia_left(self) -> bool:

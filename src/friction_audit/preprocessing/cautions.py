@@ -53,13 +53,13 @@ def sign_cautions(log: JointLog, balance: Balance, settings: TorqueSettings, *, 
         compensated = log.tau_compensation is not None or log.tau_passivity is not None
         open_to = {"drive": balance.drive, "asked": "" if free else asked, "compensated": compensated}
         yield Caution(code="sign_contradicts_drive", numbers=known | open_to)
-    elif not balance.proved and voting(evidence):
+    elif not most(evidence, "rises") and voting(evidence):
         yield Caution(code="sign_unproved", numbers=known)
     if balance.inertia_left:
         # Where gravity is left too, its caution has the commands.
         command = "" if plan.gravity == "in-torque" else with_a_model(log, replace(settings, inertia="auto"))
         yield Caution(code="inertia_in_torque", numbers={"command": command, "lead": ""})
-    minority = "falls" if balance.proved else "rises" if most(evidence, "falls") else ""
+    minority = "falls" if most(evidence, "rises") else "rises" if most(evidence, "falls") else ""
     for one in voting(evidence):
         if one.verdict == minority:
             numbers = {"verdict": one.verdict, "torque": one.against_motion_nm, "error": one.standard_error_nm}
@@ -80,17 +80,19 @@ def gravity_cautions(
     The direction of gravity is that across the axes of the selected joints at the means, shape (m, len(columns), 2).
     """
     gravity = balance.plan.gravity
-    mixed = not balance.proved or balance.inertia_left
+    mixed = not most(balance.evidence, "rises") or balance.inertia_left
     if gravity == "in-torque" or mixed or log.source.torque_unit != "N m":
         return ()
     torque = balance.driving(log, coarse)
 
-    def left(place: int) -> tuple[float, float, float, float, bool] | None:
+    alive = [place for place, column in enumerate(columns) if column + 1 not in log.source.dead_torque]
+
+    def left(k: int) -> tuple[float, float, float, float, bool] | None:
+        place = alive[k]
         across = None if direction is None else direction[:, place]
         return _left(coarse, torque[:, columns[place]], across, columns[place])
 
-    alive = [place for place, column in enumerate(columns) if column + 1 not in log.source.dead_torque]
-    every = zip(alive, per_joint(lambda k: left(alive[k]), len(alive)), strict=True)
+    every = zip(alive, per_joint(left, len(alive)), strict=True)
     found = [(columns[place], *one) for place, one in every if one is not None]
     several = sum(rms > friction for _, _, rms, _, friction, _ in found) > 1
     return tuple(

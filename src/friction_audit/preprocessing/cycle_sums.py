@@ -37,7 +37,7 @@ def find_borders(
     slowest sample is looked for among the ``longest`` number after the end of a motion.
     """
     moving = bool(abs(velocity[0]) > termination) if moving is None else moving
-    stops, starts, turns = _events(velocity, initiation, termination, moving=moving)
+    stops, starts, turns = events(velocity, initiation, termination, moving=moving)
     borders = [0] if (not moving if at_border is None else at_border) else []
     if not moving:
         starts = starts[1:]  # the first rest lasts from the first sample and ends at the first start
@@ -55,13 +55,7 @@ def find_borders(
     return np.array(borders if more or len(borders) > 1 else [], np.int64)
 
 
-def moves_at_last(velocity: Float, initiation: float, termination: float, *, moving: bool) -> bool:
-    """Return whether a joint that moves or not at the first sample moves at the last."""
-    stops, starts, _ = _events(velocity, initiation, termination, moving=moving)
-    return moving if len(stops) == len(starts) else not moving
-
-
-def _events(velocity: Float, initiation: float, termination: float, *, moving: bool) -> tuple[Int, Int, Int]:
+def events(velocity: Float, initiation: float, termination: float, *, moving: bool) -> tuple[Int, Int, Int]:
     """Return the samples at which motion stops and starts, in turns, and those at which the velocity turns."""
     found: tuple[list[Int], list[Int], list[Int]] = ([], [], [])
     for first in range(0, len(velocity), BLOCK):

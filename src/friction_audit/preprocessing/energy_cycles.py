@@ -49,10 +49,6 @@ class EnergySums:
         """What friction took: the net energy of (10), in signs where a compensator's work counts positive. [J]"""
         return self.work_j + self.compensation_j
 
-    def rows(self, index: NDArray[np.bool_] | NDArray[np.int64]) -> "EnergySums":
-        """Return the rows selected by a mask or by indices."""
-        return EnergySums(**{f.name: getattr(self, f.name)[index] for f in fields(self)})
-
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class EnergyCycles:
@@ -81,16 +77,6 @@ class EnergyCycles:
     moving_s: Float  # time above the initiation threshold per joint of the Interaction, shape (j,) [s]
     peak_power_w: Float  # largest power of F_m + u in the log per joint, shape (j,) [W]
 
-    @property
-    def work_j(self) -> Float:
-        """Net energy input per cycle. [J]"""
-        return self.sums.work_j
-
-    @property
-    def dissipated_j(self) -> Float:
-        """What friction took per cycle. [J]"""
-        return self.sums.dissipated_j
-
     def of_joint(self, column: int) -> "EnergyCycles":
         """Return the rows of one joint."""
         return self.rows(self.joint == column)
@@ -104,4 +90,5 @@ class EnergyCycles:
         """Return the rows selected by a mask of shape (m,)."""
         per_cycle = "joint", "start", "stop", "start_s", "stop_s", "peak_speed_rad_s", "open", "reason"
         kept = {name: getattr(self, name)[mask] for name in (*per_cycle, "products", "speeds")}
-        return replace(self, **kept, sums=self.sums.rows(mask))
+        sums = EnergySums(**{f.name: getattr(self.sums, f.name)[mask] for f in fields(self.sums)})
+        return replace(self, **kept, sums=sums)

@@ -53,11 +53,6 @@ class TorqueChoice:
     reason: str = ""  # why this source was chosen, for people
     sign_evidence: tuple[SignEvidence, ...] = ()  # what the energy of each joint of the log says about the sign
 
-    @property
-    def gravity_in_torque(self) -> bool:
-        """True if gravity is still in F_m."""
-        return self.gravity == "in-torque"
-
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Caution:

@@ -13,7 +13,7 @@ from friction_audit.preprocessing.cautions import gravity_cautions, not_used, si
 from friction_audit.preprocessing.interaction import Caution, Interaction, TorqueChoice
 from friction_audit.preprocessing.resampling import Grid, GridTorque, grids_of, motion_on
 from friction_audit.preprocessing.settings import TorqueSettings
-from friction_audit.preprocessing.sign import CoarseLog, coarse_log, prove_sign
+from friction_audit.preprocessing.sign import CoarseLog, coarse_log, most, prove_sign
 from friction_audit.preprocessing.torque_source import CHANNELS, Plan, arm_for_hand, make_plan
 from friction_audit.preprocessing.velocity import on_time
 
@@ -135,7 +135,7 @@ def _choose_row(log: JointLog, coarse: CoarseLog, plan: Plan, settings: TorqueSe
         return replace(row, evidence=prove_sign(coarse, row.driving(log, coarse), log.source.dead_torque))
 
     first = proved(_row(log, coarse, plan, plan.drives[0], settings.model_rate_hz))
-    if first.proved:
+    if most(first.evidence, "rises"):
         return first, False
     if plan.source == "interaction":
         other = proved(replace(first, sign=-first.sign))
@@ -143,7 +143,7 @@ def _choose_row(log: JointLog, coarse: CoarseLog, plan: Plan, settings: TorqueSe
         other = proved(_row(log, coarse, plan, plan.drives[1], settings.model_rate_hz))
     else:
         return first, False
-    return (other, True) if other.proved else (first, False)
+    return (other, True) if most(other.evidence, "rises") else (first, False)
 
 
 def _row(log: JointLog, coarse: CoarseLog, plan: Plan, drive: str, model_rate_hz: float) -> Balance:
@@ -230,7 +230,7 @@ def _choice(balance: Balance, settings: TorqueSettings, *, turned: bool) -> Torq
         inertia="model" if balance.inertial is not None else "none",
         drive=balance.drive,
         sign=balance.sign,
-        sign_proved=balance.proved,
+        sign_proved=most(balance.evidence, "rises"),
         sign_turned=turned,
         robot=plan.arm.name if modelled and plan.arm is not None else "none",
         payload=settings.payload if modelled else None,

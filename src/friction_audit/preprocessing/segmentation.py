@@ -127,7 +127,7 @@ class CycleSearch:
         if len(borders) and borders[0]:
             self._go_on(int(borders[0]), moving=False)
             borders, self._at_border = borders - borders[0], True
-        if part.choice.gravity_in_torque and len(borders):
+        if part.choice.gravity == "in-torque" and len(borders):
             place = part.q[borders + (self.first - part.first)]
             borders = borders[self._close_runs(borders, place, more=more)]
         if len(borders) > 1:
@@ -157,7 +157,7 @@ class CycleSearch:
 
     def _cycles_between(self, part: Interaction, borders: Int) -> EnergyCycles:
         """Add up the energies between borders, which are counted from the first sample needed."""
-        settings, shift, inside = self._settings, self.first - part.first, part.choice.gravity_in_torque
+        settings, shift, inside = self._settings, self.first - part.first, part.choice.gravity == "in-torque"
         t = part.t[shift:]
         edges, peak, longest_step = cycle_sums.cut_evenly(t, self._filtered, borders, PARTS)
         parts = self._sums(part, edges)
@@ -208,11 +208,11 @@ class CycleSearch:
         moving = bool(abs(self._signal[0]) > thresholds[1]) if self._moving is None else self._moving
         self._at_border = not moving if self._at_border is None else self._at_border
         if self._at_border:
-            place = part.q[shift] if part.choice.gravity_in_torque else part.q[shift, self._column, None]
+            place = part.q[shift] if part.choice.gravity == "in-torque" else part.q[shift, self._column, None]
             now = self._cycles_between(part, np.array([0, self._longest]))
             self._begun = now, place if self._begun is None else self._begun[1]
-        moving = cycle_sums.moves_at_last(self._signal[: self._longest + 1], *thresholds, moving=moving)
-        self._go_on(self._longest, moving=moving)
+        stops, starts, _ = cycle_sums.events(self._signal[: self._longest + 1], *thresholds, moving=moving)
+        self._go_on(self._longest, moving=moving == (len(stops) == len(starts)))
 
     def _go_on(self, row: int, *, moving: bool) -> None:
         self.first, self._moving = self.first + row, moving

@@ -22,7 +22,7 @@ REGRESSION = Record(
     Column("coulomb", Coefficient, "Coulomb friction", "coulomb", unit="N m"),
     Column("viscous", Coefficient, "viscous friction", "viscous", unit="N m s/rad"),
     Column("offset", float, "constant part of the torque", unit="N m"),
-    Column("inertia", float, "coefficient of the acceleration", unit="kg m²"),
+    Column("inertia", float, "coefficient of the acceleration", "inertia.value", unit="kg m²"),
     Column("inertia_kg_m2_ci95", INTERVAL, "its 95 % interval", lambda one: (one.inertia.low, one.inertia.high)),
     Column("residual_rms", float, "root mean square of the residual", unit="N m"),
     Column("samples", int, "samples used"),

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.io.checks.clock import GAP_S
 from friction_audit.io.checks.columns import Column, Thinned
@@ -23,12 +22,9 @@ class Stale:
         logged = [name for name in recording.channels if recording.mapping.get(name) != DERIVATIVE]
         self._names = [name for name in ("dq", "q", *TORQUE_CHANNELS) if name in logged]
         self.rows, self.marks = recording.rows, Marks(recording.rows)
-        self.repeats, self._steps, self._fresh = 0, Thinned(), (0, 0.0)
-
-    @property
-    def period(self) -> float:
-        """Median time between rows that are new, where some between them are not; 0 without these. [s]"""
-        return float(np.median(self._steps.values)) if self.repeats else 0.0
+        # Rows that repeat one before, and the times between rows that are new where some between them are not. [s]
+        self.repeats, self.steps = 0, Thinned()
+        self._fresh = 0, 0.0
 
     def take(self, first: int, t: Float, before: Mapping[str, Float], channels: Mapping[str, Float]) -> None:
         """Take the rows of a piece, given the row before it."""
@@ -41,14 +37,14 @@ class Stale:
             equal = equal[column[equal] == np.where(equal > 0, column[equal - 1], old)]
         equal = equal[equal + first > 0]
         if len(equal):
-            equal = equal[moving(channels["dq"], equal)]
+            equal = equal[(np.abs(channels["dq"][equal]) > MOVING_RAD_S).any(axis=1)]
         fresh = np.ones(len(t), np.bool_)
         fresh[equal] = False
         self.marks.add(first, ~fresh)
         if self.marks.count:
             rows = np.flatnonzero(fresh)
             repeats = np.diff(rows + first, prepend=self._fresh[0]) - 1
-            self._steps.take(np.diff(t[rows], prepend=self._fresh[1])[repeats > 0])
+            self.steps.take(np.diff(t[rows], prepend=self._fresh[1])[repeats > 0])
             self.repeats += int(repeats[repeats > 0].sum())
         if fresh.any():
             last = int(np.flatnonzero(fresh)[-1]) if len(equal) else len(t) - 1
@@ -58,11 +54,12 @@ class Stale:
 def drop_stale_samples(recording: Recording, stale: Stale, columns: Mapping[str, Column]) -> Recording:
     """Drop rows equal to the row before while a joint moves; WholeLogError where the state is slow and in blocks."""
     marks = stale.marks
-    moves = stale.rows * float(moving(columns["dq"].sample, slice(None)).mean())
-    if marks.count and _HELD_PERIODS * stale.period > GAP_S and stale.repeats >= _HELD_SHARE * moves:
+    moves = stale.rows * float((np.abs(columns["dq"].sample) > MOVING_RAD_S).any(axis=1).mean())
+    period = float(np.median(stale.steps.values)) if stale.repeats else 0.0
+    if marks.count and _HELD_PERIODS * period > GAP_S and stale.repeats >= _HELD_SHARE * moves:
         if recording.blocks is not None:
             raise WholeLogError
-        recording, marks = _keep_slow_state(recording, stale)
+        recording, marks = _keep_slow_state(recording, stale, period)
     if not marks.count:
         return recording
     message = (
@@ -72,26 +69,21 @@ def drop_stale_samples(recording: Recording, stale: Stale, columns: Mapping[str,
     return recording.without(marks).with_findings(Finding("stale_samples", message, amount=float(marks.count)))
 
 
-def moving(dq: Float, rows: NDArray[np.intp] | slice) -> NDArray[np.bool_]:
-    """Return in which of some rows a joint moves."""
-    return np.asarray((np.abs(dq[rows]) > MOVING_RAD_S).any(axis=1))
-
-
-def _keep_slow_state(recording: Recording, stale: Stale) -> tuple[Recording, Marks]:
+def _keep_slow_state(recording: Recording, stale: Stale, period: float) -> tuple[Recording, Marks]:
     """Unmark the rows of a state that is new less often than a hole is long: its steps would pass for holes."""
     lost = stale.marks.of(0, stale.rows)
     rows = np.flatnonzero(~lost)
     steps, repeats = np.diff(recording.t[rows]), np.diff(rows) - 1
-    held = (repeats > 0) & (steps <= _HELD_PERIODS * stale.period)
+    held = (repeats > 0) & (steps <= _HELD_PERIODS * period)
     for row in np.flatnonzero(held):
         lost[rows[row] : rows[row + 1]] = False
     message = (
-        f"q, dq and torque are updated only every {stale.period:.3g} s (a bus that polls the motors in turn?); "
+        f"q, dq and torque are updated only every {period:.3g} s (a bus that polls the motors in turn?); "
         f"{repeats[held].sum()} repeated rows are kept"
     )
     marks = Marks(stale.rows)
     marks.add(0, lost)
-    return recording.with_findings(Finding("slow_state", message, amount=stale.period)), marks
+    return recording.with_findings(Finding("slow_state", message, amount=period)), marks
 
 
 # What a joint of an arm for tens of kilograms never holds, and what is left of it without gravity. [N m]

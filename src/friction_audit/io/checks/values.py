@@ -96,7 +96,9 @@ def _leave_out_joints(recording: Recording, missing: Counts, path: str) -> Recor
     text, names = "{} lacks a channel in all {} rows; the joint is left out", recording.joint_names
     lost = np.flatnonzero(empty).tolist()
     findings = [Finding("empty_joint", text.format(names[j], samples), j + 1, float(samples)) for j in lost]
-    return recording.take_joints(np.flatnonzero(~empty).tolist()).with_findings(*findings)
+    kept = np.flatnonzero(~empty).tolist()
+    left = recording.changed(lambda t, every: (t, {name: np.asfortranarray(a[:, kept]) for name, a in every.items()}))
+    return replace(left, joint_names=tuple(names[joint] for joint in kept)).with_findings(*findings)
 
 
 _FROZEN_S = 1.0  # in which a channel of a moving joint does not change by the last digit

@@ -188,9 +188,9 @@ def list_topics(path: str | Path) -> tuple[str, tuple[Topic, ...]]:
 
 def choose_reader(path: Path) -> Reader:
     """Return the reader that recognises a file by its content, else the one of its suffix."""
-    by_suffix = [reader for reader in READERS if reader.is_named(path)]
+    by_suffix = [reader for reader in READERS if path.name.lower().endswith(reader.suffixes)]
     for reader in (*by_suffix, *READERS):
-        if reader.recognises(path):
+        if starts_with(path, reader.magic) if reader.magic else reader.loaded.recognises(path):
             return reader
     if packed := next((name for magic, name in _PACKED.items() if starts_with(path, magic)), ""):
         raise InputError(f"{path}: packed with {packed}; expected one that is not; unpack with `{packed} -d {path}`")
@@ -231,7 +231,7 @@ def _unreadable(path: Path, error: OSError) -> InputError:
 
 
 def _suffix_mismatch(path: Path, reader: Reader) -> Finding | None:
-    others = [other.name for other in READERS if other.is_named(path)]
+    others = [other.name for other in READERS if path.name.lower().endswith(other.suffixes)]
     if reader.name in others or not others:
         return None
     message = f"the name ends in {path.suffix}, as {others[0]} does; the content is {reader.name}, and was read as that"

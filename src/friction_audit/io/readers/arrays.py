@@ -1,7 +1,7 @@
 """Arrays -> Recording: what NumPy, MATLAB and LeRobot files and data frames share; NumPy .npy, which is one array."""
 
 from collections.abc import Mapping
-from math import prod
+from math import inf, prod
 from pathlib import Path
 from tokenize import TokenError
 from typing import Any
@@ -45,7 +45,7 @@ class ArrayTable(ColumnTable):
                 raise InputError(f"{self.path}: {what}; expected one row per sample; transpose it, or cut it to length")
         return samples, sum(int(self._arrays[name].nbytes) for name in names)
 
-    def read_clock(self, time: TimeColumn) -> Clock:
+    def read_clock(self, time: TimeColumn, stop: float = inf) -> Clock:  # noqa: ARG002
         parts, unit = [self.load(name)[:, at] for name, at in (self._cells[cell] for cell in time.cells)], time.unit
         if parts[0].dtype.kind in "mM":
             parts, unit = [part.astype(f"{part.dtype.kind}8[ns]").astype(np.int64) for part in parts], "ns"

@@ -176,18 +176,21 @@ def choose_topic(
     """Return the topic, the joints of the arm, and what to say about it; SeveralLogsError if the user has to choose."""
     name, _, arm = (wanted or "").partition("#")
     measured = [c for c in candidates if c.choices and not _NOT_MEASURED.search(c.name.rsplit("/", 1)[-1])]
+    listed = f"topics are {', '.join(map(str, topics))}" if topics else "there are no topics"
     if wanted is not None:
         there = {topic.name.strip("/"): topic for topic in (*topics, *candidates)}.get(name.strip("/"))
         if there is None:
             near = near_misses(name, [topic.name for topic in topics])
-            raise InputError(f"{path}: no topic {name}{near}; {_listed(topics)}; choose one with --topic")
+            raise InputError(f"{path}: no topic {name}{near}; {listed}; choose one with --topic")
         if not isinstance(there, Candidate):
             what = f"of type {there.type} holds no joint state that can be read; {_EXPECTED}"
             what = what if there.messages else "has no messages"
-            raise InputError(f"{path}: topic {there.name} {what}; {_listed(topics)}")
+            raise InputError(f"{path}: topic {there.name} {what}; {listed}")
         measured = [there]
     elif not measured:
-        raise InputError(_nothing_to_read(path, candidates, topics))
+        what = _nothing_to_read(candidates, topics)
+        how = "name a topic with --topic and its fields with --map, or record again"
+        raise InputError(f"{path}: {what}; {listed}; {how}")
     else:
         _refuse_several_arms(path, measured)
     best, *others = sorted(measured, key=lambda one: one.preference)
@@ -212,18 +215,13 @@ def _refuse_several_arms(path: Path, candidates: Sequence[Candidate]) -> None:
     raise SeveralLogsError(message, [best[arm] for arm in sorted(best)])
 
 
-def _nothing_to_read(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic]) -> str:
+def _nothing_to_read(candidates: Sequence[Candidate], topics: Sequence[Topic]) -> str:
     broken = next((candidate for candidate in candidates if not candidate.is_decoded), None)
-    what = f"no topic with measured joint states; {_EXPECTED}"
     if not any(topic.messages for topic in topics):
-        what = "0 messages on any topic; expected joint states"
-    elif broken:
-        what = f"the first messages on topic {broken.name} of type {broken.type} do not fit their definition"
-    return f"{path}: {what}; {_listed(topics)}; name a topic with --topic and its fields with --map, or record again"
-
-
-def _listed(topics: Sequence[Topic]) -> str:
-    return f"topics are {', '.join(map(str, topics))}" if topics else "there are no topics"
+        return "0 messages on any topic; expected joint states"
+    if broken:
+        return f"the first messages on topic {broken.name} of type {broken.type} do not fit their definition"
+    return f"no topic with measured joint states; {_EXPECTED}"
 
 
 _SMALLEST_CAPACITY = 1024

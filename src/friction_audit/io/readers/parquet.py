@@ -3,7 +3,9 @@
 import json
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from functools import partial
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -121,26 +123,19 @@ class ParquetTable(ColumnTable):
                     )
             start += len(batch)
 
-    def read_clock(self, time: TimeColumn) -> Clock:
+    def read_clock(self, time: TimeColumn, stop: float = inf) -> Clock:
         """Read the stamps, NaN where they are damaged; integers as they are, which floats would round."""
-        parts = self._stamp_arrays(time)
-        self._read_cells(zip(time.cells, parts, strict=True), None)
-        return self._to_clock(parts, time)
-
-    def first_stamps(self, time: TimeColumn, options: ReadOptions) -> Clock:
-        """Read the stamps up to the end of the part asked for."""
-        found: list[NDArray[Any]] = []
-        unit, path, (_, stop) = self._unit(time), str(self.path), options.window_of_clock()
-        try:
-            for piece in self._batches(time, time.cells):
+        (number, unit), found, path = self._stamps(time), list[NDArray[Any]](), str(self.path)
+        with suppress(InputError):  # all are read where some are damaged, and these are left out
+            for piece in self._batches(time, time.cells) if stop < inf else ():
                 found.append(stamps_of([piece[cell] for cell in time.cells]))
                 clock = to_clock(found[-1].copy(), unit, path=path, origin=found[0][0].item())
                 unit = clock.unit
                 if clock.t[-1] > stop:
                     return to_clock(np.concatenate(found), unit, path=path)
-        except InputError:
-            pass
-        return self.read_clock(time)  # which leaves out what is damaged
+        parts = [np.zeros(self._file.metadata.num_rows, number) for _ in time.cells]
+        self._read_cells(zip(time.cells, parts, strict=True), None)
+        return self._to_clock(parts, time)
 
     def read_rows(self, columns: ColumnMap, clock: Clock, rows: NDArray[np.bool_] | None) -> Part:
         channels, pairs = self._channel_arrays(columns, len(clock.t))
@@ -150,7 +145,8 @@ class ParquetTable(ColumnTable):
 
     def read_all(self, columns: ColumnMap) -> Part:
         """Read the clock and the channels in all rows, at once: the memory of one is used again for the other."""
-        parts = self._stamp_arrays(columns.time)
+        number, _ = self._stamps(columns.time)
+        parts = [np.zeros(self._file.metadata.num_rows, number) for _ in columns.time.cells]
         channels, pairs = self._channel_arrays(columns, len(parts[0]))
         self._read_cells([*zip(columns.time.cells, parts, strict=True), *pairs], None)
         joint = None if columns.joint is None else self._read_texts(self._cells[columns.joint][0], None)
@@ -160,13 +156,14 @@ class ParquetTable(ColumnTable):
         pieces = partial(self._batches, columns.time)
         edges = np.cumsum([0, *self._sizes]).tolist()
         try:
-            return part_in_blocks(columns, self._unit(columns.time), edges[-1], pieces, str(self.path), edges)
+            _, unit = self._stamps(columns.time)
+            return part_in_blocks(columns, unit, edges[-1], pieces, str(self.path), edges)
         except InputError:  # damaged row groups are left out where all is read at once, or refused
             return None
 
     def _batches(self, time: TimeColumn, cells: Sequence[int], group: int = 0) -> Iterator[dict[int, NDArray[Any]]]:
         """Yield the numbers of some cells, one batch of rows after the other, from a row group on."""
-        names, kind = list(dict.fromkeys(self._cells[cell][0] for cell in cells)), self._stamp_type(time)
+        names, kind = list(dict.fromkeys(self._cells[cell][0] for cell in cells)), self._stamps(time)[0]
         size = max(_BATCH_BYTES - self._file.metadata.num_rows * len(cells) // _NUMBERS_PER_BYTE, _FEWEST_BYTES)
         groups, rows = range(group, len(self._sizes)), min(_BATCH_ROWS, size // (8 * len(cells)))
         try:
@@ -192,16 +189,12 @@ class ParquetTable(ColumnTable):
         pairs = [(cell, channels[c][:, j]) for c, cells in columns.channels.items() for j, cell in enumerate(cells)]
         return channels, pairs
 
-    def _stamp_arrays(self, time: TimeColumn) -> list[NDArray[Any]]:
-        return [np.zeros(self._file.metadata.num_rows, dtype=self._stamp_type(time)) for _ in time.cells]
-
-    def _stamp_type(self, time: TimeColumn) -> type:
+    def _stamps(self, time: TimeColumn) -> tuple[type, str | None]:
+        """Return the type of number that stamps are read as, and their unit."""
         kind = self._types[self._cells[time.cells[0]][0]]
-        return np.int64 if len(time.cells) > 1 or arrow.has_unit(kind) or pa.types.is_integer(kind) else np.float64
-
-    def _unit(self, time: TimeColumn) -> str | None:
-        kind = self._types[self._cells[time.cells[0]][0]]
-        return str(kind.unit) if arrow.has_unit(kind) else time.unit
+        has_unit = arrow.has_unit(kind)
+        number = np.int64 if len(time.cells) > 1 or has_unit or pa.types.is_integer(kind) else np.float64
+        return number, str(kind.unit) if has_unit else time.unit
 
     def _to_clock(self, parts: list[NDArray[Any]], time: TimeColumn) -> Clock:
         stamps = parts[0] if len(parts) == 1 else stamps_of(parts)
@@ -214,7 +207,7 @@ class ParquetTable(ColumnTable):
                 damage = "; ".join(finding.message for finding in self.findings())
                 raise InputError(f"{self.path}: a damaged Parquet file: {damage}; copy or record it again")
             stamps[lost] = stamps[~lost][0]
-        clock = to_clock(stamps, self._unit(time), path=str(self.path))
+        clock = to_clock(stamps, self._stamps(time)[1], path=str(self.path))
         clock.t[lost] = np.nan
         return clock
 

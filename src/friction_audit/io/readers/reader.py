@@ -183,17 +183,12 @@ class Reader:
     magic: bytes = b""  # what each file begins with; without it the module says what is of this format
     module: str = ""  # if it is not called as the format is
 
-    def is_named(self, path: Path) -> bool:
-        """Return True if the file's name ends as this format does."""
-        return path.name.lower().endswith(self.suffixes)
-
-    def recognises(self, path: Path) -> bool:
-        """Return True if this file (or directory) is of this format, from its content; never raises."""
-        return starts_with(path, self.magic) if self.magic else bool(self.loaded.recognises(path))
-
     @property
     def loaded(self) -> Any:  # noqa: ANN401 - a module
-        """Its module, with ``read(path, options) -> Recording`` and ``topics(path) -> tuple[Topic, ...]``."""
+        """Its module, with ``read(path, options) -> Recording`` and ``topics(path) -> tuple[Topic, ...]``.
+
+        Without magic bytes it also has ``recognises(path) -> bool``, which never raises.
+        """
         return import_module(f"{__package__}.{self.module or self.name}")
 
 

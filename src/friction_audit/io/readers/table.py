@@ -5,7 +5,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
-from math import isfinite
+from math import inf, isfinite
 from pathlib import Path
 from typing import Any
 
@@ -79,8 +79,9 @@ class ColumnTable(Table):
             return self.read_all(columns)
         # The joints of a long table may follow each other.
         whole = options.hashed or options.in_blocks or columns.joint is not None
-        clock = self.read_clock(columns.time) if whole else self.first_stamps(columns.time, options)
-        first_s, (start, stop) = float(np.nanmin(clock.t)), options.window_of_clock()
+        start, stop = options.window_of_clock()
+        clock = self.read_clock(columns.time, inf if whole else stop)
+        first_s = float(np.nanmin(clock.t))
         since = clock.t - first_s
         kept = (since >= start) & (since < stop)
         if not kept.any():
@@ -95,12 +96,8 @@ class ColumnTable(Table):
         """Return the number of rows, and the bytes that these columns take in the file."""
 
     @abstractmethod
-    def read_clock(self, time: TimeColumn) -> Clock:
-        """Read all stamps."""
-
-    def first_stamps(self, time: TimeColumn, options: ReadOptions) -> Clock:  # noqa: ARG002
-        """Read at least the stamps up to the end of the part asked for, of a clock in order."""
-        return self.read_clock(time)
+    def read_clock(self, time: TimeColumn, stop: float = inf) -> Clock:
+        """Read all stamps, or of a clock in order at least those up to so long after the first. [s]"""
 
     @abstractmethod
     def read_rows(self, columns: ColumnMap, clock: Clock, rows: NDArray[np.bool_] | None) -> Part:

@@ -84,7 +84,7 @@ def _draw_energy(panels: Sequence[Axes], estimate: Estimate, friction: JointFric
     parts.draw_curve(axes, series.t, energy, 20_000, color=theme.FILTERED, lw=0.9, label="net energy")
     if len(cycles.start):
         edges = np.concatenate([cycles.start_s[:1], cycles.stop_s])
-        stairs = np.concatenate([[0.0], np.cumsum(cycles.dissipated_j)])
+        stairs = np.concatenate([[0.0], np.cumsum(cycles.sums.dissipated_j)])
         # The last step holds until the log ends.
         held = np.append(edges, max(series.t[-1], edges[-1])), np.append(stairs, stairs[-1])
         axes.step(*held, where="post", color=theme.DISSIPATED, lw=0.9, label="dissipated, per cycle")
