@@ -67,11 +67,7 @@ class TwoSides:
     one_sided: tuple[tuple[int, bool], ...]  # number of each other joint, and whether it is on the first side
     conditions: tuple[Condition, ...]  # what differs
     twice: tuple[str, ...]  # paths of recordings that are on both sides
-
-    @property
-    def unit(self) -> str:
-        """Of the torque."""
-        return self.before[0].unit
+    unit: str  # of the torque
 
     @property
     def report(self) -> DriftReport:
@@ -139,6 +135,7 @@ def compare_sides(before: Sequence[Recording], after: Sequence[Recording]) -> Tw
         one_sided=tuple((number, number in numbers[0]) for number in sorted(numbers[0] ^ numbers[1])),
         conditions=tuple(differences(before, after)),
         twice=tuple(one.session.path for one in after if one.session.sha256 in content),
+        unit=before[0].unit,
     )
 
 
