@@ -30,7 +30,7 @@ RUBBING = FarSide(inertia_kg_m2=0.2, coulomb_nm=0.4, viscous_nms_per_rad=0.1)
 def added_torque(motion: Motion, far: FarSide, link: Transmission) -> Float:
     """What one transmission adds to the torque of a rigid joint."""
     ((_, added),) = added_torques(motion, [far], [link])
-    return added[0]
+    return np.asarray(added[0])
 
 
 def transmitted(motion: Motion, far: FarSide, link: Transmission) -> Float:
