@@ -56,11 +56,11 @@ def test_the_version_has_a_changelog_section() -> None:
 
 # Of src/ and tests/. A number goes up only with its reason in the same commit; it goes down with what is saved.
 SIZE = {
-    "lines": 44_000,
-    "files": 250,
+    "lines": 43_300,
+    "files": 237,
     "code lines of the longest function": 59,  # dynamics/transmission.py: one compiled loop, split it is 13 % slower
-    "per cent of functions of at most 3 code lines": 27,
-    "lines of tests": 24_511,
+    "per cent of functions of at most 3 code lines": 22,
+    "lines of tests": 23_950,
 }
 BLANK = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
 
