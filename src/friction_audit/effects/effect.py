@@ -21,8 +21,8 @@ Nonlinear = Mapping[str, float]
 
 
 def free(*_: object) -> Any:  # noqa: ANN401 - it returns nothing
-    """Refuse to say what an effect does not have: a coefficient that follows, or a formula in C++."""
-    raise NotImplementedError("the coefficients of this effect are free, or it has no formula in C++")
+    """Stand for what an effect does not have: a coefficient that follows, or a formula in C++."""
+    raise NotImplementedError("this effect has neither a coefficient that follows nor a formula in C++")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -321,7 +321,7 @@ def belated_samples(t: Float, q: Float, dq: Float) -> NDArray[np.bool_]:
 
     A sample that is repeated where it is lost itself, or that is interpolated to other stamps, repeats none before it.
     One per second is a structure in the residual of a clean log. A Hampel identifier (F. R. Hampel, J. Am. Stat. Assoc.
-    69 (1974) 383) on the delay: how far the position is behind the cubic through both neighbours and their velocities.
+    69 (1974) 383) on the delay: by how much the position lags the cubic through both neighbours and their velocities.
     """
     belated, span, tiny = np.zeros(len(t), bool), t[2:] - t[:-2], np.finfo(float).tiny
     x, along, squared = (t[1:-1] - t[:-2]) / span, np.zeros(len(span)), np.zeros(len(span))
@@ -329,10 +329,10 @@ def belated_samples(t: Float, q: Float, dq: Float) -> NDArray[np.bool_]:
         moves = np.abs(v := speed[1:-1]) > MOVING_RAD_S
         if not moves.any():
             continue
-        behind = place[:-2] * (1.0 + 2.0 * x) * (1.0 - x) ** 2 + place[2:] * x**2 * (3.0 - 2.0 * x) - place[1:-1]
-        behind += span * x * (1.0 - x) * (speed[:-2] * (1.0 - x) - speed[2:] * x)
-        variance = max(float(np.median(np.abs(behind[moves]))) ** 2, tiny)  # each joint counts by its own
-        along += np.where(moves, behind * v, 0.0) / variance
+        lag = place[:-2] * (1.0 + 2.0 * x) * (1.0 - x) ** 2 + place[2:] * x**2 * (3.0 - 2.0 * x) - place[1:-1]
+        lag += span * x * (1.0 - x) * (speed[:-2] * (1.0 - x) - speed[2:] * x)
+        variance = max(float(np.median(np.abs(lag[moves]))) ** 2, tiny)  # each joint counts by its own
+        along += np.where(moves, lag * v, 0.0) / variance
         squared += np.where(moves, v**2, 0.0) / variance
     delay, known = along / np.maximum(squared, tiny), squared > 0.0
     if known.any():
