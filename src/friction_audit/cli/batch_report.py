@@ -56,7 +56,7 @@ class SessionOptions:
         "Table with the columns path, start, robot, temperature, payload, note; paths are relative to it. Its logs "
         "are read too.", metavar="FILE.csv", exists=True, dir_okay=False,
     )  # fmt: skip
-    diagnose: bool = flag("Also diagnose each session (slow).")
+    diagnose: bool = flag("Also diagnose each session (slow).", "--diagnose")
     min_effect: opt.MinEffect = 0.0
 
 
@@ -74,7 +74,7 @@ class RunningOptions:
 
     workers: int | None = option("Processes on this machine. Default: one per core.", metavar="N", min=1)
     scheduler: str | None = option("Dask cluster that does the work, e.g. tcp://host:8786.", metavar="ADDRESS")
-    rebuild: bool = flag("Compute everything again; the existing ledger is kept under another name.")
+    rebuild: bool = flag("Compute everything again; the existing ledger is kept under another name.", "--rebuild")
 
     def __post_init__(self) -> None:
         if self.workers is not None and self.scheduler is not None:

@@ -72,7 +72,7 @@ def option(text: str, *names: str, default: object = None, **settings: Any) -> A
 
 
 def flag(text: str, *names: str, **settings: Any) -> Any:  # noqa: ANN401
-    """Return an option without a value; its name is that of the parameter or field, if it has no other long one."""
+    """Return an option without a value, by its names: of a single one Typer would make two, with and without no-."""
     return option(text, *names, default=False, **settings)
 
 

@@ -34,7 +34,7 @@ def command(
     general: opt.GeneralOptions,
     dialect: opt.Dialect = None,
     list_dialects: bool = flag(  # noqa: ARG001 - its callback acts on it
-        "List what --dialect takes and stop.", callback=_list_dialects, is_eager=True, panel=OUTPUT
+        "List what --dialect takes and stop.", "--list-dialects", callback=_list_dialects, is_eager=True, panel=OUTPUT
     ),
     overwrite: opt.Overwrite = False,
 ) -> None:

@@ -128,10 +128,6 @@ def _flat(name: str, annotation: Any, default: Any) -> list[inspect.Parameter]: 
         return [one for f in fields(annotation) for one in _flat(f.name, f.type, f)]
     if isinstance(default, Field):
         if info := default.metadata.get(OPTION):
-            # Typer holds the first name as the default of an option in ``Annotated``.
-            names = [one for one in (info.default, *info.param_decls) if isinstance(one, str)]
-            if default.default is False and not any(one.startswith("--") for one in names):
-                info.default, info.param_decls = f"--{name.replace('_', '-')}", tuple(names)
             annotation = Annotated[annotation, info]
         default = default.default
     return [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)]

@@ -36,7 +36,9 @@ def command(
     torque: opt.TorqueOptions,
     cycles: opt.CycleOptions,
     general: opt.GeneralOptions,
-    full: bool = flag(f"Read the whole of files above {LARGE_BYTES >> 20} MB, not {FIRST_S:g} s.", panel=READING),
+    full: bool = flag(
+        f"Read the whole of files above {LARGE_BYTES >> 20} MB, not {FIRST_S:g} s.", "--full", panel=READING
+    ),
 ) -> None:
     """Summarise logs: format, channels, clock, joints, cycles."""
     shared = opt.LogOptions(selection=selection, reading=reading, torque=torque, cycles=cycles, general=general)

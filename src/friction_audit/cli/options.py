@@ -87,7 +87,7 @@ class ReadingOptions:
     )
     torque_scale: str | None = option("Factor on the torque, one or per joint.", metavar="K,...", panel=panel.TORQUE)
     flip: str | None = option("Joints whose measured torque has the other sign.", metavar="LIST", panel=panel.TORQUE)
-    allow_short: bool = flag("Accept a log that looks like an exception log of libfranka.")
+    allow_short: bool = flag("Accept a log that looks like an exception log of libfranka.", "--allow-short")
 
 
 @group(panel.SELECTION)
@@ -156,15 +156,15 @@ class EstimateOptions:
 class GeneralOptions:
     """What every command understands."""
 
-    json: bool = flag("Print one JSON document and nothing else.")
-    quiet: bool = flag("No warnings and no progress.", "-q")
-    help_all: bool = flag("Show every option.", callback=show_every_option, is_eager=True)
-    verbose: bool = flag("Print each step and its duration.", "-v", panel=panel.GENERAL)
+    json: bool = flag("Print one JSON document and nothing else.", "--json")
+    quiet: bool = flag("No warnings and no progress.", "--quiet", "-q")
+    help_all: bool = flag("Show every option.", "--help-all", callback=show_every_option, is_eager=True)
+    verbose: bool = flag("Print each step and its duration.", "--verbose", "-v", panel=panel.GENERAL)
     config: Path | None = option(
         'Values for any option, e.g. drive = "robot"; the command line has priority.', metavar="FILE.toml",
         callback=load_config, is_eager=True, panel=panel.GENERAL,
     )  # fmt: skip
-    dump_config: bool = flag("Print the options in force as TOML and stop.", panel=panel.GENERAL)
+    dump_config: bool = flag("Print the options in force as TOML and stop.", "--dump-config", panel=panel.GENERAL)
 
     @property
     def voice(self) -> Voice:
@@ -195,4 +195,4 @@ class ChangeOptions:
     assignments: list[str] | None = option(
         "Change a setting: joints.coulomb_nm=0.4@2,5. Repeatable.", "--set", metavar="NAME=VALUE[@JOINTS]"
     )
-    ideal: bool = flag("Sensors without noise and quantisation, no dropped samples; --set may override.")
+    ideal: bool = flag("Sensors without noise and quantisation, no dropped samples; --set may override.", "--ideal")

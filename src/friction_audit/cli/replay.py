@@ -58,7 +58,7 @@ class ReplayOptions:
         "Constant coefficients of the energy compensator in place of its estimate [N m, N m s/rad].",
         metavar="coulomb=NM,viscous=NMS",
     )
-    no_passivity: bool = flag("No passivity controller.")
+    no_passivity: bool = flag("No passivity controller.", "--no-passivity")
     max_damping: float | None = positive("Damping limit of passivity control [N m s/rad]. Default: 5.", metavar="NMS")
     max_torque: float | None = positive("Maximum torque [N m]. Default: limits of the arm, or none.", metavar="NM")
     max_rate: float | None = positive("Maximum torque rate [N m/s]. Default: a Panda's 1000, or none.", metavar="NM/S")
