@@ -10,7 +10,7 @@ from friction_audit.effects.joint_model import ArmModel
 from friction_audit.effects.registry import NAMES, motion_between, terms
 from friction_audit.effects.slow import UNFELT_PER_K
 from friction_audit.friction.history import Coefficient
-from friction_audit.reporting.words import UNBOUNDED, count_of, enumerate_words, format_quantity, format_share
+from friction_audit.reporting.words import UNBOUNDED, count_of, enumerate_words, format_share, with_unit
 
 MOST_NUMBERS = 6  # parameters of an effect that a line has room for
 PARAMETERS_BY_NAME = {parameter.name: parameter for term in terms() for parameter in term.parameters}
@@ -190,4 +190,4 @@ def _parameter(name: str, number: Coefficient) -> str:
         forms: dict[str, str] = dict(CHOICE.findall(known.meaning))
         chosen = str(round(number.value))
         return forms.get(chosen, f"{forms['else']} {chosen}" if "else" in forms else "").removeprefix("if ")
-    return f"{known.meaning} {format_quantity(number, known.unit)}"
+    return f"{known.meaning} {with_unit(number, known.unit)}"

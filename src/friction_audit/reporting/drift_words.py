@@ -38,7 +38,6 @@ SHAPES = {
     "temperature": "changes together with the temperature", "too_few": "too few sessions",
 }  # fmt: skip
 LARGEST_DETECTABLE = 10.0  # times the level; a larger detectable change is no information
-TWO_DIGITS = 99.5  # larger numbers of per cent are written with all their digits
 WEEK_S = 7 * 86400.0
 MOST_NAMES = 3  # sessions that a sentence names
 NEEDED = f"at least {FEWEST_SESSIONS} are needed to separate drift from scatter"
@@ -126,17 +125,12 @@ def how_much(relative: Coefficient, absolute: Coefficient, unit: str) -> str:
     ends = f"{low:.2g} to {high:.2g}"
     if shown is absolute:
         return f"{abs(absolute.value):.2g} {unit} ({ends})"
-    return f"{percent(abs(relative.value))} % ({ends} %)"
-
-
-def percent(share: float) -> str:
-    """Return a share in per cent, two digits of it, more where it is large."""
-    return f"{100 * share:.2g}" if abs(100 * share) < TWO_DIGITS else f"{100 * share:.0f}"
+    return f"{words.percent(abs(relative.value))} % ({ends} %)"
 
 
 def amount(share: float, size: float, coefficient: str) -> str:
     """Return a change in per cent, or in the unit of the coefficient where it has no share."""
-    return f"{percent(share)} %" if isfinite(share) else f"{size:.2g} {UNITS[coefficient]}"
+    return f"{words.percent(share)} %" if isfinite(share) else f"{size:.2g} {UNITS[coefficient]}"
 
 
 def verb_of(change: Coefficient, rising: str = "rose", falling: str = "fell") -> str:
@@ -190,7 +184,7 @@ def arm_sentence(arm: ArmDrift) -> str:
     every = [one for joint in arm.joints for one in joint.coefficients if one.smallest_drift <= LARGEST_DETECTABLE]
     for name, word in NAMES.items():
         if sizes := [one.smallest_drift for one in every if one.coefficient == name]:
-            parts.append(f"{words.range_of(sizes, percent)} % of {word} friction")
+            parts.append(f"{words.range_of(sizes, words.percent)} % of {word} friction")
     least = f": changes of {' and of '.join(parts)} are detectable, joint by joint" if parts else ""
     return f"no drift in {compared} sessions{least}"
 

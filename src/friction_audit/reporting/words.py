@@ -17,6 +17,7 @@ LONGEST_NAME, SHORTEST_NAME = 24, 16
 LOPSIDED = 0.25  # share by which the two sides of an interval may differ and still be written as one
 MOST_DIGITS = 4  # no sensor of a joint resolves more, and the table stays narrower than a terminal
 SMALLEST_P = 0.001
+TWO_DIGITS = 99.5  # larger numbers of per cent are written with all their digits
 SCALED, SMALL = ("s", "rad", "rad/(N m)"), 0.02  # units of which a thousandth is easier to read where a number is small
 ROUGH = 2.0  # first figure of a slope's interval from which on one figure will do
 WIDEST_RELATIVE = 20.0  # width of an interval of a relative change above which its digits mean nothing
@@ -58,13 +59,7 @@ def format_coefficient(coefficient: Coefficient) -> str:
     return f"{value} +{above}/-{below}"
 
 
-def with_unit(value: Coefficient, unit: str) -> str:
-    """Return a value with its interval and unit, a dash for none."""
-    text = format_coefficient(value)
-    return text if text == NOTHING else f"{text} {unit}"
-
-
-def format_quantity(number: Coefficient, unit: str) -> str:
+def with_unit(number: Coefficient, unit: str) -> str:
     """Return a value with its 95 % interval and unit, in thousandths where it is small: ``3.1 ± 0.2 ms``."""
     if math.isnan(number.value):
         return NOTHING
@@ -96,11 +91,14 @@ def format_percent(relative: Coefficient) -> str:
     return UNBOUNDED if relative.high - relative.low > WIDEST_RELATIVE else f"{signed(scaled(relative, 100.0))} %"
 
 
+def percent(share: float) -> str:
+    """Return a share in per cent, two digits of it, more where it is large."""
+    return f"{100 * share:.2g}" if abs(100 * share) < TWO_DIGITS else f"{100 * share:.0f}"
+
+
 def format_share(share: float) -> str:
-    """Return a share as a percentage: a decimal below 10 %, above 100 % only that it is."""
-    if math.isnan(share):
-        return NOTHING
-    return ">100 %" if share > 1.0 else f"{100 * share:.2g} %" if share < 0.1 else f"{100 * share:.0f} %"  # noqa: PLR2004
+    """Return a share as a percentage, above 100 % only that it is."""
+    return NOTHING if math.isnan(share) else ">100 %" if share > 1.0 else f"{percent(share)} %"
 
 
 def format_slope(slope: Coefficient) -> str:
