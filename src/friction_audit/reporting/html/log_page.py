@@ -5,15 +5,12 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import lru_cache
 from types import SimpleNamespace
 
-import numpy as np
-from matplotlib.lines import Line2D
-
 from friction_audit.effects.registry import motion_to_decide
 from friction_audit.parallel import in_processes, workers_for
 from friction_audit.reporting import diagnosis_tables as tables, diagnosis_words as words, report as made
 from friction_audit.reporting.documents import write_document
 from friction_audit.reporting.estimate import FRICTION
-from friction_audit.reporting.figures.panels import label_in_unit, thin_extremes
+from friction_audit.reporting.figures.panels import label_in_unit
 from friction_audit.reporting.figures.registry import Figure as FigureKind, figures_of
 from friction_audit.reporting.html import page as html
 from friction_audit.reporting.info import MOTION, facts_of, summarize_log
@@ -29,7 +26,6 @@ PLACES = {kind: "verdicts" if kind.name == FIRST else SECTION_OF[kind.result] fo
 MOST_BYTES = 2_500_000  # figures of one page together
 CLOUD = 60  # dots in a panel from which on they are an image: text would be larger than the rest of the page
 COARSE_PT = 0.5  # invisible deviation of a drawn line
-MOST_POINTS = 1500  # points of a curve over time: more than a panel has dots of a screen, also enlarged
 
 
 Drawn = Mapping[str, list[html.Figure | str]]
@@ -269,14 +265,9 @@ def _sheets(report: made.LogReport) -> Iterator[tuple[FigureKind, tuple[made.Joi
 def _figure(report: made.LogReport, kind: FigureKind, joints: tuple[made.JointReport, ...], title: str) -> html.Figure:
     numbers = tuple(one.joint for one in joints)
     drawing = label_in_unit(kind.draw(getattr(report, kind.result), numbers), report.unit)
-    for line in drawing.findobj(Line2D):  # clouds of dots become images, and of curves what is visible is left
-        assert isinstance(line, Line2D)
-        x, y = (np.asarray(data, dtype=np.float64) for data in line.get_data())
-        dots = line.get_linestyle() == "None"
-        line.set_rasterized(dots and len(x) > CLOUD)
-        long = len(x) > MOST_POINTS and not dots and line.get_drawstyle() == "default"
-        if long and bool((np.diff(x) > 0.0).all() and np.isfinite(y).all()):
-            line.set_data(*thin_extremes(x, y, MOST_POINTS))
+    for line in (line for axes in drawing.axes for line in axes.lines):
+        # Clouds of dots become images, and of curves what is visible is left.
+        line.set_rasterized(line.get_linestyle() == "None" and len(line.get_xdata()) > CLOUD)
         line.get_path().simplify_threshold = COARSE_PT
     every = "; ".join(f"joint {joint_label(one.joint, one.name)}: {made.joint_words(one)}" for one in joints)
     about = in_unit(f"{title}. {every}.", report.unit)
