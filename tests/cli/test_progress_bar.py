@@ -1,7 +1,6 @@
 """How a command shows that it works."""
 
 import io
-import re
 import time
 
 import pytest
@@ -50,15 +49,15 @@ def test_a_terminal_shows_how_many_are_done_and_failed(monkeypatch: pytest.Monke
 
 def test_stages_move_one_bar_on(monkeypatch: pytest.MonkeyPatch) -> None:
     terminal = watch(monkeypatch)
-    with Voice(quiet=False, verbose=False).stages(4) as told:
+    with Voice(quiet=False, verbose=False).stages(4) as voice:
         for name in ("read", "estimate"):
-            with told.step(name):
+            with voice.step(name):
                 time.sleep(0.15)
-        with told.step("simulate") as report:
+        with voice.step("simulate") as report:
             assert report is not None
             report(0.5)
             time.sleep(0.15)
-            told.warn(["the clock jumps"])
+            voice.warn(["the clock jumps"])
     shown = terminal.getvalue()
     assert all(f"{name} ..." in shown for name in ("read", "estimate", "simulate"))
     assert " 25%" in shown
@@ -67,15 +66,12 @@ def test_stages_move_one_bar_on(monkeypatch: pytest.MonkeyPatch) -> None:
     assert shown.count("\x1b[?25h") == 1  # one display, and it gave the cursor back
 
 
-def test_stages_of_known_length_show_the_time_left(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_stages_are_as_long_as_they_take(monkeypatch: pytest.MonkeyPatch) -> None:
     terminal = watch(monkeypatch)
-    with Voice(quiet=False, verbose=False).stages([1.0, 99.0]) as told:
-        with told.step("read"):
+    with Voice(quiet=False, verbose=False).stages([3.0, 97.0]) as voice:
+        with voice.step("read"):
             time.sleep(0.1)
-        with told.step("diagnose") as report:
+        with voice.step("diagnose"):
             time.sleep(0.2)
-            assert report is not None
-            report(1.0)
-    shown = terminal.getvalue()
-    assert re.search(r"about (?:9|1\d) s left", shown)  # 99 times the 0.1 s of the first
-    assert "diagnose ..." in shown
+    assert " 3%" in terminal.getvalue()
+    assert "diagnose ..." in terminal.getvalue()

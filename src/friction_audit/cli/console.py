@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, TextIO
 
 import typer
@@ -120,37 +121,31 @@ class Course:
     """Stages on the way to a result, on one bar."""
 
     def __init__(self, bar: "Progress", lengths: Sequence[float]) -> None:
-        self._bar, self._task = bar, bar.add_task("", total=sum(lengths), end_s=0.0)
+        self._bar, self._task = bar, bar.add_task("", total=sum(lengths))
         self._lengths, self._done = iter(lengths), 0.0
 
     @contextmanager
     def stage(self, name: str) -> Iterator[Report]:
         """Name the stage that is under way; yield what takes the share of it that is done."""
-        length, name = next(self._lengths, 0.0), f"{printable(name)} ..."
-        self._reach(self._done, name)
-        yield lambda share, note="": self._reach(self._done + share * length, f"{name} {note}")
+        move, begin, length = partial(self._bar.update, self._task), self._done, next(self._lengths, 0.0)
+        name = f"{printable(name)} ..."
+        move(completed=begin, description=name)
+        yield lambda share, note="": move(completed=begin + share * length, description=f"{name} {note}")
         self._done += length
-        self._reach(self._done)
-
-    def _reach(self, done: float, description: str | None = None) -> None:
-        """Move the bar on; the work will end when the rest has taken as long as what is done, length for length."""
-        task = self._bar.tasks[self._task]
-        end_s = (task.elapsed or 0.0) * (task.total or 0.0) / (done or 1.0)
-        self._bar.update(self._task, completed=done, end_s=end_s, description=description)
+        move(completed=self._done)
 
 
 def _bar() -> "Progress":
-    """Return a bar on standard error that vanishes when the work is done."""
+    """Return a bar on standard error that vanishes when the work is done, with the time so far and the time left."""
     from rich import progress
     from rich.console import Console
-    from rich.text import Text
 
-    class TimeLeft(progress.ProgressColumn):
-        def render(self, task: progress.Task) -> Text:
-            left = task.fields["end_s"] - (task.elapsed or 0.0)
-            return Text(f"about {left:.0f} s left" if left >= 1.0 else "")
-
-    columns = (progress.BarColumn, progress.TaskProgressColumn, progress.TimeElapsedColumn, TimeLeft)
+    columns = (
+        progress.BarColumn,
+        progress.TaskProgressColumn,
+        progress.TimeElapsedColumn,
+        progress.TimeRemainingColumn,
+    )
     name = progress.TextColumn("{task.description}", markup=False)
     made = (progress.SpinnerColumn(), name, *(column() for column in columns))
     return progress.Progress(*made, console=Console(stderr=True), transient=True)
