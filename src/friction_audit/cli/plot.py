@@ -2,6 +2,7 @@
 
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 
 from friction_audit.cli import chain, choices, options as opt
 from friction_audit.cli.outputs import ResultFolder, show
@@ -28,7 +29,7 @@ def command(
     out = ResultFolder(folder=folder, figures=figures, formats=drawn.formats, overwrite=shared.overwrite)
     out.check(log)
     result = chain.estimate(chain.read(log, options, voice), settings, voice)
-    from friction_audit.reporting.documents import PLOT, chain_document
+    from friction_audit.reporting.documents import PLOT
     from friction_audit.reporting.notices import estimate_notices
 
     warnings = estimate_notices(result)
@@ -51,6 +52,7 @@ def command(
             results["diagnosis"] = diagnose_estimate(result, DiagnosisSettings(min_effect_nm=min_effect))
     joints, unit = result.interaction.joint_numbers, result.log.source.torque_unit
     written = out.write_figures(results, joints, unit, voice, each_joint=True)
-    document = partial(chain_document, PLOT, result, warnings, chain.reading_settings(options), figures=written)
+    plot = SimpleNamespace(estimate=result, figures=written)
+    document = partial(PLOT.of, plot, chain.reading_settings(options))
     show(document, lambda: [path for *_, path in written], json=shared.general.json)
     chain.conclude(result.log, warnings, strict=strict)

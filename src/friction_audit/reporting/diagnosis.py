@@ -1,8 +1,7 @@
 """Diagnosis: its document, its tables for files and pages, and its text on the terminal."""
 
 import math
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -12,9 +11,9 @@ from friction_audit.io.writers.tables import TidyTable
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Diagnosis
 from friction_audit.reporting import diagnosis_tables as tables, diagnosis_words as words
-from friction_audit.reporting.documents import CHAIN, NO_OPTIONS, chain_document
+from friction_audit.reporting.documents import ResultDocument
 from friction_audit.reporting.notices import SENTENCE_END, diagnose_notices, log_line, physics_of
-from friction_audit.reporting.table import Column, Document, Get, Record, to_json
+from friction_audit.reporting.table import Column, Get, Record, to_json
 from friction_audit.reporting.words import format_share, in_unit, joints_label, range_of
 
 LONGEST = 225  # characters of a line about an effect without its joint; what is longer is for ``-v``
@@ -54,18 +53,14 @@ SIMULATED = Record(
     summary="velocity of a joint measured and simulated, on held-out cycles",
     over="time_s",
 )
-DIAGNOSE: Document = Document(
+DIAGNOSE = ResultDocument(
     "diagnose/3",
     "Which effects the model of each joint misses, and how much of the residual they explain",
-    *CHAIN,
-    Column("joints", [tables.JOINT_DIAGNOSIS], "per joint"),
+    Column("joints", [tables.JOINT_DIAGNOSIS], "per joint", "discrepancy.joints"),
+    notices=diagnose_notices,
+    settings=lambda found: {"diagnosis": to_json(found.settings)},
 )
-
-
-def diagnose_document(found: Diagnosis, reading: Mapping[str, object] = NO_OPTIONS) -> dict[str, Any]:
-    """Return the document of a diagnosis of a log that was read with some options."""
-    settings, joints = {"diagnosis": to_json(found.settings)}, found.discrepancy.joints
-    return chain_document(DIAGNOSE, found.estimate, diagnose_notices(found), reading, settings, joints=joints)
+diagnose_document = DIAGNOSE.of
 
 
 def _simulated(joint: JointDiagnosis) -> dict[str, Float] | None:

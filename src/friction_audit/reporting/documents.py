@@ -1,14 +1,14 @@
 """What all JSON documents share, their schemas, and the documents of convert, plot, simulate and its truth."""
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from importlib import import_module
 from types import MappingProxyType
 from typing import Any
 
 from friction_audit.pipeline import Estimate
-from friction_audit.reporting.notices import Notice, left_out_notices, log_notices
+from friction_audit.reporting.notices import Notice, estimate_notices, left_out_notices, log_notices
 from friction_audit.reporting.table import Column, Document, Record, to_json
 
 # Kind of document -> module of this package that specifies it, under its name in capitals.
@@ -51,8 +51,6 @@ WARNING = Record(
 )
 WARNINGS: Column = Column("warnings", [WARNING], "what the user must know")
 SETTINGS: Column = Column("settings", dict, "every setting, defaults included, and what the log chose")
-CHAIN: tuple[Column, ...] = (SOURCE, SETTINGS, WARNINGS)
-"""Keys of a result that follows from the estimate of a log."""
 
 
 def load_schema(kind: str) -> dict[str, Any]:
@@ -87,18 +85,27 @@ def settings_document(estimate: Estimate, reading: Mapping[str, object]) -> dict
     return {"reading": to_json(dict(reading)), **settings, "torque_chosen": chosen, "cycles_per_point": points}
 
 
-def chain_document(
-    document: Document,
-    estimate: Estimate,
-    warnings: Iterable[Notice],
-    reading: Mapping[str, object],
-    settings: Mapping[str, object] = NO_OPTIONS,
-    **own: object,
-) -> dict[str, Any]:
-    """Return a document with the keys of CHAIN, with the settings of the step after the estimate and ``own`` values."""
-    asked = settings_document(estimate, reading) | dict(settings)
-    values = {"source": estimate.log, "settings": asked, "warnings": warnings, **own}
-    return document.json(values, estimate.log.source.torque_unit)
+class ResultDocument(Document):
+    """The document of a result that follows from the estimate of a log: keys that all have, then its own columns."""
+
+    def __init__(
+        self,
+        name: str,
+        title: str,
+        *columns: Column,
+        notices: Callable[[Any], Iterable[Notice]],
+        settings: Callable[[Any], dict[str, Any]] = lambda _: {},
+    ) -> None:
+        """Take kind and version, what it is, and its columns; what a result warns of, and its settings by step."""
+        super().__init__(name, title, SOURCE, SETTINGS, WARNINGS, *(one.at("found") for one in columns))
+        self.own, self.notices, self.settings = Record(*columns), notices, settings
+
+    def of(self, found: Any, reading: Mapping[str, object] = NO_OPTIONS) -> dict[str, Any]:  # noqa: ANN401
+        """Return the document of a result of a log that was read with some options."""
+        estimate: Estimate = getattr(found, "estimate", found)
+        values = {"source": estimate.log, "warnings": self.notices(found), "found": found}
+        values["settings"] = settings_document(estimate, reading) | self.settings(found)
+        return self.json(values, estimate.log.source.torque_unit)
 
 
 OUTPUT = Record(
@@ -119,7 +126,12 @@ FIGURE = Record(
     Column("joint", int, "number of the joint, null for a sheet of all", "1", null=True),
     Column("path", str, "where it was written", "2"),
 )
-PLOT = Document("plot/1", "Figures of one log", *CHAIN, Column("figures", [FIGURE], "what was drawn"))
+PLOT = ResultDocument(
+    "plot/1",
+    "Figures of one log",
+    Column("figures", [FIGURE], "what was drawn"),
+    notices=lambda plot: estimate_notices(plot.estimate),
+)
 HIDDEN = Record(
     Column("joint", int, "number"),
     Column("name", str, "name of the effect"),

@@ -1,6 +1,5 @@
 """Estimate: its document, its tables for files and its text."""
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -9,9 +8,9 @@ from friction_audit.friction.history import Coefficient
 from friction_audit.io.writers.tables import TidyTable
 from friction_audit.pipeline import Estimate
 from friction_audit.preprocessing.energy_cycles import REASONS
-from friction_audit.reporting.documents import CHAIN, NO_OPTIONS, chain_document
+from friction_audit.reporting.documents import ResultDocument
 from friction_audit.reporting.notices import estimate_notices, log_line, physics_of, reason_lines
-from friction_audit.reporting.table import ALL, INTERVAL, JOINT, NAME, Column, Document, Record, joint_column
+from friction_audit.reporting.table import ALL, INTERVAL, JOINT, NAME, Column, Record, joint_column
 from friction_audit.reporting.words import format_coefficient, in_unit, joint_label
 
 MARK = "*"  # of a joint whose coefficients are not from energy cycles
@@ -118,21 +117,14 @@ INTERACTION = Record(
     summary="motion of a joint and torque at its friction port at a sample of the log",
     over="time_s",
 )
-ESTIMATE: Document = Document(
+ESTIMATE = ResultDocument(
     "estimate/1",
     "Friction coefficients of the joints of one log",
-    *CHAIN,
-    Column("estimator", str, "method"),
-    Column("joints", [FRICTION], "per joint"),
+    Column("estimator", str, "method", "friction.estimator"),
+    Column("joints", [FRICTION], "per joint", "friction.joints"),
+    notices=estimate_notices,
 )
-
-
-def estimate_document(estimate: Estimate, reading: Mapping[str, object] = NO_OPTIONS) -> dict[str, Any]:
-    """Return the document of an estimate of a log that was read with some options."""
-    found, warnings = estimate.friction, estimate_notices(estimate)
-    return chain_document(ESTIMATE, estimate, warnings, reading, estimator=found.estimator, joints=found.joints)
-
-
+estimate_document = ESTIMATE.of
 TABLES = (FRICTION, HISTORY, CYCLES, INTERACTION)
 
 

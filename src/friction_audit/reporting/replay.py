@@ -1,32 +1,25 @@
 """Replay: its document, its tables for files and its text."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
 from friction_audit.compensation.competitors import Compensator, JointModelCompensation
 from friction_audit.compensation.law import EnergyCompensator
-from friction_audit.compensation.result import STATUSES, JointReplay, Signals
+from friction_audit.compensation.result import STATUSES, JointReplay
 from friction_audit.friction.history import Coefficient
 from friction_audit.io.writers.tables import TidyTable
-from friction_audit.joint_log import Float
 from friction_audit.pipeline import LogReplay
-from friction_audit.reporting.documents import CHAIN, NO_OPTIONS, chain_document
+from friction_audit.reporting.documents import ResultDocument
 from friction_audit.reporting.notices import log_line, physics_of, reason_lines, replay_notices
-from friction_audit.reporting.table import ALL, JOINT, NAME, PEOPLE, Column, Document, Record, joint_column, to_json
+from friction_audit.reporting.table import ALL, JOINT, NAME, PEOPLE, Column, Record, joint_column, to_json
 from friction_audit.reporting.words import in_unit, with_unit
 
 DIVERGED = "div."
 WORST = -9.99  # share of the dissipation below which the removed share is not shown as a number
 FILED = ("violations", "lowest", "injected", "active_fraction")  # of the passivity, in the table for files
-
-
-def _short(value: float) -> str:
-    """Return a number in five characters or so."""
-    size = abs(value)
-    return f"{value:.3f}" if size < 10.0 else f"{value:.2f}" if size < 100.0 else f"{value:.0f}"  # noqa: PLR2004
 
 
 def _diverged(joint: JointReplay) -> bool:
@@ -106,7 +99,7 @@ HISTORY = Record(
 
 def _number(name: str, meaning: str, unit: str = "", **more: Any) -> Column:  # noqa: ANN401
     """Return a column of the numbers of a replay, null where there is a reason."""
-    return Column(name, float, meaning, unit=unit, form=_short, **more).at("numbers")
+    return Column(name, float, meaning, unit=unit, form=".3f", **more).at("numbers")
 
 
 JOINT_REPLAY = Record(
@@ -144,7 +137,7 @@ JOINT_REPLAY = Record(
     Column("model_error", float, "velocity error of the simulated joint over the velocity", on="j"),
     Column("passivity", PASSIVITY, "passivity of the compensated joint", on="j", null=True),
     *(one.at("passivity", on="f") for one in PASSIVITY.columns if one.name in FILED),
-    Column("damped", float, get="passivity.injected_j", unit="J", form=_short, on=PEOPLE),
+    Column("damped", float, get="passivity.injected_j", unit="J", form=".3f", on=PEOPLE),
     Column(
         "passive", str, get="passivity", title="passive\n(acted)", on="t",
         form=lambda found: f"{'no' if found.violations else 'yes'} ({found.active_cycles})",
@@ -164,56 +157,48 @@ JOINT_REPLAY = Record(
 )  # fmt: skip
 
 
+# A replay that diverged has fewer samples than the recording.
 SIGNALS = Record(
-    Column("time", get="0.t", unit="s"),
-    Column("dq_without", get="0.dq", unit="rad/s"),
-    Column("dq_with", get="1.dq", unit="rad/s"),
-    Column("interaction_without", get="0.interaction_nm", unit="N m"),
-    Column("interaction_with", get="1.interaction_nm", unit="N m"),
-    *(Column(name, get=f"1.{name}_nm", unit="N m") for name in ("compensation", "passivity", "limited")),
+    Column("time", get="replayed.t", unit="s"),
+    Column("dq_without", get=lambda joint: joint.without.dq[: len(joint.replayed.t)], unit="rad/s"),
+    Column("dq_with", get="replayed.dq", unit="rad/s"),
+    Column("interaction_without", get=lambda joint: joint.without.interaction_nm[: len(joint.replayed.t)], unit="N m"),
+    Column("interaction_with", get="replayed.interaction_nm", unit="N m"),
+    *(Column(name, get=f"replayed.{name}_nm", unit="N m") for name in ("compensation", "passivity", "limited")),
     name="replay_signals",
     summary="motion and torque of a joint without the compensator and with it at a sample of the log; "
     "a compensator's torque is the one in force at the sample, computed at the sample before",
     over="time_s",
 )
-REPLAY: Document = Document(
+
+
+def _settings(found: LogReplay) -> dict[str, Any]:
+    """Return the settings; of a model file its path, for each joint has its model among its numbers."""
+    given = found.settings.joint_model
+    return {"replay": to_json(found.settings) | {"joint_model": None if given is None else given.path}}
+
+
+REPLAY = ResultDocument(
     "replay/3",
     "What a friction compensator would have done on one log",
-    *CHAIN,
-    Column("assume", str, "the counterfactual", "counterfactual.name"),
-    Column("assumes", str, "its assumption, one sentence", "counterfactual.assumes"),
-    Column("joints", [JOINT_REPLAY], "per joint; where there is a reason the numbers are null"),
+    Column("assume", str, "the counterfactual", "replay.counterfactual.name"),
+    Column("assumes", str, "its assumption, one sentence", "replay.counterfactual.assumes"),
+    Column("joints", [JOINT_REPLAY], "per joint; where there is a reason the numbers are null", "replay.joints"),
+    notices=replay_notices,
+    settings=_settings,
 )
-
-
-def replay_document(found: LogReplay, reading: Mapping[str, object] = NO_OPTIONS) -> dict[str, Any]:
-    """Return the document of a replay of a log that was read with some options."""
-    given, replay = found.settings.joint_model, found.replay
-    # Of a model file its path: each joint has its model among its numbers.
-    settings = {"replay": to_json(found.settings) | {"joint_model": None if given is None else given.path}}
-    own = {"counterfactual": replay.counterfactual, "joints": replay.joints}
-    return chain_document(REPLAY, found.estimate, replay_notices(found), reading, settings, **own)
-
-
+replay_document = REPLAY.of
 TABLES = (JOINT_REPLAY, HISTORY, SIGNALS)
 
 
 def replay_tables(found: LogReplay) -> tuple[TidyTable, ...]:
     """Return the tables of a replay for files: joints, cycles, signals."""
     joints, unit = found.replay.joints, found.estimate.log.source.torque_unit
-    replayed = [one for one in joints if one.replayed is not None]
     return (
         JOINT_REPLAY.file(joints, lambda one: [one], unit),
         HISTORY.file(joints, "history", unit),
-        SIGNALS.file(replayed, _equally_long, unit),
+        SIGNALS.file([one for one in joints if one.replayed is not None], "", unit),
     )
-
-
-def _equally_long(joint: JointReplay) -> list[dict[str, Float]]:
-    """Return the signals without the compensator, and with it, up to where the latter ended."""
-    both = [one for one in (joint.without, joint.replayed) if one is not None]
-    length = min(len(one.t) for one in both)
-    return [{name: getattr(one, name)[:length] for name in Signals.__slots__} for one in both]
 
 
 def replay_lines(found: LogReplay) -> list[str]:

@@ -18,11 +18,11 @@ from friction_audit.pipeline import Diagnosis, Estimate, LogReplay, diagnose_est
 from friction_audit.reporting.diagnosis import DIAGNOSE, diagnose_tables
 from friction_audit.reporting.diagnosis_tables import TONES, WORDS, effect_rows
 from friction_audit.reporting.diagnosis_words import joint_message, plain_names
-from friction_audit.reporting.documents import CHAIN, SETTINGS, SOURCE, WARNINGS, settings_document
+from friction_audit.reporting.documents import SETTINGS, SOURCE, WARNINGS, settings_document
 from friction_audit.reporting.estimate import ESTIMATE, estimate_tables
 from friction_audit.reporting.notices import Notice, diagnose_notices, estimate_notices, replay_notices
 from friction_audit.reporting.replay import REPLAY, replay_tables
-from friction_audit.reporting.table import JOINT, NAME, Column, Document, Record, Tone, joint_column, to_json
+from friction_audit.reporting.table import JOINT, NAME, Column, Document, Record, Tone, joint_column
 from friction_audit.reporting.words import count_of, enumerate_words, with_unit
 
 T = TypeVar("T")
@@ -213,9 +213,9 @@ def _joints(joints: Sequence[JointReport], every: int) -> str:
 
 def report_settings(report: LogReport) -> dict[str, Any]:
     """Return every setting of every part, defaults included."""
-    parts = {"diagnosis": report.diagnosis, "replay": report.replay}
-    own = {name: to_json(part.settings) for name, part in parts.items() if part is not None}
-    return settings_document(report.estimate, report.reading) | own
+    settings = settings_document(report.estimate, report.reading)
+    settings |= {} if report.diagnosis is None else DIAGNOSE.settings(report.diagnosis)
+    return settings | ({} if report.replay is None else REPLAY.settings(report.replay))
 
 
 def report_tables(report: LogReport) -> tuple[TidyTable, ...]:
@@ -237,12 +237,6 @@ VERDICT = Record(
     Column("answer", str, title="cause, size, what to do", words=True, on="p"),
 )  # fmt: skip
 
-
-# The keys of each part, without those that the whole document has once.
-PARTS = {
-    name: Record(*(column for column in document.columns if column not in CHAIN))
-    for name, document in (("estimate", ESTIMATE), ("diagnose", DIAGNOSE), ("replay", REPLAY))
-}
 REPORT = Document(
     "report/4",
     "All parts of a report, as on its page",
@@ -254,7 +248,8 @@ REPORT = Document(
     Column("sections", [str], "sections that were asked for"),
     Column("unanswered", [UNANSWERED], "parts without an answer; each is null"),
     Column("joints", [VERDICT], "per joint"),
-    Column("estimate", PARTS["estimate"], "document of `estimate` without the shared keys", "estimate.friction"),
-    Column("diagnose", PARTS["diagnose"], "document of `diagnose` likewise", "diagnosis.discrepancy", null=True),
-    Column("replay", PARTS["replay"], "document of `replay` likewise", "replay.replay", null=True),
+    # The keys of each part, without those that the whole document has once.
+    Column("estimate", ESTIMATE.own, "document of `estimate` without the shared keys"),
+    Column("diagnose", DIAGNOSE.own, "document of `diagnose` likewise", "diagnosis", null=True),
+    Column("replay", REPLAY.own, "document of `replay` likewise", null=True),
 )
