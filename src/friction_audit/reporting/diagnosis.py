@@ -53,7 +53,7 @@ SIMULATED = Record(
     summary="velocity of a joint measured and simulated, on held-out cycles",
     over="time_s",
 )
-DIAGNOSE = ResultDocument(
+DIAGNOSE: ResultDocument = ResultDocument(
     "diagnose/3",
     "Which effects the model of each joint misses, and how much of the residual they explain",
     Column("joints", [tables.JOINT_DIAGNOSIS], "per joint", "discrepancy.joints"),

@@ -117,7 +117,7 @@ INTERACTION = Record(
     summary="motion of a joint and torque at its friction port at a sample of the log",
     over="time_s",
 )
-ESTIMATE = ResultDocument(
+ESTIMATE: ResultDocument = ResultDocument(
     "estimate/1",
     "Friction coefficients of the joints of one log",
     Column("estimator", str, "method", "friction.estimator"),

@@ -178,7 +178,7 @@ def _settings(found: LogReplay) -> dict[str, Any]:
     return {"replay": to_json(found.settings) | {"joint_model": None if given is None else given.path}}
 
 
-REPLAY = ResultDocument(
+REPLAY: ResultDocument = ResultDocument(
     "replay/3",
     "What a friction compensator would have done on one log",
     Column("assume", str, "the counterfactual", "replay.counterfactual.name"),

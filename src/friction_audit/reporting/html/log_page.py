@@ -267,8 +267,9 @@ def _figure(report: made.LogReport, kind: FigureKind, joints: tuple[made.JointRe
     drawing = label_in_unit(kind.draw(getattr(report, kind.result), numbers), report.unit)
     for line in (line for axes in drawing.axes for line in axes.lines):
         # Clouds of dots become images, and of curves what is visible is left.
-        line.set_rasterized(line.get_linestyle() == "None" and len(line.get_xdata()) > CLOUD)
-        line.get_path().simplify_threshold = COARSE_PT
+        drawn = line.get_path()
+        line.set_rasterized(line.get_linestyle() == "None" and len(drawn.vertices) > CLOUD)
+        drawn.simplify_threshold = COARSE_PT
     every = "; ".join(f"joint {joint_label(one.joint, one.name)}: {made.joint_words(one)}" for one in joints)
     about = in_unit(f"{title}. {every}.", report.unit)
     return html.draw_inline(drawing, f"{kind.name}-{numbers[0]}", title=title, caption=kind.caption, description=about)
