@@ -98,7 +98,8 @@ class ResultDocument(Document):
     ) -> None:
         """Take kind and version, what it is, and its columns; what a result warns of, and its settings by step."""
         super().__init__(name, title, SOURCE, SETTINGS, WARNINGS, *(one.at("found") for one in columns))
-        self.own, self.notices, self.settings = Record(*columns), notices, settings
+        self.own: Record = Record(*columns)
+        self.notices, self.settings = notices, settings
 
     def of(self, found: Any, reading: Mapping[str, object] = NO_OPTIONS) -> dict[str, Any]:  # noqa: ANN401
         """Return the document of a result of a log that was read with some options."""

@@ -5,6 +5,8 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import lru_cache
 from types import SimpleNamespace
 
+import numpy as np
+
 from friction_audit.effects.registry import motion_to_decide
 from friction_audit.parallel import in_processes, workers_for
 from friction_audit.reporting import diagnosis_tables as tables, diagnosis_words as words, report as made
@@ -267,9 +269,8 @@ def _figure(report: made.LogReport, kind: FigureKind, joints: tuple[made.JointRe
     drawing = label_in_unit(kind.draw(getattr(report, kind.result), numbers), report.unit)
     for line in (line for axes in drawing.axes for line in axes.lines):
         # Clouds of dots become images, and of curves what is visible is left.
-        drawn = line.get_path()
-        line.set_rasterized(line.get_linestyle() == "None" and len(drawn.vertices) > CLOUD)
-        drawn.simplify_threshold = COARSE_PT
+        line.set_rasterized(line.get_linestyle() == "None" and np.size(line.get_xdata()) > CLOUD)
+        line.get_path().simplify_threshold = COARSE_PT
     every = "; ".join(f"joint {joint_label(one.joint, one.name)}: {made.joint_words(one)}" for one in joints)
     about = in_unit(f"{title}. {every}.", report.unit)
     return html.draw_inline(drawing, f"{kind.name}-{numbers[0]}", title=title, caption=kind.caption, description=about)
