@@ -56,7 +56,7 @@ SIMULATED = Record(
 DIAGNOSE: ResultDocument = ResultDocument(
     "diagnose/3",
     "Which effects the model of each joint misses, and how much of the residual they explain",
-    Column("joints", [tables.JOINT_DIAGNOSIS], "per joint", "discrepancy.joints"),
+    Column("joints", [tables.JOINT_DIAGNOSIS], "per joint", lambda found: found.discrepancy.joints),
     notices=diagnose_notices,
     settings=lambda found: {"diagnosis": to_json(found.settings)},
 )
