@@ -12,7 +12,7 @@ from friction_audit.joint_log import Float
 from friction_audit.pipeline import Estimate
 from friction_audit.reporting.figures import panels
 from friction_audit.reporting.figures.estimate import COEFFICIENTS, ENERGY, SIGNALS, VELOCITY_TORQUE
-from friction_audit.reporting.figures.registry import Figure as FigureKind, figures_of
+from friction_audit.reporting.figures.registry import FigureKind, figures_of
 from tests.reporting.conftest import build_estimate
 from tests.reporting.test_figures import legend_of, line, words_in
 

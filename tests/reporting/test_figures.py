@@ -20,7 +20,7 @@ from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import AuditSettings, estimate_log, replay_estimate
 from friction_audit.reporting.figures.panels import CUTOFF_HZ, cutoff_hz, draw_curve, limits, smooth, thin_extremes
-from friction_audit.reporting.figures.registry import FIGURES, Figure as FigureKind
+from friction_audit.reporting.figures.registry import FIGURES, FigureKind
 from friction_audit.reporting.figures.style import COLUMN_IN, FORMATS, SHEET_IN, STYLE, figure_bytes, load_style
 from tests.reporting import batch_by_hand
 from tests.reporting.conftest import build_estimate

@@ -14,7 +14,7 @@ from typer.core import TyperCommand
 
 from friction_audit.cli.choices import OPTION
 from friction_audit.cli.console import say
-from friction_audit.errors import near_misses, printable, shortened
+from friction_audit.errors import few, near_misses, printable, shortened
 from friction_audit.io.files import read_toml
 from friction_audit.preprocessing.settings import GIVEN, TorqueSettings
 
@@ -142,7 +142,7 @@ def _filled(name: str, annotation: Any, values: dict[str, Any]) -> Any:  # noqa:
 
 NOT_IN_FILES = ("config", "dump_config", "help", "help_all")
 NOT_DUMPED = ("json", "overwrite", "quiet")  # of one call, and not of a set of settings
-MOST_NAMED, LONGEST_KEY = 5, 40  # unknown keys that a message names, and characters of one
+LONGEST_KEY = 40  # characters of an unknown key that a message names
 
 
 def command_line(context: typer.Context, *, leave_out: Collection[str]) -> str:
@@ -173,11 +173,10 @@ def load_config(context: typer.Context, path: Path | None) -> Path | None:
     except ValueError as error:
         raise typer.BadParameter(f"{path}: not TOML with options: {printable(str(error))}") from error
     options = _options(context)
-    if unknown := [shortened(printable(key), LONGEST_KEY) for key in values if key not in options]:
-        few = [f"{key}{near_misses(key, tuple(options))}" for key in unknown[:MOST_NAMED]]
-        more = f" and {len(unknown) - len(few)} more" if len(unknown) > len(few) else ""
-        listed = "" if "?" in "".join(few) else f" (options of this command: {', '.join(options)})"
-        raise typer.BadParameter(f"{path}: no option {', '.join(few)}{more}{listed}")
+    if unknown := few([shortened(printable(key), LONGEST_KEY) for key in values if key not in options]):
+        named = ", ".join(f"{key}{near_misses(key, tuple(options))}" for key in unknown)
+        listed = "" if "?" in named else f" (options of this command: {', '.join(options)})"
+        raise typer.BadParameter(f"{path}: no option {named}{listed}")
     given = {options[key].name: _as_given(value, several=options[key].multiple) for key, value in values.items()}
     context.default_map = given
     return path

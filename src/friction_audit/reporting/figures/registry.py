@@ -7,10 +7,10 @@ from friction_audit.errors import UsageError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure as MatplotlibFigure
+    from matplotlib.figure import Figure
 
 
-class Figure(NamedTuple):
+class FigureKind(NamedTuple):
     """A kind of figure."""
 
     name: str  # as ``--figures`` takes it, and the first part of its files' names
@@ -20,9 +20,9 @@ class Figure(NamedTuple):
     caption: str = ""  # how to read it; empty if it stands on no page
     panel: bool = False  # whether one panel holds a joint, so that it can be drawn into given axes
 
-    def draw(self, result: Any, joint: int | tuple[int, ...] | None = None) -> "MatplotlibFigure":
+    def draw(self, result: Any, joint: int | tuple[int, ...] | None = None) -> "Figure":
         """Draw one joint, given by its number (1..n), at column width, or some or all joints on a sheet."""
-        drawing: MatplotlibFigure = self.layout()(result, joint)
+        drawing: Figure = self.layout()(result, joint)
         return drawing
 
     def layout(self) -> Any:
@@ -31,66 +31,66 @@ class Figure(NamedTuple):
 
 
 FIGURES = (
-    Figure(
+    FigureKind(
         "coefficients", "estimate", "estimate", "Coefficients over time",
         "Coefficients of a window of cycles that moves over the log, with their 95 % interval; dashed those of the "
         "whole log with theirs. Intervals that are far wider than the rest are clipped.",
     ),
-    Figure(
+    FigureKind(
         "velocity-torque", "estimate", "estimate", "Velocity-torque curves",
         "Interaction torque against velocity. Loops are inertia, which cancels between two moments of rest, and "
         "gravity where it is in the torque; the fitted line is friction.", panel=True,
     ),
-    Figure(
+    FigureKind(
         "energy", "estimate", "estimate", "Net energy and cycles",
         "Energy put into the joint. At zero velocity nothing is stored in the inertia, so that the rise from dot to "
         "dot is what friction dissipated. Hatched cycles were rejected.",
     ),
-    Figure("signals", "estimate", "estimate", "Velocity and interaction torque over time"),
-    Figure(
+    FigureKind("signals", "estimate", "estimate", "Velocity and interaction torque over time"),
+    FigureKind(
         "replay", "replay", "replay", "Torque, net energy and coefficients with the compensator",
         "Solid with the compensator, dashed without it, velocity and torque low-passed at 10 Hz; the coefficients are "
         "those that it would have applied. Flat energy means that friction is compensated.",
     ),
-    Figure("replay-velocity-torque", "replay", "replay", "Velocity-torque curves with the compensator", panel=True),
-    Figure("ladder", "diagnosis", "profiles", "Residual torque after each effect", panel=True),
-    Figure(
+    FigureKind("replay-velocity-torque", "replay", "replay", "Velocity-torque curves with the compensator", panel=True),
+    FigureKind("ladder", "diagnosis", "profiles", "Residual torque after each effect", panel=True),
+    FigureKind(
         "residual", "diagnosis", "profiles", "Where model and measurement disagree",
         "Residual of the nominal model, and with the effects named, against the quantity that shows the largest "
         "effect; dots are samples, markers means of bins with two standard errors.",
     ),
-    Figure(
+    FigureKind(
         "effects", "diagnosis", "profiles", "The effects named",
         "Each effect as the log shows it, over the quantity that shows most of it, and the fitted effect.",
     ),
-    Figure("simulation", "diagnosis", "simulation", "Measured and simulated"),
-    Figure(
+    FigureKind("simulation", "diagnosis", "simulation", "Measured and simulated"),
+    FigureKind(
         "changes", "drift", "drift", "Change of each joint",
         "Change from the reference to the last sessions with its 95 % interval. The grey bar holds the changes that "
         "this many sessions would not have shown with 90 % power.",
     ),
-    Figure(
+    FigureKind(
         "drift", "drift", "drift", "Coefficients over the sessions",
         "Each session with its 95 % interval, as compared (at like temperature where it is known). Solid lines are "
         "levels between steps or a significant trend; a dashed line is a trend that is not significant. Hollow "
         "circles are sessions that were not compared.",
     ),
-    Figure(
+    FigureKind(
         "control", "drift", "drift", "Control chart",
         "Deviation of each session from the level of the reference. The grey band holds all sessions of a joint "
         "that does not change, together with 95 % probability; the panel cuts the band of uncertain sessions.",
     ),
-    Figure(
+    FigureKind(
         "curves", "drift", "drift", "Velocity-torque curves",
         "Mean interaction torque in bins of velocity: the first session, the mean of the reference with the range "
         "of its sessions, and the last session.",
     ),
-    Figure("sides", "diff", "drift", "Velocity-torque curves before and after"),
-    Figure("law-change", "diff", "drift", "Change of the friction torque over the speed"),
+    FigureKind("sides", "diff", "drift", "Velocity-torque curves before and after"),
+    FigureKind("law-change", "diff", "drift", "Change of the friction torque over the speed"),
 )  # fmt: skip
 
 
-def figures_of(*results: str) -> tuple[Figure, ...]:
+def figures_of(*results: str) -> tuple[FigureKind, ...]:
     """Return the kinds of figures of some results."""
     return tuple(figure for figure in FIGURES if figure.result in results)
 
@@ -100,9 +100,7 @@ def figure_names(*results: str) -> tuple[str, ...]:
     return tuple(figure.name for figure in figures_of(*results))
 
 
-def draw_result(
-    result: Any, of: str, kind: str | None, joint: int | None, axes: "Axes | None"
-) -> "MatplotlibFigure | Axes":
+def draw_result(result: Any, of: str, kind: str | None, joint: int | None, axes: "Axes | None") -> "Figure | Axes":
     """Draw a kind of figure of a result (None: the first of one panel), or one joint of it into axes."""
     own = {figure.name: figure for figure in figures_of(of)}
     panels = [name for name, figure in own.items() if figure.panel]
@@ -118,7 +116,7 @@ def draw_result(
 
         token = STYLE.set(style_in_force())
         try:
-            drawn: MatplotlibFigure | Axes = figure.draw(result, joint)
+            drawn: Figure | Axes = figure.draw(result, joint)
         finally:
             STYLE.reset(token)
     else:

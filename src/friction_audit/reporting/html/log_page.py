@@ -13,7 +13,7 @@ from friction_audit.reporting import diagnosis_tables as tables, diagnosis_words
 from friction_audit.reporting.documents import write_document
 from friction_audit.reporting.estimate import FRICTION
 from friction_audit.reporting.figures.panels import label_in_unit
-from friction_audit.reporting.figures.registry import Figure as FigureKind, figures_of
+from friction_audit.reporting.figures.registry import FigureKind, figures_of
 from friction_audit.reporting.html import page as html
 from friction_audit.reporting.info import MOTION, facts_of, summarize_log
 from friction_audit.reporting.notices import estimate_notices, notice_lines, notices, physics_of, reason_lines
