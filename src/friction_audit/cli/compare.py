@@ -67,7 +67,7 @@ def command(
     with voice.step("compare") as progress:
         result = compare(scene, comparison.persons, chosen, progress)
     with voice.step("draw"):
-        drawn = ((name, figure) for name, figure in draw_comparison(result).items() if name in figures)
+        drawn = draw_comparison(result, figures).items()
         files = [(name, str(path)) for name, figure in drawn for path in out.save_figure(name, figure)]
     about: dict[str, object] = {"arm": result.scene, "settings": as_nested(settings)}
     about |= {name: getattr(result, name) for name in ("duration_s", "seeds", "tuning_seeds", "margin_seeds")}

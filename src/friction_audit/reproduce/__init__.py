@@ -54,12 +54,12 @@ REPRODUCTIONS = (
     Reproduction(
         "13", "Net energy of a Panda guided by a hand, with five compensation methods", ("fig13",),
         lambda done: (arm.order(done["fig13"], PAPER), arm.keeps(done["fig13"]), arm.order(done["fig13"], FULL)),
-        lambda done: draw_comparison(done["fig13"])["energy"], FEW, arm.compare_methods,
+        lambda done: draw_comparison(done["fig13"], ["energy"])["energy"], FEW, arm.compare_methods,
     ),
     Reproduction(
         "14", "Velocity and interaction torque of a joint of a Panda, with five compensation methods", ("fig13",),
         lambda done: (arm.peaks(done["fig13"]), *(arm.plateaus(done["fig13"], role) for role in (PAPER, FULL))),
-        lambda done: draw_comparison(done["fig13"])["velocity-torque"], FEW, arm.compare_methods,
+        lambda done: draw_comparison(done["fig13"], ["velocity-torque"])["velocity-torque"], FEW, arm.compare_methods,
     ),
 )  # fmt: skip
 """The figures, in the paper's order."""

@@ -1,6 +1,6 @@
 """Comparison -> net energies and friction curves of the methods (the paper's Figs 13, 14), sweeps and summary."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import pairwise, takewhile
 from math import isfinite
 from textwrap import fill
@@ -26,15 +26,6 @@ LOOKS: dict[str, tuple[str, Any]] = {
     "oracle": (theme.FILTERED, (0, (1, 0.6))),
 }
 LOST: dict[str, Any] = {"color": theme.BORDER, "marker": "x", "ls": ""}  # where a loop was lost
-
-
-@theme.figure_style(mathematics=True)
-def draw_comparison(comparison: Comparison) -> dict[str, Figure]:
-    """Return the figures by name; those that have nothing to show are left out."""
-    figures = {"energy": _draw_energies(comparison), "velocity-torque": _draw_loops(comparison)}
-    if comparison.curves:
-        figures["sweep"] = _draw_all_sweeps(comparison)
-    return {**figures, "summary": _draw_summary(comparison)}
 
 
 def _draw_energies(comparison: Comparison) -> Figure:
@@ -184,3 +175,17 @@ def _draw_interval(axes: Axes, row: Row, place: float, shown: Interval) -> None:
             0.97, place, f"{1 - row.stable_share:.0%} lost", transform=axes.get_yaxis_transform(), ha="right",
             va="center", fontsize=5.5, color=theme.BORDER,
         )  # fmt: skip
+
+
+FIGURES: Mapping[str, Callable[[Comparison], Figure]] = {
+    "energy": _draw_energies,
+    "velocity-torque": _draw_loops,
+    "sweep": _draw_all_sweeps,
+    "summary": _draw_summary,
+}
+
+
+@theme.figure_style(mathematics=True)
+def draw_comparison(comparison: Comparison, names: Iterable[str] = FIGURES) -> dict[str, Figure]:
+    """Return figures by name; a comparison without sweeps has no figure of them."""
+    return {name: FIGURES[name](comparison) for name in names if name != "sweep" or comparison.curves}
