@@ -85,9 +85,9 @@ def right(truth: str, sets: str, *, strict: bool = False) -> bool:
     return truth in names and names <= ({truth} if strict else same(truth)) and ";" not in sets
 
 
-def work(task: Row) -> list[dict[str, Any]]:
+def work(asked: Row) -> list[dict[str, Any]]:
     """Return the row of a seed; with an empty plan where the log is not ambiguous."""
-    began, seed = time.process_time(), int(task["seed"])
+    began, seed = time.process_time(), int(asked["seed"])
     scenario, scale, settings = draw(seed)
     truth = truth_of(settings)
     row: dict[str, Any] = dict.fromkeys(FIELDS, "") | {

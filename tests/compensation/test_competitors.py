@@ -20,7 +20,7 @@ from friction_audit.compensation.competitors import (
     fit_sigmoid,
 )
 from friction_audit.compensation.controller import FIND, step
-from friction_audit.compensation.law import Coefficients, EnergyCompensator, Guard, payback_s
+from friction_audit.compensation.law import Coefficients, EnergyCompensator, Law, payback_s
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.simulation import IDEAL_SENSORS, PANDA_SENSORS, JointParameters, Operator
@@ -73,13 +73,11 @@ def test_twenty_percent_too_little_leaves_twenty_percent(right: Any, uncompensat
 @pytest.mark.parametrize("right", [LUGRE, fit_sigmoid(COULOMB, VISCOUS)])
 def test_a_guard_takes_back_what_over_compensation_put_in(right: Any) -> None:
     over = right.scaled(1.6)
-    wild, guarded = (
-        guided(replace(over, guard=Guard(passivity=passivity)), duration_s=12.0) for passivity in (False, True)
-    )
+    wild, guarded = (guided(replace(over, passivity=passivity), duration_s=12.0) for passivity in (False, True))
     assert work_j(wild) < -0.1
     # What is compensated too much, over the time in which it is paid back.
     fastest = float(np.abs(guarded.dq).max())
-    assert work_j(guarded) > -0.6 * (COULOMB + VISCOUS * fastest) * fastest * Guard().payback_s
+    assert work_j(guarded) > -0.6 * (COULOMB + VISCOUS * fastest) * fastest * Law.payback_s
 
 
 # LuGre as a compensator, against its solution by hand.
