@@ -15,7 +15,7 @@ from friction_audit.cli import NAMES, choices, command_of
 from friction_audit.cli.compare import ARMS, METHOD_NAMES
 from friction_audit.cli.reproduce import PAPER_FIGURES
 from friction_audit.compensation.comparison import METHODS, SCENES
-from friction_audit.compensation.settings import COMPETITORS, COUNTERFACTUALS
+from friction_audit.compensation.settings import ASSUMES, COMPETITORS
 from friction_audit.reporting.html.log_page import REPORT_FORMATS
 from friction_audit.reproduce import REPRODUCTIONS
 
@@ -115,7 +115,7 @@ def test_nothing_heavy_is_loaded() -> None:
 
 def test_names_of_options_are_those_of_the_steps() -> None:
     assert set(choices.COMPENSATORS) == {"energy", *COMPETITORS}
-    assert tuple(COUNTERFACTUALS) == choices.ASSUMPTIONS
+    assert tuple(ASSUMES) == choices.ASSUMPTIONS
     assert tuple(method.name for method in METHODS) == METHOD_NAMES
     assert tuple(scene.name for scene in SCENES) == ARMS
     assert tuple(one.figure for one in REPRODUCTIONS) == PAPER_FIGURES

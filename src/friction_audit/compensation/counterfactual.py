@@ -178,7 +178,7 @@ def make_scene(
     """
     column = interaction.joint_numbers.index(friction.joint)
     recorded, fitted = recording_of(interaction, column), None
-    if settings.assume == SAME_MOTION.name:
+    if settings.assume == SAME_MOTION:
         return Scene(recorded=recorded, cuts=cuts, motion=recorded_motion(interaction, column) if modelled else None)
     motion = recorded_motion(interaction, column)
     model = None if settings.joint_model is None else settings.joint_model.joint(friction.joint)
@@ -207,7 +207,7 @@ def _operator(
     interaction: Interaction, settings: ReplaySettings, recorded: Recorded, motion: Motion
 ) -> FittedOperator | None:
     """Return the impedance of the person, None where the recorded torque stays."""
-    if settings.assume != SAME_OPERATOR.name:
+    if settings.assume != SAME_OPERATOR:
         return None
     if settings.operator is not None:
         known = [Coefficient(value=one, low=nan, high=nan) for one in astuple(settings.operator)]

@@ -72,9 +72,7 @@ def replay(
     for part in parts:
         per_joint(lambda place: runs[place].take(part, cuts), len(runs))  # noqa: B023 - it runs at once
     replays = tuple(run.result() for run in runs)
-    by_hand, assumed = interaction.choice.drive == "hand", settings.counterfactual
-    if not by_hand:
-        assumed = replace(assumed, assumes=assumed.assumes.replace("the person", "the arm's drive"))
+    by_hand = interaction.choice.drive == "hand"
     warnings = [] if by_hand else [Caution(code="arm_moves_itself")]
     if interaction.choice.gravity == "in-torque":
         warnings.append(Caution(code="gravity_in_replay"))
@@ -88,7 +86,7 @@ def replay(
         for joint in replays
         for code, numbers in _cautions(joint)
     ]
-    return Replay(counterfactual=assumed, joints=replays, warnings=tuple(warnings))
+    return Replay(counterfactual=settings.counterfactual(by_hand=by_hand), joints=replays, warnings=tuple(warnings))
 
 
 class _JointRun:
