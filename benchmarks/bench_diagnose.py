@@ -10,62 +10,21 @@ that of all processes of a command together, memory that they share counted once
 
 import argparse
 import json
-import os
 import statistics
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from benchmarks.bench_parquet import MEGABYTE, Run
-from benchmarks.bench_speed import machine
-from benchmarks.marked_page import write_between
+from benchmarks.processes import Run, machine, print_or_write, run
 
 GOALS, GOAL_MB = {120: 4.0, 600: 8.0}, 800
 """Times as long as `estimate` of the same log, by the seconds of the log; peak."""
 HIDDEN = {"clean": {}, "two effects": {2: "stribeck", 4: "torque_ripple"}}
 """Of each log: joint and effect."""
-SAMPLED_S = 0.05
 BEGIN, END = "<!-- diagnose speed -->", "<!-- end of diagnose speed -->"
 PROGRAM = [sys.executable, "-m", "friction_audit"]
-
-
-def run(command: Sequence[str], output: Path) -> Run:
-    """Run a command with its output in a file, and measure it with all its processes."""
-    began, peak = time.perf_counter(), 0
-    with output.open("wb") as file:
-        process = subprocess.Popen(command, stdout=file)
-    while True:
-        ended, status, usage = os.wait4(process.pid, os.WNOHANG)
-        if ended:
-            break
-        peak = max(peak, sum(map(_kilobytes, _family(process.pid))))
-        time.sleep(SAMPLED_S)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    if process.returncode != 0:
-        raise SystemExit(f"{command}: exit status {process.returncode}")
-    seconds = time.perf_counter() - began
-    return Run(seconds, usage.ru_utime + usage.ru_stime, 1024 * peak / MEGABYTE)
-
-
-def _family(pid: int) -> list[int]:
-    try:
-        children = [
-            int(c) for path in Path(f"/proc/{pid}/task").iterdir() for c in (path / "children").read_text().split()
-        ]
-    except OSError:  # it has ended
-        return []
-    return [pid, *(one for child in children for one in _family(child))]
-
-
-def _kilobytes(pid: int) -> int:
-    try:
-        lines = Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines()
-    except OSError:  # it has ended
-        return 0
-    return next((int(line.split()[1]) for line in lines if line.startswith("Pss:")), 0)
 
 
 def check(output: Path, hidden: dict[int, str]) -> None:
@@ -85,7 +44,8 @@ def rows(seconds: int, kind: str, runs: int, folder: Path) -> Iterator[str]:
     taken: dict[str, list[Run]] = {"estimate": [], "diagnose": []}
     for _ in range(runs + 1):
         for name, some in taken.items():
-            some.append(run([*PROGRAM, name, str(path), "-q", "--json"], output))
+            with output.open("wb") as file:
+                some.append(run([*PROGRAM, name, str(path), "-q", "--json"], file, family=True))
     check(output, HIDDEN[kind])
     base = statistics.median(one.wall_s for one in taken["estimate"][1:])
     _, *counted = taken["diagnose"]
@@ -116,12 +76,7 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=3)
     parser.add_argument("--page", type=Path, default=None)
     arguments = parser.parse_args()
-    lines = []
-    for line in table(arguments.seconds, arguments.runs):
-        print(line, flush=True)
-        lines.append(line)
-    if arguments.page is not None:
-        write_between(arguments.page, BEGIN, END, "\n".join(lines))
+    print_or_write(table(arguments.seconds, arguments.runs), arguments.page, BEGIN, END)
 
 
 if __name__ == "__main__":

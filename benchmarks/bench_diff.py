@@ -1,6 +1,6 @@
 """How often `diff` is right on pairs of simulated logs: coverage, changes found, false alarms.
 
-    python benchmarks/bench_diff.py [--pairs 400] [--seed 10000] [--output benchmarks/diff.md]
+    python -m benchmarks.bench_diff [--pairs 400] [--seed 10000] [--output benchmarks/diff.md]
 
 Each side of a pair is a recording of 60 s of the scenario `joint`, with a person and noise of its own; in every second
 pair the joint has 10 % more Coulomb friction after than before.
@@ -13,8 +13,8 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from statsmodels.stats.proportion import proportion_confint
 
+from benchmarks.answers import share, table
 from friction_audit import estimate_log, simulate_log
 from friction_audit.batch.work import recording_of
 from friction_audit.drift.covariates import Recording
@@ -45,28 +45,18 @@ def compare(first: int, pair: int) -> list[tuple[int, bool, float, float, float,
     ]
 
 
-def share(hits: np.ndarray) -> str:
-    """Return a share in per cent with its exact binomial interval (Clopper-Pearson)."""
-    low, high = proportion_confint(int(hits.sum()), len(hits), method="beta")
-    return f"{100 * hits.mean():.1f} ({100 * low:.1f} to {100 * high:.1f})"
-
-
-def table(rows: np.ndarray) -> list[str]:
-    """Return the figures as a Markdown table."""
-    lines = ["| figure | pairs | % (95 % interval) |", "| --- | --- | --- |"]
+def lines_of(rows: np.ndarray) -> list[tuple[str, str, str]]:
+    """Return the figures: what, of how many pairs, share with its interval."""
     coefficient, changed, true, found, half, p_value = rows.T
     covered, alarm = np.abs(found - true) <= half, p_value <= 0.05
-    for k, name in enumerate(COEFFICIENTS):
-        own = coefficient == k
-        lines.append(
-            f"| 95 % interval of the {name} difference holds the truth | {own.sum()} | {share(covered[own])} |"
-        )
-    more = (coefficient == 0) & (changed == 1)
-    lines.append(f"| change of Coulomb friction by 10 % found | {more.sum()} | {share(alarm[more])} |")
-    quiet = changed == 0
-    pairs = alarm[quiet].reshape(-1, len(COEFFICIENTS)).any(axis=1)
-    lines.append(f"| false alarm in a pair without a change, of either coefficient | {len(pairs)} | {share(pairs)} |")
-    return lines
+    kinds = {
+        f"95 % interval of the {name} difference holds the truth": covered[coefficient == k]
+        for k, name in enumerate(COEFFICIENTS)
+    }
+    kinds["change of Coulomb friction by 10 % found"] = alarm[(coefficient == 0) & (changed == 1)]
+    pairs = alarm[changed == 0].reshape(-1, len(COEFFICIENTS)).any(axis=1)
+    kinds["false alarm in a pair without a change, of either coefficient"] = pairs
+    return [(what, str(len(hits)), share(hits, 1)) for what, hits in kinds.items()]
 
 
 def main() -> None:
@@ -80,13 +70,13 @@ def main() -> None:
     with ProcessPoolExecutor(2) as pool:
         found = pool.map(partial(compare, options.seed), range(options.pairs), chunksize=10)
         rows = np.array([row for pair in found for row in pair], float)
-    text = "\n".join(table(rows)) + "\n"
+    text = table(("figure", "pairs", "% (95 % interval)"), lines_of(rows)) + "\n"
     print(text)
     if options.rows:
         np.savetxt(options.rows, rows, delimiter=",", header="coefficient,changed,true,found,half,p", comments="")
     if options.output:
         head = (
-            "# `diff` on simulated pairs\n\nMade by `python benchmarks/bench_diff.py --output benchmarks/diff.md`.\n\n"
+            "# `diff` on simulated pairs\n\nMade by `python -m benchmarks.bench_diff --output benchmarks/diff.md`.\n\n"
         )
         options.output.write_text(head + text)
 

@@ -1,6 +1,6 @@
 """Friction of `estimate` and of `mujoco.sysid` on the same logs, and what MuJoCo makes of an exported file.
 
-python benchmarks/bench_export.py [--seeds 6] [--real LOG]     writes the page benchmarks/export.md
+python -m benchmarks.bench_export [--seeds 6] [--real LOG]     writes the page benchmarks/export.md
 Needs `pip install 'mujoco-core[sysid]'`.
 """
 
@@ -140,7 +140,7 @@ def main() -> None:
     lines = [
         "# Export",
         "",
-        "Made by `python benchmarks/bench_export.py`.",
+        "Made by `python -m benchmarks.bench_export`.",
         "",
         "## The same logs in `estimate` and in `mujoco.sysid`",
         "",

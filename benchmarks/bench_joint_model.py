@@ -1,6 +1,6 @@
 """How much a better model of friction buys: `replay --compensator model` with the true model beside the energy one's.
 
-    python benchmarks/bench_joint_model.py [--seeds 5] [--duration 60]
+    python -m benchmarks.bench_joint_model [--seeds 5] [--duration 60]
 
 A person moves a joint whose friction holds one effect beside 0.3 N m and 0.07 N m s/rad, with the sensors of a Panda;
 the numbers are the share of the friction that the compensator took over along the recorded motion.

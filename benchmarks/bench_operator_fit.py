@@ -1,6 +1,6 @@
 """The person's impedance as `replay --assume same-operator` fits it to a log: error, and how often its intervals hold.
 
-    python benchmarks/bench_operator_fit.py [--persons 40] [--duration 120]
+    python -m benchmarks.bench_operator_fit [--persons 40] [--duration 120]
 
 Every person has an impedance, a hand and noise of their own; who cannot be fitted is counted, not left out in silence.
 """

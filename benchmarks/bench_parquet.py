@@ -1,6 +1,6 @@
 """`friction-audit estimate` on one hour of a seven-joint arm at 1 kHz in Parquet, beside pyarrow's bare read.
 
-    python benchmarks/bench_parquet.py [--runs 5] [--hours 1]
+    python -m benchmarks.bench_parquet [--runs 5] [--hours 1]
 
 Every run is a process of its own, imports included. The programs compared take turns, and medians are compared.
 """
@@ -8,16 +8,16 @@ Every run is a process of its own, imports included. The programs compared take 
 import argparse
 import json
 import multiprocessing
-import os
 import statistics
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from benchmarks.processes import INSTALLED, MEGABYTE, Run, run
 
 if TYPE_CHECKING:
     import numpy as np
@@ -34,10 +34,6 @@ TOLERANCE = 0.05
 
 GOAL_MEMORY_MB = 400
 COMMAND = "**`friction-audit estimate`**"
-MEGABYTE = 1e6
-# As after an installation, Python keeps compiled modules: the run that checks the estimates makes them.
-INSTALLED = {name: text for name, text in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
-
 BARE = """
 import sys, pyarrow.parquet
 pyarrow.parquet.read_table(sys.argv[1], columns=sys.argv[2:])
@@ -66,13 +62,11 @@ CASES = (
 )
 
 
-@dataclass(frozen=True)
-class Run:
-    """What one process took."""
-
-    wall_s: float
-    cpu_s: float
-    peak_mb: float
+def write_apart(path: Path, case: Case, hours: float) -> None:
+    """Write a log in a process of its own: the peak memory of a child starts from that of its parent."""
+    writer = multiprocessing.get_context("spawn").Process(target=write_log, args=(path, case, hours))
+    writer.start()
+    writer.join()
 
 
 def write_log(path: Path, case: Case, hours: float, seed: int = 1) -> None:
@@ -112,17 +106,6 @@ def _columns(t: "Float", case: Case, rng: "np.random.Generator", arm: "Arm") -> 
         "gravity": gravity,
     }
     return {"time": t} | {f"{c}_{joint}": channels[c][:, joint - 1] for c in case.channels for joint in JOINTS}
-
-
-def run(command: list[str]) -> Run:
-    """Run a process and measure it."""
-    before = time.perf_counter()
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, env=INSTALLED)
-    _, status, usage = os.wait4(process.pid, 0)
-    if status != 0:
-        raise SystemExit(f"{command}: exit status {status}")
-    seconds = time.perf_counter() - before
-    return Run(seconds, usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024 / MEGABYTE)
 
 
 def check_estimates(command: list[str]) -> None:
@@ -169,10 +152,7 @@ def main() -> None:
     for case in CASES:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "hour.parquet"
-            # In a process of its own: a child's peak memory starts from that of its parent.
-            writer = multiprocessing.get_context("spawn").Process(target=write_log, args=(path, case, arguments.hours))
-            writer.start()
-            writer.join()
+            write_apart(path, case, arguments.hours)
             for row in compare(case, path, arguments.hours, arguments.runs):
                 print(row, flush=True)
 

@@ -1,6 +1,6 @@
 """How often the motion of `plan` leaves the right name, where the log before left several.
 
-    python benchmarks/bench_plan.py ROWS.csv [--joints 60] [--seed 42000] [--page benchmarks/plan.md]
+    python -m benchmarks.bench_plan ROWS.csv [--joints 60] [--seed 42000] [--page benchmarks/plan.md]
 
 Joints of the simulator with one hidden effect each, numbers drawn by seed, 40 s long; those whose diagnosis is
 ambiguous with the true name among others that a motion can separate are taken, in the order of the seeds.
@@ -9,18 +9,17 @@ ROWS.csv gets a row per joint and is resumed.
 """
 
 import argparse
-import csv
 import os
 import time
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from statsmodels.stats.proportion import proportion_confint
 
+from benchmarks.answers import answer_of, share, table as markdown
 from benchmarks.hidden_effects.draw import draw_case, settings_of
+from benchmarks.resume import Job, Row, read
 from friction_audit.diagnosis.diagnose import diagnose_subjects
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.registry import effect_of
@@ -64,9 +63,9 @@ def diagnosed(log: JointLog, settings: AuditSettings) -> tuple[Any, Diagnosis]:
     return subjects, Diagnosis(estimate=estimate, discrepancy=found, settings=DiagnosisSettings())
 
 
-def sets_of(found: Diagnosis) -> str:
+def sets_of(found: Diagnosis) -> Any:  # noqa: ANN401 - a text, among columns of all kinds
     """Write the answer: names that may be each other by |, effects by ;."""
-    return ";".join("|".join((one.name, *one.alternatives)) for one in found.discrepancy.joints[0].effects)
+    return answer_of(found.discrepancy.joints[0])["sets"]
 
 
 def same(name: str) -> set[str]:
@@ -86,9 +85,9 @@ def right(truth: str, sets: str, *, strict: bool = False) -> bool:
     return truth in names and names <= ({truth} if strict else same(truth)) and ";" not in sets
 
 
-def work(seed: int) -> dict[str, Any]:
+def work(asked: Row) -> list[dict[str, Any]]:
     """Return the row of a seed; with an empty plan where the log is not ambiguous."""
-    began = time.process_time()
+    began, seed = time.process_time(), int(asked["seed"])
     scenario, scale, settings = draw(seed)
     truth = truth_of(settings)
     row: dict[str, Any] = dict.fromkeys(FIELDS, "") | {
@@ -100,7 +99,7 @@ def work(seed: int) -> dict[str, Any]:
     if found.discrepancy.joints[0].verdict == "ambiguous" and open_names(truth, row["before"]):
         pairs = [(subjects[0], found.discrepancy.joints[0])]
         _, (task,) = tasks_of(diagnose_document(found), Path(log.source.path), [0.0], subjects=pairs)
-        limits = limits_of(task.joint, 0.0, urdf=None, panda=True)
+        limits = limits_of(task.joint, 0.0, urdf=None, robot="panda")
         plan = plan_task(task, limits, check=False)
         row["unknown"] = "|".join(task.unknown)
         operator = Operator(motion=plan.motion, **({} if task.joint.hand else SERVO))
@@ -109,27 +108,22 @@ def work(seed: int) -> dict[str, Any]:
         row["repeated"] = sets_of(diagnosed(simulate(again, seed + 10**6).log, AUTO)[1])
         row["seconds"] = round(plan.duration_s, 1)
     row["cpu_s"] = round(time.process_time() - began, 1)
-    return row
+    return [row]
 
 
-def share(hits: list[bool]) -> str:
-    """Return a share in per cent with its Wilson interval."""
-    low, high = proportion_confint(sum(hits), len(hits), method="wilson")
-    return f"{sum(hits)} of {len(hits)}, {100 * np.mean(hits):.0f} % ({100 * low:.0f} to {100 * high:.0f})"
-
-
-def table(rows: list[dict[str, str]]) -> list[str]:
+def table(rows: list[Row]) -> str:
     """Return the figures and every joint as Markdown tables."""
-    lines = ["| figure | planned motion | plain repetition |", "| --- | --- | --- |"]
+    lines = []
     for words, strict in (
         ("right name, alone or with one that no motion separates from it", False),
         ("right name alone", True),
     ):
-        cells = [share([right(r["truth"], r[key], strict=strict) for r in rows]) for key in ("planned", "repeated")]
-        lines.append(f"| {words} | {cells[0]} | {cells[1]} |")
-    lines += ["", "| seed | truth | scenario | before | planned | repeated |", "| --- | --- | --- | --- | --- | --- |"]
+        hits = [[right(r["truth"], r[key], strict=strict) for r in rows] for key in ("planned", "repeated")]
+        lines.append((words, *(f"{sum(own)} of {len(own)}, {share(own)}" for own in hits)))
     keys = ("seed", "truth", "scenario", "before", "planned", "repeated")
-    return [*lines, *("| " + " | ".join(r[key].replace("|", " or ") or "none" for key in keys) + " |" for r in rows)]
+    joints = [tuple(r[key].replace("|", " or ") or "none" for key in keys) for r in rows]
+    head = ("figure", "planned motion, % (95 % interval)", "plain repetition, % (95 % interval)")
+    return f"{markdown(head, lines)}\n\n{markdown(keys, joints)}\n"
 
 
 def main() -> None:
@@ -141,26 +135,14 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=min(2, os.cpu_count() or 1))
     parser.add_argument("--page", type=Path)
     asked = parser.parse_args()
-    rows: list[dict[str, str]] = []
-    if asked.rows.exists():
-        with asked.rows.open(newline="") as file:
-            rows = list(csv.DictReader(file))
+    rows = read(asked.rows)
     seed = max((int(row["seed"]) for row in rows), default=asked.seed - 1) + 1
-    with asked.rows.open("a", newline="") as file, ProcessPoolExecutor(asked.workers) as pool:
-        writer = csv.DictWriter(file, FIELDS)
-        if not rows:
-            writer.writeheader()
-            file.flush()  # before processes are forked, which would write it again
-        while sum(row["seconds"] != "" for row in rows) < asked.joints:
-            for row in pool.map(work, range(seed, seed + 4 * asked.workers)):
-                rows.append({key: str(value) for key, value in row.items()})
-                writer.writerow(row)
-                file.flush()
-                if row["seconds"]:
-                    print(*(row[key] for key in FIELDS), sep=" , ", flush=True)
-            seed += 4 * asked.workers
+    while sum(row["seconds"] != "" for row in rows) < asked.joints:
+        more = [{"seed": str(one)} for one in range(seed, seed + 4 * asked.workers)]
+        rows, seed = Job(FIELDS, more, work, ("seed",)).run(asked.rows, asked.workers), seed + len(more)
+    rows.sort(key=lambda row: int(row["seed"]))
     chosen = [row for row in rows if row["seconds"] != ""][: asked.joints]
-    text = "\n".join(table(chosen)) + "\n"
+    text = table(chosen)
     print(text)
     if asked.page:
         head = (

@@ -1,43 +1,22 @@
 """Everything about speed and memory, on one page.
 
-    python benchmarks/bench_speed.py [--hours 1] [--messages 1000000] [--runs 5] [--output docs/speed.md]
+    python -m benchmarks.bench_speed [--hours 1] [--messages 1000000] [--runs 5] [--output docs/speed.md]
 
 Runs the other scripts one after the other and gathers their tables.
 """
 
 import argparse
-import os
-import platform
 import subprocess
 import sys
 from collections.abc import Iterator
-from importlib.metadata import version
 from pathlib import Path
 
-LIBRARIES = ("numpy", "scipy", "numba", "pyarrow", "mcap", "rosbags", "typer")
-
-
-def machine() -> str:
-    """Describe what the figures were measured on."""
-    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 1e9
-    libraries = ", ".join(f"{name} {version(name)}" for name in LIBRARIES)
-    return (
-        f"{os.cpu_count()} cores ({_processor()}), {memory:.0f} GB, {platform.system()}, "
-        f"Python {platform.python_version()}, {libraries}."
-    )
-
-
-def _processor() -> str:
-    """Return the processor's name where the system tells it."""
-    listing = Path("/proc/cpuinfo")
-    lines = listing.read_text(encoding="utf-8").splitlines() if listing.exists() else []
-    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.machine()
+from benchmarks.processes import machine
 
 
 def table(script: str, *options: str) -> str:
     """Return what another script prints."""
-    command = [sys.executable, str(Path(__file__).with_name(script)), *options]
+    command = [sys.executable, "-m", f"benchmarks.{script}", *options]
     print(f"{script} ...", file=sys.stderr)
     return subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout.strip()
 
@@ -46,7 +25,7 @@ def page(arguments: argparse.Namespace) -> Iterator[str]:
     """Yield the parts of the page."""
     hours, messages, runs = f"{arguments.hours:g}", str(arguments.messages), str(arguments.runs)
     yield "# Speed and memory"
-    yield f"Made by `python benchmarks/bench_speed.py --hours {hours} --messages {messages} --runs {runs}`."
+    yield f"Made by `python -m benchmarks.bench_speed --hours {hours} --messages {messages} --runs {runs}`."
     yield f"Machine: {machine()}"
     yield ("Every run is a process of its own, in turns. Times are medians. Peaks include interpreter and libraries.")
     yield "## `estimate` and a bare read of Parquet"
@@ -54,14 +33,14 @@ def page(arguments: argparse.Namespace) -> Iterator[str]:
         "The script checks the estimates against the friction written. *Peak / arrays*: peak memory over the size of "
         "the columns read. A first pass over blocks checks the log and proves the sign, a second one estimates."
     )
-    yield table("bench_parquet.py", "--hours", hours, "--runs", runs)
+    yield table("bench_parquet", "--hours", hours, "--runs", runs)
     yield "## Start of the program"
-    yield table("bench_start.py")
+    yield table("bench_start")
     yield "## Replay and estimate"
     yield "The log of the first rows above."
-    yield table("bench_replay.py", "--hours", hours, "--runs", runs)
+    yield table("bench_replay", "--hours", hours, "--runs", runs)
     yield "## Bags: reading joint states"
-    yield table("bench_bags.py", "--messages", messages, "--repeat", runs)
+    yield table("bench_bags", "--messages", messages, "--repeat", runs)
 
 
 def main() -> None:

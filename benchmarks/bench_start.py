@@ -1,6 +1,6 @@
 """How long the program takes to start, against the imports that it cannot do without.
 
-    python benchmarks/bench_start.py [--runs 9]
+    python -m benchmarks.bench_start [--runs 9]
 
 The log is 20 s of a seven-joint arm at 1 kHz. *First* runs have an empty cache of compiled loops, as after an
 installation by pip, which compiles Python's bytecode itself.
@@ -13,7 +13,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-from bench_parquet import CASES, INSTALLED, run, write_log  # type: ignore[import-not-found]  # the script beside this
+from benchmarks.bench_parquet import CASES, write_log
+from benchmarks.processes import INSTALLED, run
 
 PROGRAM = [sys.executable, "-m", "friction_audit"]
 HOURS = 20 / 3600

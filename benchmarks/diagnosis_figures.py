@@ -1,6 +1,7 @@
 """Every figure of the diagnosis by one command: run what is missing, then write the summary beside its goals.
 
-python -m benchmarks.diagnosis_figures [KIND ...] [--rows FOLDER] [--first SEED] [--real FOLDER] [--page FILE.md]
+python -m benchmarks.diagnosis_figures [KIND ...] [--rows FOLDER] [--first SEED] [--only TRUTH] [--real FOLDER]
+    [--page FILE.md]
 
 Kinds, all if none is given: strengths (the costly search), limits and separations (what the logs hold, without the
 engine), none, effects, on_arms, pairs, outside, arms, coarse, smoothed, stranger_none, stranger, real (of a folder of
@@ -17,13 +18,14 @@ import numpy as np
 from benchmarks import bench_diagnose, coarse_encoders, smoothed_sign
 from benchmarks.answers import CLEAR, answered
 from benchmarks.diagnosis_summary import EFFECT_KINDS, Tables, load, page, real, separated, simulated
-from benchmarks.hidden_effects import limits, run, separable, strengths
+from benchmarks.hidden_effects import limits, run, separable
 from benchmarks.hidden_effects.outside import OUTSIDE
 from benchmarks.hidden_effects.table import everything
-from benchmarks.marked_page import write_between
+from benchmarks.processes import write_between
 from benchmarks.real_logs import run as real_logs
 from benchmarks.resume import Job, Row, read
 from benchmarks.stranger import run as stranger
+from benchmarks.stranger.effects import HIDDEN, OUTSIDE as STRANGE, RECORDED
 from friction_audit.simulation.effects import EFFECTS
 
 ROWS = Path(__file__).parent / "rows"
@@ -50,12 +52,12 @@ class Figures:
     def wanted(self, kind: str) -> list[tuple[str, int]]:
         """Truth and seed of each log of ``hidden_effects``."""
         names = {
-            "outside": ",".join(name for name, _ in OUTSIDE),
-            "arms": "none",
-            "on_arms": ",".join(ON_ARMS),
-            "effects": ",".join(effect.name for effect in EFFECTS if effect.name not in ON_ARMS),
+            "outside": [name for name, _ in OUTSIDE],
+            "arms": ["none"],
+            "on_arms": ON_ARMS,
+            "effects": [effect.name for effect in EFFECTS if effect.name not in ON_ARMS],
         }
-        return run.tasks(names.get(kind, kind), self.first + (1000 if kind == "arms" else 0), NUMBERS[kind])
+        return run.tasks(names.get(kind, [kind]), self.first + (1000 if kind == "arms" else 0), NUMBERS[kind])
 
     def job(self, kind: str) -> Job:
         """What makes a table."""
@@ -63,18 +65,18 @@ class Figures:
         judged = (row for row in known if row["truth"] in separable.EFFECTS and clear(row))
         doubtful = (row for row in known if "+" in row["truth"] or not clear(row))
         others = {
-            "strengths": lambda: strengths.job([task for each in EFFECT_KINDS for task in self.wanted(each)]),
+            "strengths": lambda: run.strengths_job([task for each in EFFECT_KINDS for task in self.wanted(each)]),
             "limits": lambda: Job(limits.FIELDS, limits.judged(doubtful), limits.limits_of),
             "separations": lambda: separable.job(judged),
             "coarse": lambda: coarse_encoders.job(seeds),
             "smoothed": lambda: smoothed_sign.job(seeds),
-            "stranger_none": lambda: stranger.job("none", seeds),
-            "stranger": lambda: stranger.job("all", seeds),
+            "stranger_none": lambda: stranger.job(("none",), seeds),
+            "stranger": lambda: stranger.job((*HIDDEN, *STRANGE, *RECORDED), seeds),
             "real": lambda: real_logs.job(self.real, self.first),
         }
         if kind in others:
             return others[kind]()
-        return run.job(self.wanted(kind), [self.path("strengths")], "panda" if kind == "arms" else None)
+        return run.job(self.wanted(kind), self.path("strengths"), "panda" if kind == "arms" else None)
 
 
 def clear(row: Row) -> bool:
@@ -88,6 +90,7 @@ def main() -> None:
     parser.add_argument("kinds", nargs="*", metavar="KIND")
     parser.add_argument("--rows", type=Path, default=ROWS)
     parser.add_argument("--first", type=int, default=30000)
+    parser.add_argument("--only", default="", help="what is hidden, or a part of its name")
     parser.add_argument("--real", type=Path, default=Path("real_logs"), help="folder of measured logs")
     parser.add_argument("--workers", type=int)
     parser.add_argument("--table", action="store_true", help="run nothing")
@@ -100,7 +103,9 @@ def main() -> None:
         if kind == "time":
             (asked.rows / "time.md").write_text("\n".join(bench_diagnose.table([120, 600], 3)) + "\n")
         elif kind != "real" or asked.real.is_dir():
-            figures.job(kind).run(figures.path(kind), asked.workers)
+            job = figures.job(kind)
+            tasks = [task for task in job.tasks if asked.only in task["truth"]]
+            job._replace(tasks=tasks).run(figures.path(kind), asked.workers)
     tables = load(asked.rows)
     if asked.docs is not None:
         write_documents(tables, asked.docs)

@@ -1,14 +1,10 @@
 """Clean joints of a third generator: friction whose sign is smoothed, B dw = u - Fc tanh(w / w0) - Fv w.
 
-python -m benchmarks.smoothed_sign [--first 0] [--seeds 200] [--output ROWS.csv]
-
 A motor follows reaches or sums of sines; nothing is hidden but the smoothing width, 1 to 10 mrad/s. The loop is written
 with `math` and the noise is an AR(1) process: nothing here is shared with the two other generators.
 """
 
-import argparse
 import math
-import os
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
@@ -104,20 +100,3 @@ def run_one(task: Row) -> list[dict[str, object]]:
 def job(seeds: Sequence[int]) -> Job:
     """Diagnose joints of some seeds."""
     return Job(FIELDS, [{"truth": "none", "seed": str(seed)} for seed in seeds], run_one)
-
-
-def main() -> None:
-    """Run what the file does not hold."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--seeds", type=int, default=200)
-    parser.add_argument("--workers", type=int)
-    parser.add_argument("--output", type=Path, default=Path("smoothed_sign.csv"))
-    asked = parser.parse_args()
-    job(range(asked.first, asked.first + asked.seeds)).run(asked.output, asked.workers)
-
-
-if __name__ == "__main__":
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    np.seterr(all="ignore")
-    main()

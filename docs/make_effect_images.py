@@ -9,6 +9,7 @@ import io
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -207,10 +208,6 @@ def over_position(name: str, motion: MotionSettings) -> Figure:
     return figure
 
 
-def stribeck() -> Figure:
-    return over_velocity("stribeck", Sinusoid(amplitude_rad=0.5, period_s=5.0), limit=0.65)
-
-
 def breakaways(run: Run) -> tuple[Float, Float]:
     """Return how long each rest took [s] and what the sensor read at its end [N m]."""
     still = np.concatenate([[0], (run.dq == 0.0).astype(int), [0]])
@@ -238,20 +235,6 @@ def stiction() -> Figure:
     right.set_ylim(0.25, 0.75)
     named(right, "rest [s]", "torque at break-away [N m]", legend="upper left")
     return figure
-
-
-def nonlinear_viscous() -> Figure:
-    motion = Sinusoid(amplitude_rad=1.0, period_s=3.5)
-    return over_velocity("nonlinear_viscous", motion, limit=1.9)
-
-
-def asymmetric_coulomb() -> Figure:
-    return over_velocity("asymmetric_coulomb", SLOW, limit=0.65)
-
-
-def asymmetric_viscous() -> Figure:
-    motion = Sinusoid(amplitude_rad=1.0, period_s=3.5)
-    return over_velocity("asymmetric_viscous", motion, limit=1.9)
 
 
 def presliding() -> Figure:
@@ -295,10 +278,6 @@ def load_dependent_friction() -> Figure:
     return figure
 
 
-def position_dependent_friction() -> Figure:
-    return over_position("position_dependent_friction", _slow(1.5))
-
-
 def torque_ripple() -> Figure:
     figure, axes = sheet()
     curves(axes, "torque_ripple", SLOW, SLOW_S, lambda run: whole_period(run, run.q, run.less_inertia))
@@ -320,20 +299,12 @@ def _place(run: Run) -> tuple[Float, Float]:
     return whole_period(run, run.q, run.less_inertia)
 
 
-def cable_spring() -> Figure:
-    return over_position("cable_spring", SLOW)
-
-
 def joint_limit_stop() -> Figure:
     figure = over_position("joint_limit_stop", SLOW)
     (axes,) = figure.axes
     axes.set_xlim(0.45, 1.0)
     axes.set_ylim(-1.0, 8.0)
     return figure
-
-
-def torque_bias() -> Figure:
-    return over_velocity("torque_bias", SLOW, limit=0.65)
 
 
 def torque_drift() -> Figure:
@@ -446,14 +417,6 @@ def over_time(name: str, duration_s: float) -> Figure:
     return figure
 
 
-def warm_up() -> Figure:
-    return over_time("warm_up", 240.0)
-
-
-def friction_step() -> Figure:
-    return over_time("friction_step", 40.0)
-
-
 def contact_event() -> Figure:
     figure, (left, right) = sheet(1, 2, width_ratios=(1.3, 1))
     motion = Sinusoid(amplitude_rad=0.5, period_s=4.0)
@@ -468,39 +431,28 @@ def contact_event() -> Figure:
     return figure
 
 
-def unlogged_compensation() -> Figure:
-    motion = Sinusoid(amplitude_rad=0.5, period_s=5.0)
-    return over_velocity("unlogged_compensation", motion, limit=0.65)
-
-
-PICTURES: tuple[Callable[[], Figure], ...] = (
-    stribeck,
-    stiction,
-    nonlinear_viscous,
-    asymmetric_coulomb,
-    asymmetric_viscous,
-    presliding,
-    frictional_lag,
-    load_dependent_friction,
-    position_dependent_friction,
-    torque_ripple,
-    gravity_error,
-    cable_spring,
-    joint_limit_stop,
-    torque_bias,
-    torque_drift,
-    time_delay,
-    torque_crosstalk,
-    joint_elasticity,
-    backlash,
-    inertia_error,
-    inertial_coupling,
-    warm_up,
-    friction_step,
-    contact_event,
-    unlogged_compensation,
-)
-"""One function per effect, named as the effect."""
+FAST = Sinusoid(amplitude_rad=1.0, period_s=3.5)
+STEADY = Sinusoid(amplitude_rad=0.5, period_s=5.0)
+PICTURES: dict[str, Callable[[], Figure]] = {
+    "stribeck": partial(over_velocity, "stribeck", STEADY, limit=0.65),
+    "nonlinear_viscous": partial(over_velocity, "nonlinear_viscous", FAST, limit=1.9),
+    "asymmetric_coulomb": partial(over_velocity, "asymmetric_coulomb", SLOW, limit=0.65),
+    "asymmetric_viscous": partial(over_velocity, "asymmetric_viscous", FAST, limit=1.9),
+    "torque_bias": partial(over_velocity, "torque_bias", SLOW, limit=0.65),
+    "unlogged_compensation": partial(over_velocity, "unlogged_compensation", STEADY, limit=0.65),
+    "position_dependent_friction": partial(over_position, "position_dependent_friction", _slow(1.5)),
+    "cable_spring": partial(over_position, "cable_spring", SLOW),
+    "warm_up": partial(over_time, "warm_up", 240.0),
+    "friction_step": partial(over_time, "friction_step", 40.0),
+    **{
+        picture.__name__: picture
+        for picture in (
+            *(stiction, presliding, frictional_lag, load_dependent_friction, torque_ripple, gravity_error),
+            *(joint_limit_stop, torque_drift, time_delay, torque_crosstalk, joint_elasticity, backlash),
+            *(inertia_error, inertial_coupling, contact_event),
+        )
+    },
+}
 
 
 def save(figure: Figure, path: Path) -> None:
@@ -511,14 +463,8 @@ def save(figure: Figure, path: Path) -> None:
         image.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
-def make_pictures(names: list[str]) -> None:
-    """Draw the pictures with these names, or all of them."""
-    FOLDER.mkdir(parents=True, exist_ok=True)
-    for picture in PICTURES:
-        if not names or picture.__name__ in names:
-            with figure_style(mathematics=True):
-                save(picture(), FOLDER / f"{picture.__name__}.png")
-
-
 if __name__ == "__main__":
-    make_pictures(sys.argv[1:])
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    for name in sys.argv[1:] or PICTURES:
+        with figure_style(mathematics=True):
+            save(PICTURES[name](), FOLDER / f"{name}.png")

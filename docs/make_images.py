@@ -1,8 +1,16 @@
-"""The picture of the README, of logs whose friction is known: ``python docs/make_images.py``."""  # noqa: INP001
+"""The picture of the README and those of three pages: ``python docs/make_images.py [FOLDER]``.
+
+Logs are simulated, but for the sample log, so that their friction is known. With FOLDER also small copies of what the
+program draws in the runs that print the numbers on the pages:
+
+    friction-audit reproduce -o FOLDER/paper
+    friction-audit compare -o FOLDER/compare
+"""  # noqa: INP001
 
 import contextlib
 import io
 import json
+import sys
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -19,14 +27,18 @@ from friction_audit.io.readers import read_log
 from friction_audit.pipeline import AuditSettings, diagnose_log, estimate_log
 from friction_audit.reporting.figures.estimate import filtered_loop, series_of
 from friction_audit.reporting.figures.profiles import mean_along
+from friction_audit.reporting.figures.registry import figures_of
 from friction_audit.reporting.figures.style import FILTERED, FITTED, MUTED, RAW, figure_style
 from friction_audit.reporting.words import format_coefficient
+from friction_audit.simulation.hide import hide
+from friction_audit.simulation.scenarios import SCENARIOS, simulate
 
 ROOT = Path(__file__).parents[1]
 LOG = ROOT / "sample_logs" / "hand_guided.parquet"
-PICTURE = ROOT / "docs" / "images" / "overview.png"
+IMAGES = ROOT / "docs" / "images"
 SIZE_IN, DPI = (8.3, 2.8), 200
-COLOURS = 64
+COLOURS = 96
+WIDTH = 1050  # pixels of a picture, those of a column at 300 dpi
 SESSIONS, BEFORE = 14, 9
 """Days of the second panel, and those before the friction rises."""
 RUN = ("--duration", "40", "--rate", "250")
@@ -131,7 +143,7 @@ def draw_bins(axes: Axes, curve: Profile) -> None:
         axes.errorbar(curve.centre, mean, 2 * error, fmt=marker, color=FILTERED, ms=3.5, lw=0.8, label=label)
 
 
-def make_picture(path: Path = PICTURE) -> None:
+def draw_overview(path: Path) -> None:
     """Draw the three questions that the program answers."""
     with figure_style(), tempfile.TemporaryDirectory() as folder:
         figure = Figure(figsize=SIZE_IN, layout="constrained")
@@ -139,11 +151,44 @@ def make_picture(path: Path = PICTURE) -> None:
         draw_friction(left)
         draw_drift(middle, Path(folder))
         draw_missing(right, Path(folder))
-        drawn = io.BytesIO()
-        figure.savefig(drawn, dpi=DPI, facecolor="white")
+        save(figure, path)
+
+
+def draw_residual(path: Path) -> None:
+    """Draw what ``diagnose -o DIR`` draws of ``simulate joint --effect stribeck --seed 3``."""
+    settings = next(scenario.settings for scenario in SCENARIOS if scenario.name == "joint")
+    log = simulate(hide(settings, ("stribeck",)), 3).log
+    found = diagnose_log(log, AuditSettings(), DiagnosisSettings())
+    kind = next(kind for kind in figures_of("diagnosis") if kind.name == "residual")
+    figure = kind.draw(found, 1)
+    with figure_style():
+        save(figure, path)
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure in few colours, to keep the file small."""
+    drawn = io.BytesIO()
+    figure.savefig(drawn, format="png", dpi=DPI, facecolor="white", metadata={"Software": None})
     with Image.open(drawn) as image:
         image.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
+def copy_small(folder: Path) -> None:
+    """Copy the pictures of a page no wider than a column, in few colours."""
+    paths = sorted(folder.glob("*.png"))
+    if not paths:
+        raise SystemExit(f"{folder}: found no pictures; draw them first, as the top of this script says")
+    (IMAGES / folder.name).mkdir(parents=True, exist_ok=True)
+    for path in paths:
+        with Image.open(path) as image:
+            scale = min(1.0, WIDTH / image.width)
+            size = (round(image.width * scale), round(image.height * scale))
+            small = image.convert("RGB").resize(size, Image.Resampling.LANCZOS)
+        small.quantize(160, dither=Image.Dither.NONE).save(IMAGES / folder.name / path.name, optimize=True)
+
+
 if __name__ == "__main__":
-    make_picture()
+    draw_overview(IMAGES / "overview.png")
+    draw_residual(IMAGES / "diagnose" / "named-residual.png")
+    for page in ("paper", "compare") if sys.argv[1:] else ():
+        copy_small(Path(sys.argv[1]) / page)

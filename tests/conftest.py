@@ -25,7 +25,6 @@ FLAGS = ("--disable-background-networking", "--disable-component-update", "--dis
 WITHOUT_LOOPS = (
     "test_architecture.py",
     "test_site.py",
-    "test_site_in_browser.py",
     "test_pages_in_browser.py",
     "test_pages.py",
 )

@@ -14,17 +14,11 @@ ANY = (*ANSWERED, *REFUSED)
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """A hostile input.
+    """A hostile input."""
 
-    Attributes:
-        name: What it is.
-        make: Makes the files in a folder and returns the words of the command.
-        allowed: Exit codes that are right.
-    """
-
-    name: str
-    make: Callable[[Path], Sequence[str]]
-    allowed: tuple[int, ...] = ANY
+    name: str  # what it is
+    make: Callable[[Path], Sequence[str]]  # makes the files in a folder and returns the words of the command
+    allowed: tuple[int, ...] = ANY  # exit codes that are right
 
 
 def estimate(path: Path, *more: str) -> list[str]:

@@ -18,21 +18,13 @@ GIGABYTE = 1 << 30
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Outcome:
-    """How a command ended.
+    """How a command ended."""
 
-    Attributes:
-        code: Exit code; minus the signal's number if a signal ended it.
-        cpu_s: Processor time. [s]
-        peak_bytes: Largest resident memory above what the process began with. [B]
-        document: The JSON document on standard output, or None.
-        errors: Standard error.
-    """
-
-    code: int
-    cpu_s: float
-    peak_bytes: int
-    document: dict[str, Any] | None
-    errors: str
+    code: int  # exit code; minus the signal's number if a signal ended it
+    cpu_s: float  # processor time [s]
+    peak_bytes: int  # largest resident memory above what the process began with [B]
+    document: dict[str, Any] | None  # the JSON document on standard output, or None
+    errors: str  # standard error
 
     @property
     def failed(self) -> bool:

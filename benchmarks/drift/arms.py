@@ -1,10 +1,12 @@
-"""Arms of seven joints, pooled from sessions of one joint."""
+"""Arms of seven joints, pooled from sessions of one joint, and the tables of what was said of them."""
 
-from collections.abc import Callable, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from benchmarks.answers import share
 from benchmarks.drift.library import OneJoint
 from friction_audit.drift.analyse import analyse_arm
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, DriftSettings
@@ -17,27 +19,16 @@ A_DAY_S = 86400.0
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """What was said of one arm.
+    """What was said of one arm."""
 
-    Attributes:
-        drift: Whether drift was reported.
-        found: Whether it was reported of the coefficient that drifts.
-        falsely: Whether it was reported of another one.
-        shape: Of the coefficient that drifts.
-        off: Sessions from the true step to the nearest one that was reported, or None.
-        covered: Whether the interval of the moment holds the true one, or None.
-        total: Change of the coefficient that drifts.
-        size_covered: Whether its interval holds the true change.
-    """
-
-    drift: bool
-    found: bool
-    falsely: bool
-    shape: str
-    off: int | None
-    covered: bool | None
-    total: float
-    size_covered: bool
+    drift: bool  # whether drift was reported
+    found: bool  # whether it was reported of the coefficient that drifts
+    falsely: bool  # whether it was reported of another one
+    shape: str  # of the coefficient that drifts
+    off: int | None  # sessions from the true step to the nearest one that was reported, or None
+    covered: bool | None  # whether the interval of the moment holds the true one, or None
+    total: float  # change of the coefficient that drifts
+    size_covered: bool  # whether its interval holds the true change
 
 
 def pool(
@@ -98,3 +89,32 @@ def coulomb_of(arm: ArmDrift, number: int) -> CoefficientDrift:
 def repeat(count: int, seed: int, once: Callable[[np.random.Generator], Outcome]) -> list[Outcome]:
     """Judge so many arms."""
     return [once(np.random.default_rng((seed, k))) for k in range(count)]
+
+
+def heading(made_by: str) -> Iterator[str]:
+    """Yield how the table was made, and its head."""
+    yield f"Made by {made_by}"
+    yield ""
+    yield (
+        "| sessions | arms | drift reported | of joint 3, Coulomb | of another | within one session | moment covered | "
+        "size covered | described as |"
+    )
+    yield "| --- | --- | --- | --- | --- | --- | --- | --- | --- |"
+
+
+def row(name: str, outcomes: Sequence[Outcome]) -> str:
+    """Return one row; shares in per cent with their 95 % intervals."""
+    timed = [outcome for outcome in outcomes if outcome.off is not None and outcome.found]
+    shapes = Counter(outcome.shape for outcome in outcomes).most_common(3)
+    cells = [
+        name,
+        str(len(outcomes)),
+        share([o.drift for o in outcomes], 1),
+        share([o.found for o in outcomes], 1),
+        share([o.falsely for o in outcomes], 1),
+        share([(o.off or 0) <= 1 for o in timed], 1),
+        share([bool(o.covered) for o in timed], 1),
+        share([o.size_covered for o in outcomes], 1),
+        ", ".join(f"{shape} {100 * count / len(outcomes):.0f} %" for shape, count in shapes),
+    ]
+    return f"| {' | '.join(cells)} |"

@@ -11,9 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.drift.arms import Outcome, judge, pool, repeat
+from benchmarks.drift.arms import Outcome, heading, judge, pool, repeat, row
 from benchmarks.drift.library import DURATION_S, OneJoint, record_many
-from benchmarks.drift.table import heading, row
 from friction_audit.drift.report import DriftSettings
 
 SESSIONS = 30

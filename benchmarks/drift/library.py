@@ -26,17 +26,11 @@ RISE_K, LOST = 8.0, 0.15
 
 @dataclass(frozen=True, kw_only=True)
 class OneJoint:
-    """One session of one joint.
+    """One session of one joint."""
 
-    Attributes:
-        factor: Coulomb friction over that of the other sessions: the drift.
-        conditions: Under what it was read.
-        summary: What is kept of it.
-    """
-
-    factor: float
-    conditions: Conditions
-    summary: JointSummary
+    factor: float  # coulomb friction over that of the other sessions: the drift
+    conditions: Conditions  # under what it was read
+    summary: JointSummary  # what is kept of it
 
 
 def record(factor: float, seed: int) -> OneJoint:

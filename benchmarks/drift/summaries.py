@@ -13,8 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.drift.arms import DRIFTING, JOINTS, Outcome, judge, make_session, repeat
-from benchmarks.drift.table import heading, row
+from benchmarks.drift.arms import DRIFTING, JOINTS, Outcome, heading, judge, make_session, repeat, row
 from friction_audit.drift.report import DriftSettings
 from friction_audit.drift.session import Conditions, JointSummary, Session
 from friction_audit.friction.history import Coefficient
@@ -31,31 +30,18 @@ CONDITIONS = Conditions(drive="hand", torque="interaction", gravity="removed", i
 
 @dataclass(frozen=True, kw_only=True)
 class World:
-    """What the sessions of an arm go through.
+    """What the sessions of an arm go through."""
 
-    Attributes:
-        name: For the table.
-        sessions: How many.
-        step: Relative step of joint 3's Coulomb friction at a random session.
-        rise: Its relative rise a session.
-        scatter: Standard deviation between sessions beyond the errors.
-        correlation: Of the scatter of a session with the next one's.
-        tails: Degrees of freedom of the scatter; infinite for a normal one.
-        broken: Share of the estimates that are off by a factor of 0.3 to 2.
-        warmth: Whether the temperature is logged.
-        warming: Rise of the temperature over the sessions. [K]
-    """
-
-    name: str
-    sessions: int = 30
-    step: float = 0.0
-    rise: float = 0.0
-    scatter: float = 0.005
-    correlation: float = 0.0
-    tails: float = np.inf
-    broken: float = 0.0
-    warmth: bool = True
-    warming: float = 0.0
+    name: str  # for the table
+    sessions: int = 30  # how many
+    step: float = 0.0  # relative step of joint 3's Coulomb friction at a random session
+    rise: float = 0.0  # its relative rise a session
+    scatter: float = 0.005  # standard deviation between sessions beyond the errors
+    correlation: float = 0.0  # of the scatter of a session with the next one's
+    tails: float = np.inf  # degrees of freedom of the scatter; infinite for a normal one
+    broken: float = 0.0  # share of the estimates that are off by a factor of 0.3 to 2
+    warmth: bool = True  # whether the temperature is logged
+    warming: float = 0.0  # rise of the temperature over the sessions [K]
 
 
 WORLDS = (

@@ -2,11 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import Any
 
 import numpy as np
 
 from friction_audit.effects.joint_model import ArmModel, simple_model
+from friction_audit.effects.registry import effects
 from friction_audit.simulation.effects import EFFECTS, HiddenEffect
 from friction_audit.simulation.scenarios import SCENARIOS
 from friction_audit.simulation.settings import PANDA_SENSORS, JointParameters, Sensors
@@ -32,33 +34,23 @@ Rotors are on the motors' side of the sensors, so that only a hand that guides t
 """
 STATED = ("inertia_error", "unlogged_compensation")
 """Effects that can be seen beside a stated model only."""
+NOT_PAIRED = ("unlogged_compensation", "contact_event")
+"""Not to be seen without a declared model; hidden as an event, not as torque."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Case:
-    """What one log is made from.
+    """What one log is made from."""
 
-    Attributes:
-        seed: Seed of the draw and of the simulation.
-        scenario: Name of the scenario.
-        noise: Colour of the torque noise.
-        effects: Names of the hidden effects.
-        groups: Their numbers, strengths not yet scaled.
-        joint: The joint, of a scenario of one.
-        number: Number of the joint in which it is hidden, one of an arm's, 1 of one.
-        duration_s: Length of the log. [s]
-        partial: Strength asked for: rms of what the effect adds, free of the declared model, over the noise's rms.
-    """
-
-    seed: int
-    scenario: str
-    noise: str
-    effects: tuple[str, ...]
-    groups: tuple[Any, ...]
-    joint: JointParameters
-    duration_s: float
-    partial: float
-    number: int = 1
+    seed: int  # of the draw and of the simulation
+    scenario: str  # its name
+    noise: str  # colour of the torque noise
+    effects: tuple[str, ...]  # names of the hidden effects
+    groups: tuple[Any, ...]  # their numbers, strengths not yet scaled
+    joint: JointParameters  # the joint, of a scenario of one
+    duration_s: float  # length of the log [s]
+    partial: float  # strength asked for: rms of what the effect adds, free of the declared model, over the noise's rms
+    number: int = 1  # number of the joint in which it is hidden, one of an arm's, 1 of one
 
     @property
     def felt_in(self) -> tuple[int, ...]:
@@ -69,7 +61,7 @@ class Case:
 def draw_case(seed: int, names: Sequence[str], partial: float, scenario: str | None = None) -> Case:
     """Draw everything but the effects' names and strength."""
     rng = np.random.default_rng([seed, 20261121, *"+".join(names).encode()])
-    effects = [next(effect for effect in EFFECTS if effect.name == name) for name in names]
+    hidden = [next(effect for effect in EFFECTS if effect.name == name) for name in names]
     joint = JointParameters(
         inertia_kg_m2=float(rng.uniform(0.1, 0.6)),
         coulomb_nm=float(rng.uniform(0.15, 0.5)),
@@ -84,17 +76,32 @@ def draw_case(seed: int, names: Sequence[str], partial: float, scenario: str | N
         scenario=place,
         noise=str(rng.choice(NOISES)),
         effects=tuple(names),
-        groups=tuple(_draw_group(effect, rng) for effect in effects),
+        groups=tuple(_draw_group(effect, rng) for effect in hidden),
         joint=joint,
         duration_s=longer * float(rng.uniform(60.0, 120.0)),
         partial=partial,
-        number=_draw_number(seed) if place.startswith("panda") else 1,
+        # A joint of an arm with a neighbour on either side.
+        number=int(np.random.default_rng([seed, 20261122]).integers(2, 7)) if place.startswith("panda") else 1,
     )
 
 
-def _draw_number(seed: int) -> int:
-    """A joint of an arm with a neighbour on either side."""
-    return int(np.random.default_rng([seed, 20261122]).integers(2, 7))
+def draw_pairs(first: int, seeds: int) -> list[tuple[str, int]]:
+    """One pair of effects for each seed, as ``first+second``, and the seed; both can be seen in one scenario."""
+    every = effects_that_pair()
+    return [(str(np.random.default_rng([seed, 3]).choice(every)), seed) for seed in range(first, first + seeds)]
+
+
+def effects_that_pair() -> list[str]:
+    """All pairs of effects that share a scenario of one joint and are told apart by some motion."""
+    some = [one for one in effects() if one.name not in NOT_PAIRED]
+    places = {one.name: set(MOTIONS.get(one.name, ONE_JOINT)) & set(ONE_JOINT) for one in some}
+    return [
+        f"{one.name}+{two.name}"
+        for one, two in combinations(some, 2)
+        if places[one.name] & places[two.name]
+        and two.name not in one.indistinguishable
+        and one.name not in two.indistinguishable
+    ]
 
 
 def _draw_group(effect: type[HiddenEffect], rng: np.random.Generator) -> Any:  # noqa: ANN401 - every effect has its own

@@ -1,25 +1,16 @@
-"""Simulate, diagnose, and hold the answer against the truth, over many seeds.
+"""Simulate, diagnose, and hold the answer against the truth: jobs of ``diagnosis_figures``, and of the strengths.
 
-python -m benchmarks.hidden_effects.run [--effects all] [--seeds 30] [--first 0] [--noise COLOUR]
-    [--strengths FILE.csv...] [--output FILE.csv]
-
-``--effects`` takes names, ``one+two``, ``none``, ``pairs`` (drawn by seed) and the kinds of ``outside``. A file that is
-there is gone on with: what it holds is not run again.
+What is hidden is named as ``one``, ``one+two``, ``none``, ``pairs`` (drawn by seed) or by a kind of ``outside``.
 """
 
-import argparse
 import json
-import os
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from benchmarks.answers import ANSWER, answer_of
-from benchmarks.hidden_effects.draw import NOISES, Case, draw_case, model_of, settings_of
+from benchmarks.hidden_effects.draw import Case, draw_case, draw_pairs, model_of, settings_of
 from benchmarks.hidden_effects.outside import OUTSIDE, log_with
-from benchmarks.hidden_effects.pairs import draw_pairs
 from benchmarks.hidden_effects.recovery import compared
 from benchmarks.hidden_effects.strength import scales_for
 from benchmarks.resume import Job, Row, read
@@ -67,11 +58,6 @@ def parsed(text: str) -> Scales:
     return None if text == NOT_REACHED else tuple(float(one) for one in text.split("/") if one)
 
 
-def strengths_of(paths: Iterable[Path]) -> dict[tuple[str, str], str]:
-    """The column of the scales by truth and seed."""
-    return {(row["truth"], row["seed"]): row["scales"] for path in paths for row in read(path) if row.get("scales")}
-
-
 def case_of(seed: int, truth: str, scenario: str | None = None) -> Case:
     """The case of a seed and a truth, strengths not yet scaled."""
     names = () if truth == "none" or truth in {kind for kind, _ in OUTSIDE} else tuple(truth.split("+"))
@@ -115,24 +101,17 @@ def _numbers(case: Case, found: Iterable[NamedEffect]) -> list[dict[str, object]
     ]
 
 
-def tasks(effects: str, first: int, seeds: int) -> list[tuple[str, int]]:
+def tasks(names: Sequence[str], first: int, seeds: int) -> list[tuple[str, int]]:
     """Truth and seed of every log."""
-    names = [effect.name for effect in EFFECTS] if effects == "all" else effects.split(",")
     every = range(first, first + seeds)
     return [
         one for name in names for one in (draw_pairs(first, seeds) if name == "pairs" else [(name, s) for s in every])
     ]
 
 
-def job(wanted: Sequence[tuple[str, int]], strengths: Sequence[Path] = (), scenario: str | None = None) -> Job:
-    """Diagnose logs; strengths that no file holds are searched.
-
-    Args:
-        wanted: Truth and seed of each log.
-        strengths: Tables with the columns ``truth``, ``seed``, ``scales``.
-        scenario: Of all logs; drawn if None.
-    """
-    known, tasks_ = strengths_of(strengths), []
+def job(wanted: Sequence[tuple[str, int]], strengths: Path, scenario: str | None = None) -> Job:
+    """Diagnose logs, of truth and seed each; strengths that no row of a table holds are searched."""
+    known, tasks_ = {(row["truth"], row["seed"]): row["scales"] for row in read(strengths) if row.get("scales")}, []
     for truth, seed in wanted:
         task = {"truth": truth, "seed": str(seed)}
         task |= {"scales": known[truth, str(seed)]} if (truth, str(seed)) in known else {}
@@ -140,27 +119,15 @@ def job(wanted: Sequence[tuple[str, int]], strengths: Sequence[Path] = (), scena
     return Job(FIELDS, tasks_, run_case)
 
 
-def main() -> None:
-    """Run all cases that the file does not hold, and write one row per joint as they are done."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--effects", default="all")
-    parser.add_argument("--seeds", type=int, default=30)
-    parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--scenario")
-    parser.add_argument("--noise", choices=NOISES)
-    parser.add_argument("--workers", type=int)
-    parser.add_argument("--strengths", type=Path, nargs="*", default=(), help="tables of strengths or of earlier rows")
-    parser.add_argument("--output", type=Path, default=Path("hidden_effects.csv"))
-    asked = parser.parse_args()
-    wanted = [
-        one
-        for one in tasks(asked.effects, asked.first, asked.seeds)
-        if asked.noise in {None, case_of(one[1], one[0]).noise}
-    ]
-    job(wanted, asked.strengths, asked.scenario).run(asked.output, asked.workers)
+def strengths_job(wanted: Sequence[tuple[str, int]]) -> Job:
+    """Search strengths of logs, each by truth and seed."""
+    return Job(("truth", "seed", "scales"), [{"truth": truth, "seed": str(seed)} for truth, seed in wanted], searched)
 
 
-if __name__ == "__main__":
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    np.seterr(all="ignore")
-    main()
+def searched(task: Row) -> list[Row]:
+    """Scales of one log."""
+    try:
+        scales = scales_for(case_of(int(task["seed"]), task["truth"]))
+    except FrictionAuditError:  # so strong that the joint does not move
+        scales = None
+    return [{**task, "scales": NOT_REACHED if scales is None else "/".join(map(repr, scales))}]

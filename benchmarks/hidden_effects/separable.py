@@ -1,33 +1,23 @@
 """Rows of ``run`` -> how often the only name is right where the log holds the motion that separates the names.
 
-python -m benchmarks.hidden_effects.separable FILE.csv... [--output docs/diagnosis.md] [--separations FILE.csv]
-
 Whether a log separates the hidden effect from competing ones is measured by ``separation``, on logs without noise.
-What the file of separations holds is not computed again.
 """
 
-import argparse
-import os
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from pathlib import Path
-
-import numpy as np
 
 from benchmarks.answers import CLEAR, Row, exact, share, table
 from benchmarks.hidden_effects.draw import draw_case
 from benchmarks.hidden_effects.run import NOT_REACHED, SIZES, parsed, scaled
 from benchmarks.hidden_effects.separation import separate
 from benchmarks.hidden_effects.table import hidden_here
-from benchmarks.marked_page import write_between
-from benchmarks.resume import Job, read
+from benchmarks.resume import Job
 
 EFFECTS = (
     "stribeck", "presliding", "load_dependent_friction", "torque_ripple", "gravity_error", "torque_drift", "time_delay",
     "warm_up", "friction_step", "joint_elasticity", "backlash", "nonlinear_viscous",
 )  # fmt: skip
 """That are to be the only name wherever the log separates them."""
-BEGIN, END = "<!-- separable -->", "<!-- end of separable -->"
 FIELDS = ("truth", "seed", "separates", "close", "competing")
 Key = tuple[str, str]
 
@@ -61,11 +51,6 @@ def job(rows: Iterable[Row]) -> Job:
     return Job(FIELDS, list(wanted.values()), separation_of)
 
 
-def separations(rows: Iterable[Row], path: Path, workers: int | None = None) -> dict[Key, Row]:
-    """Those of all rows; what the file holds is not computed again."""
-    return {(row["truth"], row["seed"]): row for row in job(rows).run(path, workers)}
-
-
 def by_effect(rows: Sequence[Row], known: Mapping[Key, Row]) -> str:
     """One line per effect, and one for all."""
     head = (
@@ -88,25 +73,3 @@ def _line(label: str, rows: Sequence[Row], known: Mapping[Key, Row]) -> tuple[st
     names = Counter(name for one in found for name in one["close"].split("|") if name)
     close = ", ".join(f"{name} {times}" for name, times in names.most_common()) if label != "all" else ""
     return label, str(len(rows)), share(apart), share(there), share(elsewhere), close
-
-
-def main() -> None:
-    """Print the table, or put it between the marks of a page."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("files", nargs="+", type=Path)
-    parser.add_argument("--output", type=Path)
-    parser.add_argument("--separations", type=Path, default=Path("separations.csv"))
-    parser.add_argument("--workers", type=int)
-    asked = parser.parse_args()
-    rows = judged(row for path in asked.files for row in read(path))
-    text = by_effect(rows, separations(rows, asked.separations, asked.workers))
-    if asked.output is None:
-        print(text)
-        return
-    write_between(asked.output, BEGIN, END, text)
-
-
-if __name__ == "__main__":
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    np.seterr(all="ignore")
-    main()

@@ -1,22 +1,13 @@
-"""Rows of ``run`` -> the tables in the documentation.
+"""Rows of ``run`` -> the tables in ``benchmarks/effects.md``."""
 
-python -m benchmarks.hidden_effects.table FILE.csv... [--output benchmarks/effects.md]
-"""
-
-import argparse
 import json
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 
 from benchmarks.answers import CLEAR, Row, exact, held, misnamed, share, table, unexplained, wrong
 from benchmarks.hidden_effects.outside import OUTSIDE
-from benchmarks.marked_page import write_between
-from benchmarks.resume import read
 from friction_audit.effects.registry import effects
-
-BEGIN, END = "<!-- effect by effect -->", "<!-- end of effect by effect -->"
 
 
 def hidden_here(row: Row) -> bool:
@@ -149,21 +140,3 @@ def everything(rows: Sequence[Row]) -> str:
     """All tables."""
     here = [row for row in rows if hidden_here(row)]
     return "\n\n".join((by_strength(here), by_effect(here), without_effect(rows), gaps(here), numbers(here)))
-
-
-def main() -> None:
-    """Print the tables, or put them between the marks of a page."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("files", nargs="+", type=Path)
-    parser.add_argument("--output", type=Path)
-    asked = parser.parse_args()
-    rows = [row for path in asked.files for row in read(path) if row["verdict"] not in {"", "error"}]
-    text = everything(rows)
-    if asked.output is None:
-        print(text)
-        return
-    write_between(asked.output, BEGIN, END, text)
-
-
-if __name__ == "__main__":
-    main()

@@ -1,19 +1,13 @@
 """Diagnose measured logs: whole with three seeds, halves, and with effects added to the torque; one row per joint.
 
-python -m benchmarks.real_logs.run FOLDER_OF_LOGS [--output ROWS.csv]
-
 The logs are published ones and are not part of this project; one that is not in the folder is passed over.
 """
 
-import argparse
-import os
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from benchmarks.answers import ANSWER, answer_of
 from benchmarks.real_logs.injections import DELAY, SIZES, injected
@@ -92,22 +86,6 @@ def run_part(root: Path, task: Row) -> list[dict[str, object]]:
     return [row | {"joint": one.joint, "untestable": ";".join(one.untestable)} | answer_of(one) for one in found]
 
 
-def job(root: Path, injection_seed: int = 30000) -> Job:
+def job(root: Path, injection_seed: int) -> Job:
     """Diagnose all parts of the logs in a folder; the seed draws the numbers of injected effects."""
     return Job(FIELDS, list(tasks(injection_seed)), partial(run_part, root), KEYS)
-
-
-def main() -> None:
-    """Run what the file does not hold."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", type=Path)
-    parser.add_argument("--output", type=Path, default=Path("real_logs.csv"))
-    parser.add_argument("--workers", type=int)
-    asked = parser.parse_args()
-    job(asked.folder).run(asked.output, asked.workers)
-
-
-if __name__ == "__main__":
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    np.seterr(all="ignore")
-    main()

@@ -1,13 +1,5 @@
-"""Write logs of hidden effects, read and diagnose them, one row per joint.
+"""Write logs of hidden effects as people write them, read and diagnose them, one row each: ``diagnosis_figures``."""
 
-python -m benchmarks.stranger.run --output FILE.csv [--effects all] [--first 0] [--seeds 4] [--joints 1|7]
-
-``--effects`` takes names, ``one+two``, ``none``, ``pairs`` (drawn by seed), ``all`` (each alone, those outside the
-catalogue too). A file that is there is gone on with.
-"""
-
-import argparse
-import itertools
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,8 +9,7 @@ import numpy as np
 from benchmarks.answers import ANSWER, answer_of
 from benchmarks.resume import Job, Row
 from benchmarks.stranger.draw import SIZES, Case, draw_case
-from benchmarks.stranger.effects import HIDDEN, OUTSIDE, RECORDED
-from benchmarks.stranger.logs import write_log
+from benchmarks.stranger.effects import RECORDED
 from friction_audit.api import read_log
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_model import load_model
@@ -32,29 +23,21 @@ FIELDS = (
 
 
 def run_one(task: Row) -> list[dict[str, object]]:
-    """One log, and what is said of each joint; a row without a verdict where the size cannot be reached.
-
-    One joint alone is one of the shoulder or of the wrist; in an arm the effects are hidden in one of seven.
-    """
-    truth, seed, joints = task["truth"], int(task["seed"]), int(task["joints"])
-    names = () if truth == "none" else tuple(truth.split("+"))
-    size = SIZES[seed % len(SIZES)]
-    numbers = range(1, joints + 1) if joints > 1 else [7 if seed % 3 == 0 else 1]
-    felt = numbers[seed % len(numbers)]
-    cases = [draw_case(seed, names if j == felt or set(names) <= set(RECORDED) else (), size, joint=j) for j in numbers]
-    drawn = [case for case in cases if case is not None]
-    if len(drawn) < len(cases):
+    """The row of one log, of a joint of the shoulder or of the wrist; without a verdict where no strength will do."""
+    truth, seed = task["truth"], int(task["seed"])
+    names, size = () if truth == "none" else tuple(truth.split("+")), SIZES[seed % len(SIZES)]
+    case = draw_case(seed, names, size, joint=7 if seed % 3 == 0 else 1)
+    if case is None:
         return [{"truth": truth, "seed": seed, "verdict": "", "partial": size}]
-    drawn_rows = [_row(case, truth) for case in drawn]
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "log.csv"
-        file = write_log(drawn, path)
-        settings = DiagnosisSettings(model=None if file is None else load_model(file))
+        model = write_log(case, path)
+        settings = DiagnosisSettings(model=None if model is None else load_model(model))
         try:
-            found = diagnose_log(read_log(path), AuditSettings(), settings).discrepancy.joints
+            (found,) = diagnose_log(read_log(path), AuditSettings(), settings).discrepancy.joints
         except FrictionAuditError as error:
-            return [row | {"verdict": "error", "reason": str(error)} for row in drawn_rows]
-    return [row | answer_of(one) for row, one in zip(drawn_rows, found, strict=True)]
+            return [_row(case, truth) | {"verdict": "error", "reason": str(error)}]
+    return [_row(case, truth) | answer_of(found)]
 
 
 def _row(case: Case, truth: str) -> dict[str, object]:
@@ -67,36 +50,37 @@ def _row(case: Case, truth: str) -> dict[str, object]:
     }  # fmt: skip
 
 
-def job(effects: str, seeds: Sequence[int], joints: int = 1) -> Job:
-    """Diagnose logs of some seeds."""
-    wanted = [{"truth": t, "seed": str(seed), "joints": str(joints)} for seed in seeds for t in truths(effects, seed)]
-    return Job(FIELDS, wanted, run_one)
+def job(truths: Sequence[str], seeds: Sequence[int]) -> Job:
+    """Diagnose logs of some seeds, each with each truth."""
+    return Job(FIELDS, [{"truth": truth, "seed": str(seed)} for seed in seeds for truth in truths], run_one)
 
 
-def truths(asked: str, seed: int) -> list[str]:
-    """What is hidden in the logs of a seed."""
-    if asked == "all":
-        return [*HIDDEN, *OUTSIDE, *RECORDED]
-    if asked == "pairs":
-        pairs = [*itertools.combinations(HIDDEN, 2)]
-        return ["+".join(pairs[np.random.default_rng([seed, 4]).integers(len(pairs))])]
-    return asked.split(",")
+def write_log(case: Case, path: Path) -> Path | None:
+    """Write a CSV, and next to it the declared model where the case states an inertia, which is returned.
 
-
-def main() -> None:
-    """Run what the file does not hold."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--effects", default="all")
-    parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--seeds", type=int, default=4)
-    parser.add_argument("--joints", type=int, choices=(1, 7), default=1)
-    parser.add_argument("--workers", type=int)
-    parser.add_argument("--output", type=Path, required=True)
-    asked = parser.parse_args()
-    seeds = range(asked.first, asked.first + asked.seeds)
-    job(asked.effects, seeds, asked.joints).run(asked.output, asked.workers)
-
-
-if __name__ == "__main__":
-    np.seterr(all="ignore")
-    main()
+    The torque is the interaction torque itself, or tau_J with the known gravity in it: a hand pushes from beyond the
+    sensor, tau_J = gravity - F_m; a robot that moves itself has tau_J = gravity + F_m.
+    """
+    made, joint, number = case.recording, case.setup.joint, case.joint
+    columns = {"time": made.t, f"q_{number}": made.q, f"dq_{number}": made.dq}
+    if joint.pendulum > 0.0 or case.seed % 2 == 1:
+        sign = -1.0 if case.hand else 1.0
+        columns |= {f"tau_J_{number}": case.load + sign * made.torque, f"gravity_{number}": case.load}
+    else:
+        columns |= {f"tau_interaction_{number}": made.torque}
+    rows = np.column_stack(list(columns.values()))
+    np.savetxt(path, rows, fmt="%.7g", delimiter=",", header=",".join(columns), comments="")
+    if case.setup.declared_inertia is None:
+        return None
+    model = path.with_suffix(".toml")
+    model.write_text(f"""schema = "friction-audit/model/1"
+version = "0.1.0"
+[[joint]]
+name = "joint{number}"
+inertia_kg_m2 = {case.setup.declared_inertia}
+[joint.terms.coulomb]
+coulomb_nm = {joint.coulomb}
+[joint.terms.viscous]
+viscous_nms_per_rad = {joint.viscous}
+""")
+    return model

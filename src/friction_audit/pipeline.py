@@ -218,8 +218,8 @@ class LogReplay(Shown):
     settings: "ReplaySettings"
 
     def __repr__(self) -> str:
-        path, title = self.estimate.log.source.path, self.replay.counterfactual.title
-        return "\n  ".join((f"LogReplay({path}: {title})", *map(repr, self.replay.joints)))
+        path, assume = self.estimate.log.source.path, self.replay.counterfactual.name
+        return "\n  ".join((f"LogReplay({path}: {assume})", *map(repr, self.replay.joints)))
 
 
 def replay_estimate(

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from benchmarks.stranger.draw import TOLERANCE, draw_case
 from benchmarks.stranger.joint import STEP_S, Drive, Joint, integrate
-from benchmarks.stranger.logs import write_log
 from benchmarks.stranger.motions import MOTIONS, times
+from benchmarks.stranger.run import write_log
 from benchmarks.stranger.sensors import Sensors, clock_of, coloured, read_torque, record
 
 FIRM = Drive(3000.0, 60.0, 1.0)
@@ -108,18 +108,10 @@ def test_a_hidden_effect_has_the_size_that_was_asked_for_and_is_written(tmp_path
     case = draw_case(2, ("inertia_error",), 1.0, duration_s=10.0)
     assert case is not None
     assert case.reached[0] == pytest.approx(1.0, rel=TOLERANCE)
-    model = write_log([case], tmp_path / "log.csv")
+    model = write_log(case, tmp_path / "log.csv")
     assert model is not None
     assert f"inertia_kg_m2 = {case.setup.declared_inertia}" in model.read_text()
     assert (tmp_path / "log.csv").read_text().startswith("time,q_1,dq_1,tau_interaction_1\n")
-
-
-def test_joints_of_an_arm_share_their_clock() -> None:
-    first, last = (draw_case(5, (), 1.0, joint=joint, duration_s=5.0) for joint in (1, 7))
-    assert first is not None
-    assert last is not None
-    assert np.array_equal(first.recording.t, last.recording.t)
-    assert not np.array_equal(first.recording.q, last.recording.q)
 
 
 def test_friction_grows_with_what_the_gear_transmits() -> None:

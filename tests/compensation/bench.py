@@ -1,13 +1,12 @@
-"""Compensators on the simulator's bench and step by step, and the stability limits of those that feed back."""
+"""Compensators on the simulator's bench and step by step, and the stability limit of the observer."""
 
 import math
 from functools import cache
 from typing import Any
 
 import numpy as np
-from scipy.linalg import expm
 
-from friction_audit.compensation.competitors import Compensator, DisturbanceObserver, TorqueRegulation
+from friction_audit.compensation.competitors import Compensator, DisturbanceObserver
 from friction_audit.compensation.controller import FIND, step
 from friction_audit.compensation.records import fresh_memory, pack
 from friction_audit.compensation.settings import OperatorImpedance, ReplaySettings
@@ -80,30 +79,6 @@ def feed(compensator: Compensator | None, dq: Any, interaction_nm: Any, dt: floa
     settings, memory = fresh(compensator)
     pairs = np.broadcast(np.asarray(dq, float), np.asarray(interaction_nm, float))
     return np.array([step(settings, memory, v, torque, dt, FIND) for v, torque in pairs]), memory
-
-
-# Stability limits of the feed-back compensators from the theory of sampled loops.
-# Motor B and outer inertia m, the link and the hand; u is held over a tick and acts one after the sensors were read.
-
-GAINS = np.geomspace(1e-3, 1e4, 8001)  # the largest before the first that is unstable is the limit, to 0.2 %
-ROUNDING = 1e-9  # a joint without damping rings for ever, at an eigenvalue of 1 but for rounding
-
-
-def largest_torque_gain(motor: float, outer: float, stiffness: float, damping: float, share: float) -> float:
-    """Return the largest stable G of u = G y, y the spring's torque after a low-pass that goes a share in a tick."""
-    inverse = 1.0 / motor + 1.0 / outer
-    rates = np.array([[0.0, 1.0, 0.0], [-stiffness * inverse, -damping * inverse, 1.0 / motor], [0.0, 0.0, 0.0]])
-    plant: Float = expm(rates * TICK_S)[:2]  # of twist and its rate over a tick
-    filtered = np.array([-share * stiffness, -share * damping, 1.0 - share])
-    loops = np.array([np.vstack([plant @ np.vstack([np.eye(2, 3), gain * filtered]), filtered]) for gain in GAINS])
-    unstable = np.abs(np.linalg.eigvals(loops)).max(axis=1) > 1.0 + ROUNDING
-    return float(GAINS[np.argmax(unstable) - 1]) if unstable.any() else math.inf
-
-
-def regulation_limit(settings: TorqueRegulation, motor: float, outer: float, stiffness: float, damping: float) -> float:
-    """Return the smallest stable desired inertia B_theta. [kg m^2]"""
-    share = -math.expm1(-2.0 * math.pi * settings.cutoff_hz * TICK_S)
-    return settings.inertia_kg_m2 / (1.0 + largest_torque_gain(motor, outer, stiffness, damping, share))
 
 
 def observer_limit(settings: DisturbanceObserver, motor: float, outer: float) -> float:

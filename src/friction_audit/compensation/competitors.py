@@ -24,8 +24,6 @@ import numpy as np
 from friction_audit.compensation.law import (
     FINITE,
     EnergyCompensator,
-    Gained,
-    Guard,
     Law,
     positive,
     soft_sign,
@@ -36,7 +34,7 @@ from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.errors import UsageError
 
 
-class FixedCompensation(Gained):
+class FixedCompensation(Law):
     """A compensator that never learns: u = coulomb sgn(dq) + viscous dq outside the dead-band, else 0."""
 
     name, gains = "fixed", ("coulomb_nm", "viscous_nms_per_rad")
@@ -245,9 +243,3 @@ Compensator = (
 
 # In the order of the documentation, which is that of the codes in ``law``, from 1 on.
 COMPENSATORS: tuple[type[Any], ...] = get_args(Compensator)
-
-
-def guard_of(compensator: Compensator | None) -> Guard:
-    """Return passivity controller and limits of a compensator; where it has none, those that do nothing."""
-    guard = compensator if isinstance(compensator, Guard) else getattr(compensator, "guard", None)
-    return guard or Guard()

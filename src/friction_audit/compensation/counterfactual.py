@@ -21,7 +21,7 @@ from friction_audit.compensation.closed_loop import (
     run_closed_loop,
     run_same_motion,
 )
-from friction_audit.compensation.competitors import Compensator, JointModelCompensation, guard_of
+from friction_audit.compensation.competitors import Compensator, JointModelCompensation
 from friction_audit.compensation.feed_forward import NO_MODEL, feed_of, refuse, straighten
 from friction_audit.compensation.records import fresh_memory, pack
 from friction_audit.compensation.result import FittedOperator, Signals
@@ -59,13 +59,13 @@ class Run:
 
     def __init__(self, compensator: Compensator | None, step_s: float, peak_power_w: float) -> None:
         """Take what runs, the step of the clock, and the largest power of the total torque in the recording."""
-        guard = guard_of(compensator)
         self._compensator, self._settings = compensator, pack([compensator], 1.0 / step_s)[0]
         self._feed = feed_of((), Motion(t=np.arange(2.0), q=np.zeros(2), dq=np.zeros(2), ddq=np.zeros(2)))
         self.memory, self.rows = fresh_memory(1)[0], [np.zeros(0, CYCLE)]
         self.tally, self.felt = np.zeros(1, TALLY)[0], np.zeros(1, SUMS)[0]
         self.tally["activation_s"] = self.tally["diverged_s"] = nan
-        self.tally["tolerance_j"] = peak_power_w * (SAMPLES * step_s + (guard.payback_s if guard.passivity else 0.0))
+        payback_s = compensator.payback_s if compensator is not None and compensator.passivity else 0.0
+        self.tally["tolerance_j"] = peak_power_w * (SAMPLES * step_s + payback_s)
 
     def take(self, scene: Scene) -> Signals:
         """Run on through a scene; return what happens in it, up to where it diverges."""
@@ -178,7 +178,7 @@ def make_scene(
     """
     column = interaction.joint_numbers.index(friction.joint)
     recorded, fitted = recording_of(interaction, column), None
-    if settings.assume == SAME_MOTION.name:
+    if settings.assume == SAME_MOTION:
         return Scene(recorded=recorded, cuts=cuts, motion=recorded_motion(interaction, column) if modelled else None)
     motion = recorded_motion(interaction, column)
     model = None if settings.joint_model is None else settings.joint_model.joint(friction.joint)
@@ -207,7 +207,7 @@ def _operator(
     interaction: Interaction, settings: ReplaySettings, recorded: Recorded, motion: Motion
 ) -> FittedOperator | None:
     """Return the impedance of the person, None where the recorded torque stays."""
-    if settings.assume != SAME_OPERATOR.name:
+    if settings.assume != SAME_OPERATOR:
         return None
     if settings.operator is not None:
         known = [Coefficient(value=one, low=nan, high=nan) for one in astuple(settings.operator)]

@@ -59,20 +59,12 @@ class Checked:
                 raise UsageError(f"{where}: {item.name} {found}: expected {expected}")
 
 
-class Gained(Checked):
-    """A law whose torque is proportional to some of its numbers."""
+class Law(Checked):
+    """A compensator of any kind: its law, within a passivity controller and limits."""
 
     name: ClassVar[str]  # as in options, tables and documentation; also the field of the records that holds its numbers
     summary: ClassVar[str]  # one line
-    gains: ClassVar[tuple[str, ...]] = ()
-
-    def scaled(self, factor: float) -> Self:
-        """Return it with its gains times a factor."""
-        return replace(self, **{name: factor * getattr(self, name) for name in self.gains})
-
-
-class Guard(Gained):
-    """Passivity controller and limits around a law of any kind."""
+    gains: ClassVar[tuple[str, ...]] = ()  # numbers that its torque is proportional to
 
     passivity: bool = False  # if True, the passivity controller acts
     initial_energy_j: float = within(0.0)  # E(0) of (21) [J]
@@ -87,6 +79,10 @@ class Guard(Gained):
     max_torque_nm: float = positive(inf, high=inf)  # of compensation and passivity controller together [N m]
     max_torque_rate_nm_s: float = positive(inf, high=inf)  # fastest change of it [N m/s]
 
+    def scaled(self, factor: float) -> Self:
+        """Return it with its gains times a factor."""
+        return replace(self, **{name: factor * getattr(self, name) for name in self.gains})
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Coefficients:
@@ -96,7 +92,7 @@ class Coefficients:
     viscous_nms_per_rad: float = 0.0  # viscous friction [N m s/rad]
 
 
-class EnergyCompensator(Guard):
+class EnergyCompensator(Law):
     """The compensator of the paper: estimates at the end of each energy cycle, applies the estimate in the next.
 
     The Coulomb term is silent up to ``dead_band_rad_s`` and rises linearly over the next ``ramp_rad_s``. A sign
@@ -144,18 +140,12 @@ class EnergyCompensator(Guard):
             raise UsageError(f"compensator: {found}: expected initiation above termination, both above zero, in rad/s")
         if self.forced_from_cycle < 1:
             raise UsageError(f"compensator: forced_from_cycle {self.forced_from_cycle}: cycles count from 1")
-        Guard.__post_init__(self)
+        Law.__post_init__(self)
 
     @property
     def cycles_per_estimate(self) -> int:
         """The window k in force."""
         return MODELS[self.model] if self.window is None else self.window
-
-
-class Law(Gained):
-    """A law with a guard around it; the records hold its plain numbers as a group of its own."""
-
-    guard: Guard = field(default_factory=Guard)  # passivity controller and limits
 
 
 def payback_s(mode_rad_s: float, damping_ratio: float) -> float:
@@ -164,7 +154,7 @@ def payback_s(mode_rad_s: float, damping_ratio: float) -> float:
     The ledger integrates, so that the controller is a loop of crossover 1/tau, and the mode amplifies it by
     1/(2 zeta): tau > 1/(2 zeta w) keeps the loop gain below 1 at the mode, which is sufficient.
     """
-    return max(Guard().payback_s, 1.0 / (2.0 * damping_ratio * mode_rad_s))
+    return max(Law.payback_s, 1.0 / (2.0 * damping_ratio * mode_rad_s))
 
 
 # Values of ``kind`` in the records.

@@ -1,7 +1,7 @@
 """Settings and memory of the compensators as numpy records, which compiled code reads by field name."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, fields
+from dataclasses import fields
 from math import inf, nan
 
 import numpy as np
@@ -20,16 +20,22 @@ NO_CYCLE, ESTIMATED, TOO_FEW, NOT_MOVED, GAP = range(5)
 NET, PATH, SQUARE = range(3)  # columns of ``rows``: net energy [J], path [rad], integral of dq^2 [rad^2/s] of a cycle
 
 
-# The plain numbers of the settings of each compensator as fields of a record.
-NUMBERS = {kind: [(item.name, "f8") for item in fields(kind) if item.type is float] for kind in COMPENSATORS}
+SHARED = [item.name for item in fields(Law)]  # settings of any kind
+# The plain numbers of the settings of each compensator that not all have, as fields of a record.
+OWN = {
+    kind: [(item.name, "f8") for item in fields(kind) if item.type is float and item.name not in SHARED]
+    for kind in COMPENSATORS
+}
+IN_GROUPS = [kind for kind in COMPENSATORS if kind not in (FixedCompensation, EnergyCompensator)]
 # Settings of every compensator, those of the energy method among them, and one group for each kind that has more.
 SETTINGS = np.dtype(
     [
         *((name, "i8") for name in ("kind", "model", "window", "forced_from_cycle", "forced_until_acted", "passivity")),
         *((name, "f8") for name in ("period_s", "coulomb_nm", "viscous_nms_per_rad", "rest_rad_s", "corner_rad_s")),
         *((name, "f8") for name in ("forced_coulomb_nm", "forced_viscous_nms_per_rad")),
-        *NUMBERS[EnergyCompensator],
-        *((kind.name, NUMBERS[kind]) for kind in COMPENSATORS if issubclass(kind, Law)),
+        *((item.name, "f8") for item in fields(Law) if item.type is float),
+        *OWN[EnergyCompensator],
+        *((kind.name, OWN[kind]) for kind in IN_GROUPS),
     ]
 )
 
@@ -93,13 +99,13 @@ def pack(compensators: Sequence[Compensator | None], rate: float) -> NDArray[np.
             "rest_rad_s": 0.0 if crossing else energy.dead_band_rad_s,
             "corner_rad_s": inf if crossing else 2.0 * np.pi * energy.cutoff_hz,
         }
-        if isinstance(compensator, FixedCompensation):
-            values |= asdict(compensator)
-        if isinstance(compensator, Law):
-            group = record[compensator.name]
-            for name in group.dtype.names:
-                group[name] = getattr(compensator, name)
-            values |= asdict(compensator.guard)
+        if compensator is not None:
+            values |= {name: getattr(compensator, name) for name in SHARED}
+            for name, _ in OWN[type(compensator)]:
+                if type(compensator) in IN_GROUPS:
+                    record[compensator.name][name] = getattr(compensator, name)
+                else:
+                    values[name] = getattr(compensator, name)
         for name, value in values.items():
             record[name] = value
     return records

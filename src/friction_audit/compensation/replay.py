@@ -18,7 +18,6 @@ from friction_audit.compensation.competitors import (
     LugreCompensation,
     TorqueRegulation,
     fit_sigmoid,
-    guard_of,
 )
 from friction_audit.compensation.controller import FIND, hand_cuts
 from friction_audit.compensation.counterfactual import Run, make_scene, recording_of
@@ -73,9 +72,7 @@ def replay(
     for part in parts:
         per_joint(lambda place: runs[place].take(part, cuts), len(runs))  # noqa: B023 - it runs at once
     replays = tuple(run.result() for run in runs)
-    by_hand, assumed = interaction.choice.drive == "hand", settings.counterfactual
-    if not by_hand:
-        assumed = replace(assumed, assumes=assumed.assumes.replace("the person", "the arm's drive"))
+    by_hand = interaction.choice.drive == "hand"
     warnings = [] if by_hand else [Caution(code="arm_moves_itself")]
     if interaction.choice.gravity == "in-torque":
         warnings.append(Caution(code="gravity_in_replay"))
@@ -89,7 +86,7 @@ def replay(
         for joint in replays
         for code, numbers in _cautions(joint)
     ]
-    return Replay(counterfactual=assumed, joints=replays, warnings=tuple(warnings))
+    return Replay(counterfactual=settings.counterfactual(by_hand=by_hand), joints=replays, warnings=tuple(warnings))
 
 
 class _JointRun:
@@ -237,19 +234,16 @@ def _in_force(
     compensator: Compensator, cycles: EnergyCycles, column: int, limits: Limits, step_s: float
 ) -> Compensator:
     """Return the compensator with the limits, and the thresholds where it finds cycles itself."""
-    guard = guard_of(compensator)
     kept: dict[str, Any] = {
-        "max_torque_nm": min(guard.max_torque_nm, limits.torque_nm),
-        "max_torque_rate_nm_s": min(guard.max_torque_rate_nm_s, limits.rate_nm_s),
+        "max_torque_nm": min(compensator.max_torque_nm, limits.torque_nm),
+        "max_torque_rate_nm_s": min(compensator.max_torque_rate_nm_s, limits.rate_nm_s),
     }
     if isinstance(compensator, EnergyCompensator):
         if cycles.speed_unit == "rad/s" and not compensator.zero_crossings:
             kept["initiation_rad_s"] = float(cycles.initiation[column])
             kept["termination_rad_s"] = float(cycles.termination[column])
         kept["maximum_gap_s"] = max(compensator.maximum_gap_s, LONGEST_STEP * step_s)
-        return replace(compensator, **kept)
-    changed: Any = compensator
-    return replace(changed, guard=replace(guard, **kept)) if hasattr(compensator, "guard") else compensator
+    return replace(compensator, **kept)
 
 
 def _cautions(joint: JointReplay) -> Iterator[tuple[str, dict[str, object]]]:

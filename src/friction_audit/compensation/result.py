@@ -153,14 +153,10 @@ class Replay:
     warnings: tuple[Caution, ...] = ()
 
 
-def dissipation_removed(history: ReplayHistory, first: int = 0) -> float:
-    """Return the share of the dissipation removed from a cycle on; what a cycle gives out counts as left over."""
-    return share_removed(float(history.friction_j[first:].sum()), float(np.abs(history.net_energy_j[first:]).sum()))
-
-
-def share_removed(without_j: float, with_j: float) -> float:
-    """Return the share of an energy that is gone; what is given out counts as left. NaN of an energy not above zero."""
-    return 1.0 - abs(with_j) / without_j if without_j > 0.0 else float("nan")
+def dissipation_removed(friction_j: Float | float, left_j: Float | float) -> float:
+    """Return the share of the dissipation, of cycles or of all, that is gone; what is given out counts as left over."""
+    dissipated = float(np.sum(friction_j))
+    return 1.0 - float(np.sum(np.abs(left_j))) / dissipated if dissipated > 0.0 else math.nan
 
 
 def first_right(history: ReplayHistory, first: int = 0) -> int | None:
@@ -190,8 +186,8 @@ def measure(
         energy_recorded_j=float(recorded["work_j"]),
         energy_without_j=without_j,
         energy_with_j=with_j,
-        dissipation_removed=share_removed(without_j, with_j),
-        dissipation_removed_updated=dissipation_removed(history, updated),
+        dissipation_removed=dissipation_removed(without_j, with_j),
+        dissipation_removed_updated=dissipation_removed(history.friction_j[updated:], history.net_energy_j[updated:]),
         peak_torque_without_nm=float(without["largest_nm"]),
         peak_torque_with_nm=float(felt["largest_nm"]),
         rms_torque_without_nm=math.sqrt(without["square_nm2s"] / without["t_s"]),

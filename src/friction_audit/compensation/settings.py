@@ -1,8 +1,8 @@
 """How a log is replayed: what is assumed of the person, which compensator runs, within which limits."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from math import inf
-from typing import Any
+from typing import Any, NamedTuple
 
 from friction_audit.compensation.competitors import Compensator, DisturbanceObserver, TorqueRegulation
 from friction_audit.compensation.law import Checked, EnergyCompensator, positive
@@ -20,37 +20,23 @@ COMPETITORS = ("fixed", "sigmoid", "lugre", *FEED_BACK, MODEL)  # compensators o
 
 PANDAS = ("panda", "fr3")  # robots with the published static friction, as ``Source.robot`` names them
 
-FITTED, MODELLED = "the joint fitted to this log", "the joint of the model file"
+SAME_MOTION, SAME_TORQUE, SAME_OPERATOR = "same-motion", "same-torque", "same-operator"
+# What is assumed of the person, or of the arm's drive, who would have met another joint than the recorded one.
+ASSUMES = {
+    SAME_MOTION: "assumes that the joint would have moved exactly as recorded and {person} had pushed as much less (or "
+    "more) as the compensator gives; nothing feeds back on the motion, so it cannot show instability",
+    SAME_TORQUE: "assumes that {person} would have pushed exactly as recorded, regardless of the joint; {joint} moves "
+    "under that torque, cycle by cycle from the recorded start",
+    SAME_OPERATOR: "assumes that {person} is a linear impedance with the same intention as in the recording; {joint} "
+    "and that impedance move together in closed loop",
+}
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Counterfactual:
-    """What is assumed of the person who would have met another joint than the recorded one."""
+class Counterfactual(NamedTuple):
+    """What is assumed in a replay."""
 
     name: str  # as on the command line
-    title: str  # in a few words, for figures and tables
     assumes: str  # one sentence for every output
-
-
-SAME_MOTION = Counterfactual(
-    name="same-motion",
-    title="same motion",
-    assumes="assumes that the joint would have moved exactly as recorded and the person had pushed as much less (or "
-    "more) as the compensator gives; nothing feeds back on the motion, so it cannot show instability",
-)
-SAME_TORQUE = Counterfactual(
-    name="same-torque",
-    title="same torque",
-    assumes="assumes that the person would have pushed exactly as recorded, regardless of the joint; "
-    f"{FITTED} moves under that torque, cycle by cycle from the recorded start",
-)
-SAME_OPERATOR = Counterfactual(
-    name="same-operator",
-    title="same operator",
-    assumes="assumes that the person is a linear impedance with the same intention as in the recording; "
-    f"{FITTED} and that impedance move together in closed loop",
-)
-COUNTERFACTUALS = {one.name: one for one in (SAME_MOTION, SAME_TORQUE, SAME_OPERATOR)}
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -129,7 +115,7 @@ class ModelFile:
 class ReplaySettings(Checked):
     """Settings of a replay."""
 
-    assume: str = SAME_MOTION.name  # ``"same-motion"``, ``"same-torque"`` or ``"same-operator"``
+    assume: str = SAME_MOTION  # ``"same-motion"``, ``"same-torque"`` or ``"same-operator"``
     # what runs on every joint; its thresholds give way to those of the segmentation
     compensator: Compensator = field(default_factory=energy_compensator)
     competitor: Competitor | None = None  # what runs instead, tuned from the log; None for ``compensator``
@@ -143,9 +129,9 @@ class ReplaySettings(Checked):
 
     def __post_init__(self) -> None:
         Checked.__post_init__(self)
-        if self.assume not in COUNTERFACTUALS:
-            raise UsageError(f"--assume {self.assume}: expected one of {', '.join(COUNTERFACTUALS)}")
-        if self.operator is not None and self.assume != SAME_OPERATOR.name:
+        if self.assume not in ASSUMES:
+            raise UsageError(f"--assume {self.assume}: expected one of {', '.join(ASSUMES)}")
+        if self.operator is not None and self.assume != SAME_OPERATOR:
             raise UsageError(
                 f"--operator: not used with --assume {self.assume}; remove it or ask for --assume same-operator"
             )
@@ -154,7 +140,7 @@ class ReplaySettings(Checked):
             raise UsageError(
                 f"--compensator {MODEL}: applies the friction of a model file; give it by --joint-model FILE"
             )
-        if self.assume != SAME_MOTION.name:
+        if self.assume != SAME_MOTION:
             return
         if self.joint_model is not None and name != MODEL:
             raise UsageError(
@@ -167,16 +153,16 @@ class ReplaySettings(Checked):
                 "--assume same-torque or same-operator"
             )
 
-    @property
-    def counterfactual(self) -> Counterfactual:
-        """The assumption, as the joint that moves has it."""
-        one = COUNTERFACTUALS[self.assume]
-        return one if self.joint_model is None else replace(one, assumes=one.assumes.replace(FITTED, MODELLED))
+    def counterfactual(self, *, by_hand: bool) -> Counterfactual:
+        """Return the assumption, of a person or of the drive of an arm that moves by itself."""
+        joint = "the joint fitted to this log" if self.joint_model is None else "the joint of the model file"
+        person = "the person" if by_hand else "the arm's drive"
+        return Counterfactual(self.assume, ASSUMES[self.assume].format(person=person, joint=joint))
 
     @property
     def needs_whole(self) -> bool:
         """Whether all samples are needed at once: where a joint moves otherwise, or a model of it is read."""
-        return self.assume != SAME_MOTION.name or self.joint_model is not None
+        return self.assume != SAME_MOTION or self.joint_model is not None
 
     def limits(self, own: Limits) -> Limits:
         """Return the limits in force, where the arm has its own."""

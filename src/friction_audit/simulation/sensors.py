@@ -7,7 +7,6 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.compensation.competitors import guard_of
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float, JointLog, Source
 from friction_audit.simulation.effects.load_and_place import gravity_error_nm, ripple_reading_nm
@@ -97,7 +96,7 @@ def _channels(settings: SomeSettings, moved: Moved) -> dict[str, Float]:
         channels["gravity"] = quantise(GRAVITY_STEP_NM, logged)
     if settings.compensator is not None:
         channels["tau_compensation"] = motion.compensation_nm
-        if any(guard_of(one).passivity for one in of_each_joint(settings.compensator, len(hidden))):
+        if any(one is not None and one.passivity for one in of_each_joint(settings.compensator, len(hidden))):
             channels["tau_passivity"] = motion.passivity_nm
     if settings.robot == "panda" and not settings.driven:
         channels["tau_J_d"] = motion.compensation_nm + motion.passivity_nm

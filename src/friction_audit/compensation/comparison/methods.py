@@ -1,7 +1,7 @@
 """Compensation methods, their tunings and what is varied in them; and the joint, or the arm, that all are tried on."""
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import count
 from typing import Any, NamedTuple
@@ -15,7 +15,7 @@ from friction_audit.compensation.competitors import (
     TorqueRegulation,
     fit_sigmoid,
 )
-from friction_audit.compensation.law import EnergyCompensator, Guard, payback_s
+from friction_audit.compensation.law import EnergyCompensator, Law, payback_s
 from friction_audit.compensation.settings import limits_of
 from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.bench import PANDA_JOINTS, BenchSettings
@@ -34,7 +34,7 @@ class Joint(NamedTuple):
 
     column: int  # which joint of the arm, counted from 0
     parameters: JointParameters  # motor and friction, as the link truly sees them
-    guard: Guard  # with the torque that the joint can give, and how fast that can change
+    limits: dict[str, Any]  # settings of a compensator: torque that the joint can give, and how fast that can change
     payback_s: float  # time over which a passivity controller may pay without driving its elastic mode [s]
 
 
@@ -43,15 +43,15 @@ def panda_joint(column: int, motor: JointParameters, gear: JointElasticity) -> J
 
     Its mode is the lowest, of the link held fast; torque control is in it, its dead time to first order.
     """
-    known, loop, limits = Guard().payback_s, motor.torque_loop, limits_of("panda", column + 1)
+    known, loop, limits = Law.payback_s, motor.torque_loop, limits_of("panda", column + 1)
     if gear.compliance_rad_per_nm > 0.0:
         bare = (gear.compliance_rad_per_nm * motor.inertia_kg_m2) ** -0.5
         damping = gear.damping_ratio + 0.5 * bare * (loop.damping_s - loop.gain * loop.dead_time_s)
         if damping > 0.0:
             faster = (1.0 + loop.gain) ** 0.5
             known = payback_s(faster * bare, damping / faster)
-    guard = Guard(max_torque_nm=limits.torque_nm, max_torque_rate_nm_s=limits.rate_nm_s)
-    return Joint(column, motor.at_link, guard, known)
+    settings: dict[str, Any] = {"max_torque_nm": limits.torque_nm, "max_torque_rate_nm_s": limits.rate_nm_s}
+    return Joint(column, motor.at_link, settings, known)
 
 
 class Tuning(NamedTuple):
@@ -100,8 +100,9 @@ SHARES = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)  # of the observed friction, c
 
 
 def _bristles(joint: Joint, coulomb_nm: float, viscous: float = 0.0) -> Compensator:
-    plateau = {"coulomb_nm": coulomb_nm, "breakaway_nm": coulomb_nm}
-    return LugreCompensation(**plateau, viscous_nms_per_rad=viscous, guard=joint.guard)
+    return LugreCompensation(
+        coulomb_nm=coulomb_nm, breakaway_nm=coulomb_nm, viscous_nms_per_rad=viscous, **joint.limits
+    )
 
 
 Modelled = Callable[[Joint, float, float], Compensator]
@@ -131,7 +132,7 @@ def _observer(inertia_ratio: float, gain_per_s: float, share: float = 1.0) -> Tu
             inertia_kg_m2=inertia_ratio * joint.parameters.inertia_kg_m2,
             observer_gain_per_s=gain_per_s,
             compensation_gain=share,
-            guard=joint.guard,
+            **joint.limits,
         ),
     )
 
@@ -145,7 +146,7 @@ def _regulation(gain: float) -> Tuning:
         lambda joint: TorqueRegulation(
             inertia_kg_m2=joint.parameters.inertia_kg_m2,
             desired_inertia_kg_m2=joint.parameters.inertia_kg_m2 / (1.0 + gain),
-            guard=joint.guard,
+            **joint.limits,
         ),
     )
 
@@ -154,9 +155,7 @@ def _energy(window: float) -> Tuning:
     return Tuning(
         f"k = {window:g}",
         f"estimated from {window:g} cycles",
-        lambda joint: EnergyCompensator(
-            window=int(window), **asdict(replace(joint.guard, passivity=True, payback_s=joint.payback_s))
-        ),
+        lambda joint: EnergyCompensator(window=int(window), payback_s=joint.payback_s, **joint.limits),
     )
 
 
@@ -176,9 +175,9 @@ METHODS: tuple[Method, ...] = (
     Method(NONE, "none", NO_COMPENSATION),
     _model_based(
         "sigmoid", "model-based",
-        lambda joint, coulomb, viscous: replace(fit_sigmoid(coulomb, viscous, TOP_SPEED_RAD_S), guard=joint.guard),
+        lambda joint, coulomb, viscous: replace(fit_sigmoid(coulomb, viscous, TOP_SPEED_RAD_S), **joint.limits),
         "as published for another Panda",
-        lambda joint: replace(PUBLISHED[joint.column], guard=joint.guard),
+        lambda joint: replace(PUBLISHED[joint.column], **joint.limits),
     ),
     _model_based(
         "lugre", "LuGre", _bristles, "plateaus as published for another Panda",
