@@ -187,8 +187,10 @@ def estimate(settings: Record, memory: Record) -> int:
 @compiled(inline=True)
 def choose(settings: Record, memory: Record) -> None:
     """Choose the coefficients to apply: given, forced or estimated."""
-    coulomb, viscous = settings.coulomb_nm, settings.viscous_nms_per_rad
-    if settings.kind == law.ENERGY:
+    coulomb = viscous = 0.0
+    if settings.kind == law.FIXED:
+        coulomb, viscous = settings.fixed.coulomb_nm, settings.fixed.viscous_nms_per_rad
+    elif settings.kind == law.ENERGY:
         forced = not math.isnan(settings.forced_coulomb_nm) and memory.cycle + 1 >= settings.forced_from_cycle
         if forced and not (settings.forced_until_acted == 1 and memory.released == 1):
             coulomb, viscous = settings.forced_coulomb_nm, settings.forced_viscous_nms_per_rad
@@ -204,7 +206,7 @@ def choose(settings: Record, memory: Record) -> None:
 def compensation(settings: Record, memory: Record, dq: float) -> float:  # noqa: PLR0911 - one per kind
     """Return the torque that the law of the compensator asks for. [N m]"""
     if settings.kind == law.FIXED:
-        share = 1.0 if abs(dq) > settings.dead_band_rad_s else 0.0
+        share = 1.0 if abs(dq) > settings.fixed.dead_band_rad_s else 0.0
         return float(share * (memory.coulomb_nm * math.copysign(1.0, dq) + memory.viscous_nms_per_rad * dq))
     if settings.kind == law.ENERGY:  # (9) with the sign that Figs 6 and 10 need
         sign = law.soft_sign(dq, settings.dead_band_rad_s, settings.ramp_rad_s)

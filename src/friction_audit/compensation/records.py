@@ -7,7 +7,7 @@ from math import inf, nan
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.compensation.competitors import COMPENSATORS, Compensator, FixedCompensation
+from friction_audit.compensation.competitors import COMPENSATORS, Compensator
 from friction_audit.compensation.law import LONGEST_WINDOW, MODELS, Coefficients, EnergyCompensator, Law
 from friction_audit.errors import UsageError
 
@@ -26,16 +26,15 @@ OWN = {
     kind: [(item.name, "f8") for item in fields(kind) if item.type is float and item.name not in SHARED]
     for kind in COMPENSATORS
 }
-IN_GROUPS = [kind for kind in COMPENSATORS if kind not in (FixedCompensation, EnergyCompensator)]
-# Settings of every compensator, those of the energy method among them, and one group for each kind that has more.
+# Settings of every compensator, those of the energy method among them, and a group for each other kind.
 SETTINGS = np.dtype(
     [
         *((name, "i8") for name in ("kind", "model", "window", "forced_from_cycle", "forced_until_acted", "passivity")),
-        *((name, "f8") for name in ("period_s", "coulomb_nm", "viscous_nms_per_rad", "rest_rad_s", "corner_rad_s")),
+        *((name, "f8") for name in ("period_s", "rest_rad_s", "corner_rad_s")),
         *((name, "f8") for name in ("forced_coulomb_nm", "forced_viscous_nms_per_rad")),
         *((item.name, "f8") for item in fields(Law) if item.type is float),
         *OWN[EnergyCompensator],
-        *((kind.name, OWN[kind]) for kind in IN_GROUPS),
+        *((kind.name, OWN[kind]) for kind in COMPENSATORS if kind is not EnergyCompensator),
     ]
 )
 
@@ -101,11 +100,9 @@ def pack(compensators: Sequence[Compensator | None], rate: float) -> NDArray[np.
         }
         if compensator is not None:
             values |= {name: getattr(compensator, name) for name in SHARED}
+        if compensator is not None and compensator is not energy:
             for name, _ in OWN[type(compensator)]:
-                if type(compensator) in IN_GROUPS:
-                    record[compensator.name][name] = getattr(compensator, name)
-                else:
-                    values[name] = getattr(compensator, name)
+                record[compensator.name][name] = getattr(compensator, name)
         for name, value in values.items():
             record[name] = value
     return records
