@@ -45,8 +45,6 @@ def traced(error: Exception) -> str:
 
 CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]")
 """Control characters but newline and tab, which a terminal obeys, and marks that turn the direction of writing."""
-FORMULA = tuple("=+-@\t\r\n\uff1d\uff0b\uff0d\uff20")
-"""What a cell begins with that a spreadsheet computes, full-width forms included."""
 
 
 def printable(text: str) -> str:
@@ -74,8 +72,3 @@ def near_misses(word: str, names: Collection[str]) -> str:
 def few(items: Sequence[str], most: int = 5, kind: str = "") -> list[str]:
     """Return the first of many items for a message, and how many more there are of their kind."""
     return [*items[:most], *([f"and {len(items) - most} more{kind}"] if len(items) > most else [])]
-
-
-def csv_text(text: str) -> str:
-    """Return the text of a CSV cell; an apostrophe keeps a spreadsheet from computing it."""
-    return f"'{printable(text)}" if text.startswith(FORMULA) else printable(text)

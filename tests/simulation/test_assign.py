@@ -67,7 +67,7 @@ def test_one_value_changes_and_no_other(entry: str, path: str, value: object) ->
     ("entry", "message"),
     [
         ("motion.ease_s=1@2", "is not set joint by joint; leave out @2"),
-        ("hand.stifness_n_per_m=1", r"no such setting; did you mean hand\.stiffness_n_per_m"),
+        ("hand.stifness_n_per_m=1", r"no such setting; .* did you mean hand\.stiffness_n_per_m"),
         ("hidden.torque_nm=1", "no such setting; --list"),
         ("duration_s", "expected NAME=VALUE"),
         ("duration_s=", "--set duration_s=: expected a number"),
@@ -169,7 +169,7 @@ def test_parameters_form_and_joints() -> None:
         (SEVEN, ["stribeck:0.2"], "'0.2': expected NAME:PARAMETER=VALUE"),
         (SEVEN, ["stribeck:excess_nm=0.2,"], "expected NAME:PARAMETER=VALUE"),
         (SEVEN, ["stribeck:excess_nm=1,excess_nm=2"], "excess_nm is given twice"),
-        (SEVEN, ["stribeck:exces_nm=1"], r"no parameter exces_nm \(did you mean excess_nm\?\); expected"),
+        (SEVEN, ["stribeck:exces_nm=1"], r"no parameter exces_nm; expected .*; did you mean excess_nm\?"),
         (SEVEN, ["stribeck:excess_nm=much"], "expected a number from"),
         (SEVEN, ["stribeck:form=square"], "expected one of exponential, lorentzian, piecewise"),
         (SEVEN, ["stribeck@8"], "no joint 8; expected joints from 1 to 7"),

@@ -5,12 +5,11 @@ A term of a model that no formula of the simulator equals is refused: a log of a
 
 from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
-from difflib import get_close_matches
 from math import inf
 from typing import Any, TypeVar
 
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel
-from friction_audit.errors import UsageError
+from friction_audit.errors import UsageError, near_misses
 from friction_audit.joint_numbers import parse_joint_numbers, require_joints, write_joint_numbers
 from friction_audit.simulation.effects import EFFECTS, HiddenEffect
 from friction_audit.simulation.effects.effect import FORM, Given, NoEqualError, Setting
@@ -43,9 +42,8 @@ def hide(settings: Settings, entries: Iterable[str]) -> Settings:
         joints = parse_joint_numbers(numbers, where) if at else None
         name, colon, parameters = described.partition(":")
         if name.strip() not in BY_NAME:
-            near = get_close_matches(name, BY_NAME, n=2)
-            hint = f"did you mean {' or '.join(near)}?" if near else "--list-effects names all of them"
-            raise UsageError(f"{where}: no effect {name or 'without a name'}; {hint}")
+            hint = near_misses(name, BY_NAME) or "; --list-effects names all of them"
+            raise UsageError(f"{where}: no effect {name or 'without a name'}{hint}")
         effect = BY_NAME[name.strip()]
         if effect.needs_neighbours and len(hidden) == 1:
             several = ", ".join(scenario.name for scenario in SCENARIOS if len(scenario.settings.hidden) > 1)

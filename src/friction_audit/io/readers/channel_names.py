@@ -172,16 +172,11 @@ def is_label(name: str) -> bool:
 
 def labels_of(names: Sequence[str], joints: Mapping[str, str]) -> dict[int, str]:
     """Return position of a column -> its joint: ``field.position3`` is of the joint that ``field.name3`` holds."""
-    labels = {_place(name): joint for name, joint in joints.items()}
-    labels.pop(None, None)
-    places = [_place(name) for name in names]
-    return {cell: labels[place] for cell, place in enumerate(places) if place in labels}
-
-
-def _place(name: str) -> tuple[str, int] | None:
-    """Return the message ``field.`` and the index 3 of ``field.position.3``."""
-    match = _ELEMENT.fullmatch(name.strip())
-    return None if match is None else (match["head"], int(match["a"] or match["b"]))
+    found = {name: match for name in {*names, *joints} if (match := _ELEMENT.fullmatch(name.strip()))}
+    # The message ``field.`` and the index 3 of ``field.position.3``.
+    places = {name: (match["head"], int(match["a"] or match["b"])) for name, match in found.items()}
+    labels = {places[name]: joint for name, joint in joints.items() if name in places}
+    return {cell: labels[places[name]] for cell, name in enumerate(names) if places.get(name) in labels}
 
 
 _POSITION = re.compile(r"#(\d+)(?:-#?(\d+))?")
