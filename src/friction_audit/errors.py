@@ -33,14 +33,10 @@ class AnalysisError(FrictionAuditError):
     exit_code = 4
 
 
-def bug_sentence(what: str, error: Exception) -> str:
-    """Say that a part of the work ended in an error that was not foreseen."""
-    return f"{what} failed with {type(error).__name__}: {error}; this is a bug, please report it"
-
-
-def traced(error: Exception) -> str:
-    """Return the traceback of an error as Python prints it."""
-    return "".join(format_exception(error))
+def bug(what: str, error: Exception) -> tuple[str, str]:
+    """Say that a part of the work ended in an error that was not foreseen; return its traceback too."""
+    sentence = f"{what} failed with {type(error).__name__}: {error}; this is a bug, please report it"
+    return sentence, "".join(format_exception(error))
 
 
 CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]")

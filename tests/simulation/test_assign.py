@@ -20,7 +20,7 @@ from friction_audit.simulation.assign import Kind, PerJoint, as_nested, assign_t
 from friction_audit.simulation.bench import BenchSettings
 from friction_audit.simulation.effects import EFFECTS, HiddenEffect
 from friction_audit.simulation.effects.velocity import Stribeck
-from friction_audit.simulation.hide import EQUALS, HiddenInJoint, hidden_effects, hide, with_model
+from friction_audit.simulation.hide import EQUALS, hidden_effects, hide, with_model
 from friction_audit.simulation.periodic import Sinusoid
 from friction_audit.simulation.scenarios import SCENARIOS, Scenario, simulate
 from friction_audit.simulation.settings import IDEAL_SENSORS, JointParameters
@@ -141,19 +141,18 @@ EACH_EFFECT = pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effe
 @EACH_EFFECT
 def test_an_effect_alone_means_its_usual_values_in_every_joint(effect: type[HiddenEffect]) -> None:
     found = hidden_effects(hide(SEVEN, [effect.name]))
-    assert [(one.joint, one.name) for one in found] == [(joint, effect.name) for joint in range(1, 8)]
-    assert found[0].parameters == {parameter.name: parameter.default for parameter in effect.parameters()}
-    assert (found[0].form is None) == (not effect.forms)
-    assert hidden_effects(hide(SEVEN, [f"{effect.name}:{effect.strength_name}=0"])) == ()
+    assert [(one["joint"], one["name"]) for one in found] == [(joint, effect.name) for joint in range(1, 8)]
+    assert found[0]["parameters"] == {parameter.name: parameter.default for parameter in effect.parameters()}
+    assert (found[0]["form"] is None) == (not effect.forms)
+    assert not hidden_effects(hide(SEVEN, [f"{effect.name}:{effect.strength_name}=0"]))
 
 
 def test_parameters_form_and_joints() -> None:
     hidden = hide(SEVEN, ["stribeck:excess_nm=0.2,form=lorentzian@2,5-6"])
     parameters = {"excess_nm": 0.2, "speed_rad_s": 0.1, "exponent": 2.0}
-    told = [one for one in hidden_effects(hidden) if one.name == "stribeck"]
-    assert [one.joint for one in hidden_effects(hide(ONE_OF_SEVEN, ["stribeck"]))] == [1]  # what moves
-    assert told == [
-        HiddenInJoint(joint=joint, name="stribeck", form="lorentzian", parameters=parameters) for joint in (2, 5, 6)
+    assert [one["joint"] for one in hidden_effects(hide(ONE_OF_SEVEN, ["stribeck"]))] == [1]  # what moves
+    assert hidden_effects(hidden) == [
+        {"joint": joint, "name": "stribeck", "form": "lorentzian", "parameters": parameters} for joint in (2, 5, 6)
     ]
 
 
@@ -239,7 +238,7 @@ def test_inertia_and_friction_are_taken_over_and_joints_without_a_model_stay_as_
     settings = with_model(arm, arm_of(None, model_of({"stribeck": STRIBECK}), *(None,) * 5))
     assert settings.joints == (arm.joints[0], taken, *arm.joints[2:])
     assert settings.hidden[1].stribeck == Stribeck(excess_nm=0.15, speed_rad_s=0.1, exponent=2.0)
-    assert [(effect.joint, effect.name) for effect in hidden_effects(settings)] == [(2, "stribeck")]
+    assert [(effect["joint"], effect["name"]) for effect in hidden_effects(settings)] == [(2, "stribeck")]
 
 
 @pytest.mark.parametrize(

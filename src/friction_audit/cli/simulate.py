@@ -1,6 +1,6 @@
 """``friction-audit simulate``."""
 
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -82,7 +82,7 @@ def command(
     with voice.step(f"write {path}"), whole_file(path, overwrite=overwrite) as draft:
         check_fit(log, writer)
         writer.write(log, draft)
-        effects, seen = [asdict(effect) for effect in hidden_effects(settings)], as_nested(settings)
+        effects, seen = hidden_effects(settings), as_nested(settings)
         simulated = {"scenario": chosen.name, "seed": seed, "settings": seen, "effects": effects}
         simulated["output"] = {"path": str(path), "sha256": sha256_of(draft), "writer": writer, "log": log}
         if truth is not None:

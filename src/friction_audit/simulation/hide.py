@@ -4,7 +4,7 @@ A term of a model that no formula of the simulator equals is refused: a log of a
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from math import inf
 from typing import Any, TypeVar
 
@@ -21,16 +21,6 @@ Settings = TypeVar("Settings", bound=Any)
 BY_NAME = {effect.name: effect for effect in EFFECTS}
 EQUALS = BY_NAME | {name: effect for effect in EFFECTS for name in effect.stands_for}  # of the terms of a model
 NOMINAL = ("coulomb", "viscous")  # terms that are settings of the joint itself
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class HiddenInJoint:
-    """An effect that works in a joint."""
-
-    joint: int  # number of the joint, 1..n
-    name: str
-    form: str | None  # None where there is only one
-    parameters: dict[str, float]
 
 
 def hide(settings: Settings, entries: Iterable[str]) -> Settings:
@@ -60,14 +50,14 @@ def hide(settings: Settings, entries: Iterable[str]) -> Settings:
     return replace(settings, hidden=tuple(hidden))
 
 
-def hidden_effects(settings: Any) -> tuple[HiddenInJoint, ...]:  # noqa: ANN401 - settings of any scenario
-    """Return the effects that do anything, joint by joint."""
-    return tuple(
-        HiddenInJoint(joint=joint, name=group.name, form=values.pop(FORM, None), parameters=values)
+def hidden_effects(settings: Any) -> list[dict[str, Any]]:  # noqa: ANN401 - settings of any scenario
+    """Return the effects that do anything, joint by joint, as documents show them; the form None where there is one."""
+    return [
+        {"joint": joint, "name": group.name, "form": values.pop(FORM, None), "parameters": values}
         for joint, groups in enumerate(settings.hidden, start=1)
         for group in groups.present()
         for values in [group.values()]
-    )
+    ]
 
 
 def _parameters(text: str, where: str) -> dict[str, str]:
