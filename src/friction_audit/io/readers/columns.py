@@ -253,8 +253,11 @@ def _align(
         group = groups[channel]
         fits = len(group.cells) == len(keys) and (group.in_order or len(keys) == 1)
         own = tuple(group.cells.values()) if fits else tuple(group.cells[key] for key in keys if key in group.cells)
+        lost = [names[cell] for key, cell in group.cells.items() if key not in keys and not fits]
         if len(own) == len(keys):
             channels[channel] = own
+            text = f"{shorten(lost)} left out: {reference.template} has no such joint"
+            findings += [Finding("incomplete_channel", text, amount=float(len(lost)))] if lost else []
         elif channel in ("q", "dq") or torques == [channel]:
             short.append(f"{channel} ({_joints_text(group.cells)})")
         else:

@@ -6,7 +6,6 @@ Text tables are tidy, long, as bags are exported to CSV, and as libfranka's ``lo
 import json
 import re
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -57,7 +56,7 @@ def _long(log: JointLog) -> dict[str, ColumnOf]:
     """One row per time and joint."""
     logged = logged_channels(log)
     fields = {field: logged[name].ravel(order="C") for name, field in JOINT_STATE.items() if name in logged}
-    names = np.tile(np.array(log.joint_names, dtype=object), len(log.t))
+    names = np.tile(np.array(_names(log), dtype=object), len(log.t))
     return {"time": np.repeat(log.t, len(log.joint_names)), "joint": names, **fields}
 
 
@@ -71,7 +70,7 @@ def _joint_state(log: JointLog, *, rostopic: bool) -> dict[str, ColumnOf]:
     else:
         columns["header.stamp.sec"], columns["header.stamp.nanosec"] = np.divmod(stamps, NANOSECONDS)
     template = "field.{}{}" if rostopic else "{}.{}"
-    for joint, name in enumerate(log.joint_names):
+    for joint, name in enumerate(_names(log)):
         columns[template.format("name", joint)] = np.full(len(stamps), name, object)
     for channel, field in JOINT_STATE.items():
         for joint, column in enumerate(logged[channel].T if channel in logged else ()):
@@ -79,13 +78,17 @@ def _joint_state(log: JointLog, *, rostopic: bool) -> dict[str, ColumnOf]:
     return columns
 
 
+def _names(log: JointLog) -> list[str]:
+    """Return the joints' names, each in one line: readers of such tables go by lines."""
+    return [" ".join(name.splitlines()) for name in log.joint_names]
+
+
 def _write_csv(columns_of: Callable[[JointLog], dict[str, ColumnOf]], log: JointLog, path: Path) -> None:
     """Write numbers in the shortest form that reads back to the bit, and names as they are, to be read back."""
     import pyarrow as pa
     from pyarrow import csv
 
-    one_line = tuple(" ".join(name.splitlines()) for name in log.joint_names)  # readers of such tables go by lines
-    columns = columns_of(replace(log, joint_names=one_line))
+    columns = columns_of(log)
     names = {name for column in columns.values() if column.dtype == object for name in column.tolist()}
     special = any(_STRUCTURE.search(name) for name in names)
     options = csv.WriteOptions(include_header=False, quoting_style="needed" if special else "none")
