@@ -25,7 +25,7 @@ from friction_audit.compensation.settings import ReplaySettings
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.errors import UsageError
 from friction_audit.friction.settings import FrictionSettings
-from friction_audit.io.readers import ReadOptions
+from friction_audit.io.readers.reader import OF_THE_COMMAND, ReadOptions
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import Diagnosis, Estimate
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
@@ -75,7 +75,7 @@ def test_an_import_loads_nothing_heavy() -> None:
 
 
 def test_options_are_the_settings() -> None:
-    assert set(options.ReadingOptions.__annotations__) == names_of(ReadOptions)
+    assert set(options.ReadingOptions.__annotations__) == names_of(ReadOptions) - {*OF_THE_COMMAND}
     assert set(options.ReplayOptions.__annotations__) == names_of(ReplaySettings)
     assert set(options.DiagnosisOptions.__annotations__) == names_of(DiagnosisSettings)
     steps = (TorqueSettings, CycleSettings, FrictionSettings)

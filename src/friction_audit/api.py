@@ -29,8 +29,9 @@ from friction_audit.reporting.estimate import estimate_tables
 from friction_audit.reporting.figures.registry import draw_result
 from friction_audit.reporting.replay import replay_tables
 from friction_audit.reporting.report import LogReport, report_estimate, report_tables
-from friction_audit.simulation import SCENARIOS, Simulation, simulate
+from friction_audit.simulation import Simulation, simulate
 from friction_audit.simulation.hide import hide
+from friction_audit.simulation.scenarios import find_scenario
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -168,12 +169,10 @@ def simulate_log(scenario: str, *, seed: int = 0, effects: Sequence[str] = (), *
     ``duration_s=60.0``; ``effects``: as on the command line, e.g. ``"stribeck:excess_nm=0.1@1"``. The same ``seed``
     gives the same log to the bit.
     """
-    named: dict[str, Any] = {one.name: one.settings for one in SCENARIOS}
-    if scenario not in named:
-        raise UsageError(f"{scenario}: no such scenario; expected one of {', '.join(named)}")
-    _check_names("simulate_log", changes, type(named[scenario]))
+    settings: Any = find_scenario(scenario).settings
+    _check_names("simulate_log", changes, type(settings))
     hidden = (effects,) if isinstance(effects, str) else effects  # one alone is a sequence of letters to Python
-    return simulate(hide(replace(named[scenario], **changes), hidden), seed, path=scenario)
+    return simulate(hide(replace(settings, **changes), hidden), seed, path=scenario)
 
 
 def estimate_log(log: JointLog, **options: Unpack[EstimateOptions]) -> Estimate:

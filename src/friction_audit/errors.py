@@ -33,20 +33,14 @@ class AnalysisError(FrictionAuditError):
     exit_code = 4
 
 
-def bug_sentence(what: str, error: Exception) -> str:
-    """Say that a part of the work ended in an error that was not foreseen."""
-    return f"{what} failed with {type(error).__name__}: {error}; this is a bug, please report it"
-
-
-def traced(error: Exception) -> str:
-    """Return the traceback of an error as Python prints it."""
-    return "".join(format_exception(error))
+def bug(what: str, error: Exception) -> tuple[str, str]:
+    """Say that a part of the work ended in an error that was not foreseen; return its traceback too."""
+    sentence = f"{what} failed with {type(error).__name__}: {error}; this is a bug, please report it"
+    return sentence, "".join(format_exception(error))
 
 
 CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]")
 """Control characters but newline and tab, which a terminal obeys, and marks that turn the direction of writing."""
-FORMULA = tuple("=+-@\t\r\n\uff1d\uff0b\uff0d\uff20")
-"""What a cell begins with that a spreadsheet computes, full-width forms included."""
 
 
 def printable(text: str) -> str:
@@ -74,8 +68,3 @@ def near_misses(word: str, names: Collection[str]) -> str:
 def few(items: Sequence[str], most: int = 5, kind: str = "") -> list[str]:
     """Return the first of many items for a message, and how many more there are of their kind."""
     return [*items[:most], *([f"and {len(items) - most} more{kind}"] if len(items) > most else [])]
-
-
-def csv_text(text: str) -> str:
-    """Return the text of a CSV cell; an apostrophe keeps a spreadsheet from computing it."""
-    return f"'{printable(text)}" if text.startswith(FORMULA) else printable(text)

@@ -12,7 +12,6 @@ from hypothesis import given, strategies as st
 
 from friction_audit.compensation.settings import ReplaySettings
 from friction_audit.io.readers import ReadOptions, read_log
-from friction_audit.io.readers.reader import InBlocks
 from friction_audit.io.writers.write_log import WRITERS, write_log
 from friction_audit.joint_log import JointLog, LogPart, Source
 from friction_audit.log_in_blocks import LogInBlocks, Means, block_means
@@ -92,9 +91,9 @@ def test_the_estimate_is_the_same(
     path = written(frame, tmp_path, *channels)
     settings = AuditSettings(joints=joints, torque=TorqueSettings(**torque), cycles=CycleSettings(thresholds="auto"))
     found = []
-    for options in (ReadOptions(), InBlocks()):
+    for options in (ReadOptions(), ReadOptions(in_blocks=True)):
         log = read_log(path, options)
-        assert isinstance(log, LogInBlocks) is isinstance(options, InBlocks)
+        assert isinstance(log, LogInBlocks) is options.in_blocks
         found.append(estimate_document(estimate_log(log, settings)))
     assert_same(found[1], found[0])
 
@@ -105,7 +104,7 @@ def test_the_replay_reads_what_the_torque_is_made_from(frame: pd.DataFrame, tmp_
     path, settings = written(frame, tmp_path, *channels), AuditSettings(torque=TorqueSettings(**torque))
     whole, blocks = (
         replay_estimate(estimate_log(read_log(path, how), settings), ReplaySettings())
-        for how in (ReadOptions(), InBlocks())
+        for how in (ReadOptions(), ReadOptions(in_blocks=True))
     )
     assert any(joint.numbers for joint in whole.replay.joints)
     assert_same(replay_document(blocks)["joints"], replay_document(whole)["joints"])
@@ -116,7 +115,8 @@ def assert_same_log(
 ) -> LogInBlocks:
     """Compare what is read in blocks with what is read at once, and their estimates."""
     settings = settings or AuditSettings(t_start_s=own.get("t_start_s"), t_stop_s=own.get("t_end_s"))
-    usual, log = read_log(path, ReadOptions(**own)), read_log(path, InBlocks(**own), while_read(settings))
+    options = ReadOptions(**own)
+    usual, log = read_log(path, options), read_log(path, replace(options, in_blocks=True), while_read(settings))
     assert isinstance(log, LogInBlocks)
     assert replace(log.source, findings=(), **loose) == replace(usual.source, findings=(), **loose)
     found, expected = ([asdict(one) for one in source.findings] for source in (log.source, usual.source))
@@ -152,7 +152,7 @@ def test_a_sound_log_is_estimated_while_it_is_checked(
 
     monkeypatch.setattr(LogInBlocks, "blocks", blocks)
     settings = AuditSettings()
-    found = estimate_document(estimate_log(read_log(path, InBlocks(), while_read(settings)), settings))
+    found = estimate_document(estimate_log(read_log(path, ReadOptions(in_blocks=True), while_read(settings)), settings))
     assert counted[0] == passes
     assert_same(found, estimate_document(estimate_log(read_log(path), settings)))
 
@@ -254,7 +254,7 @@ def test_what_needs_all_samples_is_read_at_once(frame: pd.DataFrame, tmp_path: P
         place = len(content) // 2 if fault == "damage" else 1000
         content[place : place + 100] = bytes(100)
         path.write_bytes(content)
-    usual, log = read_log(path), read_log(path, InBlocks())
+    usual, log = read_log(path), read_log(path, ReadOptions(in_blocks=True))
     assert not isinstance(log, LogInBlocks)
     assert log.source == usual.source
     np.testing.assert_array_equal(log.dq, usual.dq)
@@ -290,7 +290,7 @@ def test_a_long_log_is_judged_by_stretches_that_are_spread_over_it(
     monkeypatch.setattr("friction_audit.log_in_blocks.MOST_MEANS", 600)
     monkeypatch.setattr("friction_audit.log_in_blocks.STRETCH", 100)
     path = written(frame, tmp_path, "q", "dq", "tau_interaction")
-    usual, log = read_log(path), read_log(path, InBlocks())
+    usual, log = read_log(path), read_log(path, ReadOptions(in_blocks=True))
     assert isinstance(log, LogInBlocks)
     every = coarse_log(usual)
     found = coarse_log(log)
@@ -369,7 +369,7 @@ def test_a_text_table_with_a_fault_is_read_at_once(
     lines[4000] = ",".join(faults.get(fault, line))
     lines[-1] = ",".join(lines[-1].split(",")[:5]) if fault == "cut" else lines[-1]
     path.write_text("\n".join(lines) + "\n")
-    usual, found = read_log(path), read_log(path, InBlocks())
+    usual, found = read_log(path), read_log(path, ReadOptions(in_blocks=True))
     assert not isinstance(found, LogInBlocks)
     assert found.source == usual.source
     np.testing.assert_array_equal(found.dq, usual.dq)
@@ -381,7 +381,7 @@ def test_a_file_that_changes_between_passes(
 ) -> None:
     cut_into(1000, monkeypatch)
     write_log(log, tmp_path / name)
-    found = read_log(tmp_path / name, InBlocks())
+    found = read_log(tmp_path / name, ReadOptions(in_blocks=True))
     assert isinstance(found, LogInBlocks)
     (tmp_path / name).write_bytes((tmp_path / name).read_bytes()[:90_000])
     refused("changed while it was read", list, found.blocks())
@@ -392,7 +392,7 @@ def test_a_file_that_changes_between_passes(
 def test_a_table_of_libfranka_is_read_at_once(log: JointLog, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     cut_into(1000, monkeypatch)
     write_log(log, tmp_path / "run.csv", dialect="csv-libfranka")
-    assert read_log(tmp_path / "run.csv", InBlocks()).source == read_log(tmp_path / "run.csv").source
+    assert read_log(tmp_path / "run.csv", ReadOptions(in_blocks=True)).source == read_log(tmp_path / "run.csv").source
 
 
 def test_the_numbers_of_a_damaged_archive_are_refused(
@@ -404,5 +404,5 @@ def test_the_numbers_of_a_damaged_archive_are_refused(
     content = bytearray(path.read_bytes())
     content[len(content) // 2] ^= 0xFF
     path.write_bytes(content)
-    for options in (ReadOptions(), InBlocks()):
+    for options in (ReadOptions(), ReadOptions(in_blocks=True)):
         refused("damaged NumPy archive", read_log, path, options)

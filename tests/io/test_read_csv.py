@@ -17,7 +17,8 @@ PLAIN = FRAME.to_csv(index=False)
 HEAD, *LINES = PLAIN.splitlines()
 SAME: dict[str, str | bytes] = {
     **{f"{sign!r} between": FRAME.to_csv(index=False, sep=sign) for sign in ",;\t "},
-    "decimal commas": FRAME.to_csv(index=False, sep=";", decimal=","),
+    **{f"decimal commas, {sign!r}": FRAME.to_csv(index=False, sep=sign, decimal=",") for sign in ";\t "},
+    "comments after the header": "\n".join([HEAD, *LINES[:200], "# a pause", *LINES[200:], "# the end"]) + "\n",
     **{f"header in a comment, {mark!r}": f"{mark} " + FRAME.to_csv(index=False, sep=" ") for mark in ("#", "%", "//")},
     "lines of Windows, byte order mark": b"\xef\xbb\xbf" + PLAIN.replace("\n", "\r\n").encode() + b"\r\n\r\n",
     "a separator at the end of every line": "\n".join([HEAD, *(line + "," for line in LINES)]) + "\n",
@@ -108,12 +109,12 @@ def test_a_list_in_a_cell_is_refused_with_the_way_out(tmp_path: Path, text: str)
 
 @pytest.mark.parametrize(
     ("units", "time", "angle"),
-    [("s,rad,rad/s,Nm", 1.0, 1.0), ("[s],[rad],[rad/s],", 1.0, 1.0), ("ms,deg,deg/s,Nm", 1e3, 180.0 / np.pi)],
+    [("s,rad,rad/s,Nm", 1.0, 1.0), ("[s],[rad],[rad/s],", 1.0, 1.0), ("ms,°,°/s,Nm", 1e3, 180.0 / np.pi)],
 )
 def test_a_line_of_units_below_the_header(tmp_path: Path, units: str, time: float, angle: float) -> None:
     frame = tidy_frame(400, joints=1)
     head, values = (frame * [time, angle, angle, 1.0]).to_csv(index=False).split("\n", 1)
-    log, plain = read_text(tmp_path, f"{head}\n{units}\n{values}"), read_text(tmp_path, frame)
+    log, plain = read_text(tmp_path, f"{head}\n{units}\n{values}".encode("latin-1")), read_text(tmp_path, frame)
     np.testing.assert_allclose(np.c_[log.t, log.q, log.dq], np.c_[plain.t, plain.q, plain.dq], atol=1e-12)
     assert not any(finding.damaged for finding in log.source.findings)
 

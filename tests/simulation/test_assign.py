@@ -20,7 +20,7 @@ from friction_audit.simulation.assign import Kind, PerJoint, as_nested, assign_t
 from friction_audit.simulation.bench import BenchSettings
 from friction_audit.simulation.effects import EFFECTS, HiddenEffect
 from friction_audit.simulation.effects.velocity import Stribeck
-from friction_audit.simulation.hide import EQUALS, HiddenInJoint, hidden_effects, hide, with_model
+from friction_audit.simulation.hide import EQUALS, hidden_effects, hide, with_model
 from friction_audit.simulation.periodic import Sinusoid
 from friction_audit.simulation.scenarios import SCENARIOS, Scenario, simulate
 from friction_audit.simulation.settings import IDEAL_SENSORS, JointParameters
@@ -67,7 +67,7 @@ def test_one_value_changes_and_no_other(entry: str, path: str, value: object) ->
     ("entry", "message"),
     [
         ("motion.ease_s=1@2", "is not set joint by joint; leave out @2"),
-        ("hand.stifness_n_per_m=1", r"no such setting; did you mean hand\.stiffness_n_per_m"),
+        ("hand.stifness_n_per_m=1", r"no such setting; .* did you mean hand\.stiffness_n_per_m"),
         ("hidden.torque_nm=1", "no such setting; --list"),
         ("duration_s", "expected NAME=VALUE"),
         ("duration_s=", "--set duration_s=: expected a number"),
@@ -141,19 +141,18 @@ EACH_EFFECT = pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effe
 @EACH_EFFECT
 def test_an_effect_alone_means_its_usual_values_in_every_joint(effect: type[HiddenEffect]) -> None:
     found = hidden_effects(hide(SEVEN, [effect.name]))
-    assert [(one.joint, one.name) for one in found] == [(joint, effect.name) for joint in range(1, 8)]
-    assert found[0].parameters == {parameter.name: parameter.default for parameter in effect.parameters()}
-    assert (found[0].form is None) == (not effect.forms)
-    assert hidden_effects(hide(SEVEN, [f"{effect.name}:{effect.strength_name}=0"])) == ()
+    assert [(one["joint"], one["name"]) for one in found] == [(joint, effect.name) for joint in range(1, 8)]
+    assert found[0]["parameters"] == {parameter.name: parameter.default for parameter in effect.parameters()}
+    assert (found[0]["form"] is None) == (not effect.forms)
+    assert not hidden_effects(hide(SEVEN, [f"{effect.name}:{effect.strength_name}=0"]))
 
 
 def test_parameters_form_and_joints() -> None:
     hidden = hide(SEVEN, ["stribeck:excess_nm=0.2,form=lorentzian@2,5-6"])
     parameters = {"excess_nm": 0.2, "speed_rad_s": 0.1, "exponent": 2.0}
-    told = [one for one in hidden_effects(hidden) if one.name == "stribeck"]
-    assert [one.joint for one in hidden_effects(hide(ONE_OF_SEVEN, ["stribeck"]))] == [1]  # what moves
-    assert told == [
-        HiddenInJoint(joint=joint, name="stribeck", form="lorentzian", parameters=parameters) for joint in (2, 5, 6)
+    assert [one["joint"] for one in hidden_effects(hide(ONE_OF_SEVEN, ["stribeck"]))] == [1]  # what moves
+    assert hidden_effects(hidden) == [
+        {"joint": joint, "name": "stribeck", "form": "lorentzian", "parameters": parameters} for joint in (2, 5, 6)
     ]
 
 
@@ -169,7 +168,7 @@ def test_parameters_form_and_joints() -> None:
         (SEVEN, ["stribeck:0.2"], "'0.2': expected NAME:PARAMETER=VALUE"),
         (SEVEN, ["stribeck:excess_nm=0.2,"], "expected NAME:PARAMETER=VALUE"),
         (SEVEN, ["stribeck:excess_nm=1,excess_nm=2"], "excess_nm is given twice"),
-        (SEVEN, ["stribeck:exces_nm=1"], r"no parameter exces_nm \(did you mean excess_nm\?\); expected"),
+        (SEVEN, ["stribeck:exces_nm=1"], r"no parameter exces_nm; expected .*; did you mean excess_nm\?"),
         (SEVEN, ["stribeck:excess_nm=much"], "expected a number from"),
         (SEVEN, ["stribeck:form=square"], "expected one of exponential, lorentzian, piecewise"),
         (SEVEN, ["stribeck@8"], "no joint 8; expected joints from 1 to 7"),
@@ -239,7 +238,7 @@ def test_inertia_and_friction_are_taken_over_and_joints_without_a_model_stay_as_
     settings = with_model(arm, arm_of(None, model_of({"stribeck": STRIBECK}), *(None,) * 5))
     assert settings.joints == (arm.joints[0], taken, *arm.joints[2:])
     assert settings.hidden[1].stribeck == Stribeck(excess_nm=0.15, speed_rad_s=0.1, exponent=2.0)
-    assert [(effect.joint, effect.name) for effect in hidden_effects(settings)] == [(2, "stribeck")]
+    assert [(effect["joint"], effect["name"]) for effect in hidden_effects(settings)] == [(2, "stribeck")]
 
 
 @pytest.mark.parametrize(

@@ -271,4 +271,6 @@ def test_all_effects_at_once(number: int, driven: bool, logs_sensor: bool) -> No
         assert np.isfinite(column).all(), name
     for name, column in simulation.log.channels().items():
         assert_array_equal(column, quantise(STEPS[name], column))
-    assert np.abs(simulation.truth.motion.dq).max() < 5.0
+    motion, temperature = simulation.truth.motion, simulation.log.channels()["temperature"]
+    assert np.abs(motion.dq).max() < 5.0
+    assert np.isin(temperature, quantise(0.1, 25.0 + 15.0 * motion.warmth)).all()

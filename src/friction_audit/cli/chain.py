@@ -75,11 +75,11 @@ def estimate(log: "JointLog", settings: "AuditSettings", voice: Voice) -> "Estim
 
 def reading_settings(options: "ReadOptions") -> dict[str, object]:
     """Return the reader's options for a document; the part of the log stands among the settings of the chain."""
-    return {
-        name: value
-        for name, value in asdict(options).items()
-        if name not in ("t_start_s", "t_end_s") and value != ()  # conversions of the torque only where there are some
-    }
+    from friction_audit.io.readers.reader import OF_THE_COMMAND
+
+    apart = ("t_start_s", "t_end_s", *OF_THE_COMMAND)
+    # Conversions of the torque only where there are some.
+    return {name: value for name, value in asdict(options).items() if name not in apart and value != ()}
 
 
 def untabled(log: "JointLog", notices: "Iterable[Notice]", voice: Voice) -> "list[Notice]":

@@ -1,6 +1,6 @@
 """``friction-audit compare``."""
 
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -71,7 +71,7 @@ def command(
         files = [(name, str(path)) for name, figure in drawn for path in out.save_figure(name, figure)]
     about: dict[str, object] = {"arm": result.scene, "settings": as_nested(settings)}
     about |= {name: getattr(result, name) for name in ("duration_s", "seeds", "tuning_seeds", "margin_seeds")}
-    about["effects"] = [asdict(effect) for effect in hidden_effects(settings)]
+    about["effects"] = hidden_effects(settings)
     about |= {"methods": result.rows, "sweeps": result.curves, "figures": files}
     lines = compare_lines(result.rows, len(result.seeds), len(result.tuning_seeds))
     show(lambda: COMPARE.json(about), lambda: [*lines, *(path for _, path in files)], json=general.json)

@@ -1,5 +1,6 @@
 """``friction-audit estimate``."""
 
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -33,12 +34,10 @@ def command(
     out.check(log, (DOCUMENT, HISTORY), "estimate")
     with voice.stages(2 + out.stages) as stages:
         with chain.loading("friction_audit.friction.estimate"):
-            from friction_audit.io.readers.reader import InBlocks, InBlocksUnhashed
             from friction_audit.pipeline import while_read
 
             # Figures and exports take all joints at once. The text of the terminal shows no hash.
-            streamed = InBlocks if shared.general.json else InBlocksUnhashed
-            how = streamed.of(options) if folder is None else options
+            how = replace(options, in_blocks=True, hashed=shared.general.json) if folder is None else options
             recorded = chain.read(log, how, stages, while_read(settings))
         result = chain.estimate(recorded, settings, stages)
         from friction_audit.reporting.estimate import (

@@ -69,14 +69,14 @@ def command(
 
 def _read(path: Path, options: "ReadOptions", topics: "tuple[Topic, ...]", voice: Voice) -> "JointLog":
     """Read a log, or the part asked for or the beginning of a large one."""
-    from friction_audit.io.readers.reader import FirstLook
     from friction_audit.joint_log import Finding
 
     if stamp_of(path).size <= LARGE_BYTES:
         return chain.read(path, options, voice)
+    options = replace(options, hashed=False, largest_whole=-1.0)  # the part alone, whatever the size of the log
     if options.has_window:
-        return chain.read(path, FirstLook.of(options), voice)
-    part = chain.read(path, FirstLook.of(options, t_end_s=FIRST_S), voice)
+        return chain.read(path, options, voice)
+    part = chain.read(path, replace(options, t_end_s=FIRST_S), voice)
     rows = {topic.name: topic.messages for topic in topics}.get(part.source.topic or path.name)
     held = "" if rows is None else f"; the file has {rows} {'messages' if part.source.topic else 'rows'}"
     message = f"the first {FIRST_S:g} s, {len(part.t)} samples{held}; --full reads the whole log"

@@ -1,6 +1,7 @@
 """``friction-audit replay``."""
 
 from contextlib import suppress
+from dataclasses import replace
 from functools import partial
 from math import inf
 from pathlib import Path
@@ -117,12 +118,11 @@ def command(
     out.check(log, (DOCUMENT, HISTORY), "replay")
     with voice.stages(3 + out.stages) as stages:
         with chain.loading("friction_audit.friction.estimate", "friction_audit.compensation.counterfactual"):
-            from friction_audit.io.readers.reader import InBlocks
             from friction_audit.pipeline import while_read
 
             # Figures and exports take all samples at once, and so does a joint that moves otherwise.
             in_blocks = folder is None and not settings.needs_whole
-            recorded = chain.read(log, InBlocks.of(reading) if in_blocks else reading, stages, while_read(audit))
+            recorded = chain.read(log, replace(reading, in_blocks=in_blocks), stages, while_read(audit))
         if settings.joint_model is not None:
             chain.check_joint_model(settings.joint_model.path, settings.joint_model.model, recorded)
         estimated = chain.estimate(recorded, audit, stages)

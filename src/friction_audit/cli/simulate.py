@@ -1,6 +1,6 @@
 """``friction-audit simulate``."""
 
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,12 +11,11 @@ from friction_audit.cli.choices import completed_by, flag, group, option
 from friction_audit.cli.console import say, say_table
 from friction_audit.cli.grouped_help import OUTPUT, SIMULATION
 from friction_audit.cli.outputs import show_written
-from friction_audit.errors import UsageError, near_misses
+from friction_audit.errors import UsageError
 from friction_audit.io.files import sha256_of, whole_file
 
 if TYPE_CHECKING:
     from friction_audit.io.writers.tables import Writer
-    from friction_audit.simulation.scenarios import Scenario
 
 EXAMPLES = """Examples:
   friction-audit simulate --list
@@ -70,9 +69,9 @@ def command(
     from friction_audit.reporting import documents
     from friction_audit.simulation.assign import as_nested
     from friction_audit.simulation.hide import hidden_effects
-    from friction_audit.simulation.scenarios import simulate
+    from friction_audit.simulation.scenarios import find_scenario, simulate
 
-    chosen, voice, seed = _find_scenario(scenario), general.voice, simulation.seed
+    chosen, voice, seed = find_scenario(scenario), general.voice, simulation.seed
     path, writer = _choose_output(out, dialect, truth, overwrite)
     asked = {"duration_s": simulation.duration, "rate_hz": simulation.rate}
     settings = changed(chosen.settings, change, simulation.joint_model, **asked)
@@ -82,7 +81,7 @@ def command(
     with voice.step(f"write {path}"), whole_file(path, overwrite=overwrite) as draft:
         check_fit(log, writer)
         writer.write(log, draft)
-        effects, seen = [asdict(effect) for effect in hidden_effects(settings)], as_nested(settings)
+        effects, seen = hidden_effects(settings), as_nested(settings)
         simulated = {"scenario": chosen.name, "seed": seed, "settings": seen, "effects": effects}
         simulated["output"] = {"path": str(path), "sha256": sha256_of(draft), "writer": writer, "log": log}
         if truth is not None:
@@ -91,17 +90,6 @@ def command(
                 other.write_text(text, encoding="utf-8")
     written = [path] if truth is None else [path, truth]
     show_written(documents.SIMULATE.json(simulated), written, voice, json=general.json)
-
-
-def _find_scenario(name: str | None) -> "Scenario":
-    from friction_audit.simulation.scenarios import SCENARIOS
-
-    named = {scenario.name: scenario for scenario in SCENARIOS}
-    if name not in named:
-        found = "SCENARIO: missing" if name is None else f"{name}: no such scenario"
-        near = near_misses(name or "", list(named))
-        raise UsageError(f"{found}; expected one of {', '.join(named)}{near}")
-    return named[name]
 
 
 def _choose_output(out: Path | None, dialect: str | None, truth: Path | None, overwrite: bool) -> "tuple[Path, Writer]":
@@ -150,7 +138,7 @@ def _list(name: str | None, lists: ListOptions, *, json: bool) -> None:
     from friction_audit.simulation.assign import Kind, paths, write_value
     from friction_audit.simulation.effects import EFFECTS
     from friction_audit.simulation.effects.effect import described
-    from friction_audit.simulation.scenarios import PAPER_SCENARIOS, SCENARIOS
+    from friction_audit.simulation.scenarios import PAPER_SCENARIOS, SCENARIOS, find_scenario
 
     if json:
         raise UsageError("--json: the lists are for people; leave it out")
@@ -160,7 +148,7 @@ def _list(name: str | None, lists: ListOptions, *, json: bool) -> None:
     if lists.scenarios and name is None:
         say_table(list(about.items()))
     elif lists.scenarios:
-        scenario = _find_scenario(name)
+        scenario = find_scenario(name)
         say(f"{scenario.name}: {about[scenario.name]}")
         rows = []
         for path, value in paths(scenario.settings).items():

@@ -20,7 +20,7 @@ from friction_audit.diagnosis.validation import gains, gap, held_out, wild_clust
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import displacement
 from friction_audit.effects.registry import effects
-from friction_audit.errors import AnalysisError, FrictionAuditError, bug_sentence, traced
+from friction_audit.errors import AnalysisError, FrictionAuditError, bug
 from friction_audit.joint_log import Float
 from friction_audit.parallel import WORKERS, in_processes, one_joint_at_a_time, per_joint, workers_for
 
@@ -54,8 +54,8 @@ def diagnose_subjects(
         except (FrictionAuditError, MemoryError, Warning):  # warnings are errors where the tests run
             raise
         except Exception as error:  # noqa: BLE001 - reported as a bug: verdict, traceback and exit code 1
-            failed = _answer(subject, "failed", bug_sentence("the diagnosis", error))
-            return replace(failed, findings=(), traceback=traced(error))
+            sentence, traceback = bug("the diagnosis", error)
+            return replace(_answer(subject, "failed", sentence), findings=(), traceback=traceback)
 
     joints = len(subjects)
     workers = workers_for(joints, WORKING_BYTES * max(len(subject.data.t) for subject in subjects))

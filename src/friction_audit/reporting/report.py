@@ -11,7 +11,7 @@ from friction_audit.compensation.result import JointReplay
 from friction_audit.compensation.settings import ReplaySettings
 from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings
-from friction_audit.errors import AnalysisError, FrictionAuditError, bug_sentence, traced
+from friction_audit.errors import AnalysisError, FrictionAuditError, bug
 from friction_audit.friction.history import Coefficient, JointFriction
 from friction_audit.io.writers.tables import TidyTable
 from friction_audit.pipeline import Diagnosis, Estimate, LogReplay, diagnose_estimate, replay_estimate
@@ -124,7 +124,7 @@ def _answer(part: str, compute: Callable[[], T], unanswered: list[Unanswered]) -
     except (FrictionAuditError, MemoryError, Warning):  # warnings are errors where the tests run
         raise
     except Exception as error:  # noqa: BLE001 - reported as a bug: on the page, with traceback and exit code 1
-        unanswered.append(Unanswered(part, bug_sentence(part, error), traced(error)))
+        unanswered.append(Unanswered(part, *bug(part, error)))
     return None
 
 

@@ -6,14 +6,13 @@ Where a field is a union of dataclasses, its kind can be assigned too: ``SlowSwe
 from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import MISSING, fields, is_dataclass, replace
-from difflib import get_close_matches
 from functools import partial
 from math import inf, isfinite, nan
 from types import NoneType, UnionType
 from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
 
 from friction_audit.compensation.law import kind_name
-from friction_audit.errors import UsageError
+from friction_audit.errors import UsageError, near_misses
 from friction_audit.joint_numbers import parse_joint_numbers, require_joints, write_joint_numbers
 
 Settings = TypeVar("Settings")
@@ -143,10 +142,7 @@ def _find(name: str, known: tuple[str, ...]) -> str:
         return found[0]
     if found:
         raise UsageError(f"--set {name}: stands for {len(found)} settings; expected one of {', '.join(found)}")
-    ends = {path.rpartition(".")[2]: path for path in known}
-    near = get_close_matches(name, [*known, *ends], n=1, cutoff=0.7)
-    hint = f"did you mean {ends.get(near[0], near[0])}?" if near else "--list with the scenario names all of them"
-    raise UsageError(f"--set {name}: no such setting; {hint}")
+    raise UsageError(f"--set {name}: no such setting; --list with the scenario names all{near_misses(name, known)}")
 
 
 def _put(node: Any, path: tuple[str, ...], change: Callable[[Any], Any], joints: tuple[int, ...] | None) -> Any:  # noqa: ANN401

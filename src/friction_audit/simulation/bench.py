@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import field, fields
 from math import atan2, hypot, inf, pi
+from typing import Any
 
 import numpy as np
 
@@ -260,18 +261,10 @@ class HandGuidedPanda(Checked):
         poses = np.tile(self.pose_rad, (2, 1))
         poses[:, moved] = (0.0, pi / 2)
         sine, cosine = arm.gravity(poses)[:, moved]
-        bench = BenchSettings(
-            joints=(self.joints[moved],),
-            hidden=(self.hidden[moved],),
-            sensors=(self.sensors[moved],),
-            operator=self.operator,
-            compensator=self.compensator,
-            gravity_nm=hypot(sine, cosine),
-            gravity_phase_rad=atan2(sine, cosine),
-            logs_sensor=True,
-            duration_s=self.duration_s,
-            rate_hz=self.rate_hz,
-        )
+        given: dict[str, Any] = {name: (getattr(self, name)[moved],) for name in ("joints", "hidden", "sensors")}
+        given |= {name: getattr(self, name) for name in ("operator", "compensator", "duration_s", "rate_hz")}
+        given |= {"gravity_nm": hypot(sine, cosine), "gravity_phase_rad": atan2(sine, cosine)}
+        bench = BenchSettings(**given, logs_sensor=True)
         own = streams._replace(events=(streams.events[moved],), drifts=(streams.drifts[moved],))
         alone = moved_by(move(bench, own, progress, start_rad=self.pose_rad[moved]), path)
 

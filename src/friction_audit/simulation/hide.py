@@ -4,13 +4,12 @@ A term of a model that no formula of the simulator equals is refused: a log of a
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass, fields, replace
-from difflib import get_close_matches
+from dataclasses import fields, replace
 from math import inf
 from typing import Any, TypeVar
 
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel
-from friction_audit.errors import UsageError
+from friction_audit.errors import UsageError, near_misses
 from friction_audit.joint_numbers import parse_joint_numbers, require_joints, write_joint_numbers
 from friction_audit.simulation.effects import EFFECTS, HiddenEffect
 from friction_audit.simulation.effects.effect import FORM, Given, NoEqualError, Setting
@@ -24,16 +23,6 @@ EQUALS = BY_NAME | {name: effect for effect in EFFECTS for name in effect.stands
 NOMINAL = ("coulomb", "viscous")  # terms that are settings of the joint itself
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class HiddenInJoint:
-    """An effect that works in a joint."""
-
-    joint: int  # number of the joint, 1..n
-    name: str
-    form: str | None  # None where there is only one
-    parameters: dict[str, float]
-
-
 def hide(settings: Settings, entries: Iterable[str]) -> Settings:
     """Return settings with effects such as ``"stribeck:excess_nm=0.2@2,5"`` in joints; without @ in all that move."""
     hidden, taken = list(settings.hidden), set[tuple[str, int]]()
@@ -43,9 +32,8 @@ def hide(settings: Settings, entries: Iterable[str]) -> Settings:
         joints = parse_joint_numbers(numbers, where) if at else None
         name, colon, parameters = described.partition(":")
         if name.strip() not in BY_NAME:
-            near = get_close_matches(name, BY_NAME, n=2)
-            hint = f"did you mean {' or '.join(near)}?" if near else "--list-effects names all of them"
-            raise UsageError(f"{where}: no effect {name or 'without a name'}; {hint}")
+            hint = near_misses(name, BY_NAME) or "; --list-effects names all of them"
+            raise UsageError(f"{where}: no effect {name or 'without a name'}{hint}")
         effect = BY_NAME[name.strip()]
         if effect.needs_neighbours and len(hidden) == 1:
             several = ", ".join(scenario.name for scenario in SCENARIOS if len(scenario.settings.hidden) > 1)
@@ -62,14 +50,14 @@ def hide(settings: Settings, entries: Iterable[str]) -> Settings:
     return replace(settings, hidden=tuple(hidden))
 
 
-def hidden_effects(settings: Any) -> tuple[HiddenInJoint, ...]:  # noqa: ANN401 - settings of any scenario
-    """Return the effects that do anything, joint by joint."""
-    return tuple(
-        HiddenInJoint(joint=joint, name=group.name, form=values.pop(FORM, None), parameters=values)
+def hidden_effects(settings: Any) -> list[dict[str, Any]]:  # noqa: ANN401 - settings of any scenario
+    """Return the effects that do anything, joint by joint, as documents show them; the form None where there is one."""
+    return [
+        {"joint": joint, "name": group.name, "form": values.pop(FORM, None), "parameters": values}
         for joint, groups in enumerate(settings.hidden, start=1)
         for group in groups.present()
         for values in [group.values()]
-    )
+    ]
 
 
 def _parameters(text: str, where: str) -> dict[str, str]:

@@ -8,15 +8,7 @@ import numpy as np
 from friction_audit.compensation.law import FINITE, Checked, positive, within
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.simulation.strokes import (
-    SHORTEST_S,
-    Intention,
-    Prescribed,
-    SlowSweep,
-    StopAndGo,
-    area,
-    course,
-)
+from friction_audit.simulation.strokes import SHORTEST_S, Intention, Prescribed, SlowSweep, StopAndGo, area, course
 
 WIDEST = 0.5  # up to this spread, the speed never changes its sign inside a half-period
 ROUNDING = 1e-9  # a half-period that ends with the recording still fits

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 from friction_audit.compensation.competitors import FixedCompensation
 from friction_audit.compensation.law import PUBLISHED, Coefficients, EnergyCompensator
+from friction_audit.errors import UsageError, near_misses
 from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.bench import BenchSettings, HandGuidedPanda, Operator, Progress
 from friction_audit.simulation.effects import Hidden
@@ -186,6 +187,15 @@ _PANDA = (
 )  # fmt: skip
 
 SCENARIOS: tuple[Scenario, ...] = (*_ONE_JOINT, *_PANDA, *PAPER_SCENARIOS)
+
+
+def find_scenario(name: str | None) -> Scenario:
+    """Return the scenario of a name; UsageError names all of them."""
+    named = {one.name: one for one in SCENARIOS}
+    if name not in named:
+        found = "SCENARIO: missing" if name is None else f"{name}: no such scenario"
+        raise UsageError(f"{found}; expected one of {', '.join(named)}{near_misses(name or '', named)}")
+    return named[name]
 
 
 def simulate(

@@ -11,7 +11,6 @@ from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float, JointLog, Source
 from friction_audit.simulation.effects.load_and_place import gravity_error_nm, ripple_reading_nm
 from friction_audit.simulation.effects.sensors import TORQUE_LATE, VELOCITY_LATE, crosstalk_mixed, delayed
-from friction_audit.simulation.effects.slow_and_events import temperature_c
 from friction_audit.simulation.settings import CONTROL_RATE_HZ, Moved, Sensors, SomeSettings, Streams, of_each_joint
 
 Number = TypeVar("Number", float, Float)
@@ -101,8 +100,8 @@ def _channels(settings: SomeSettings, moved: Moved) -> dict[str, Float]:
     if settings.robot == "panda" and not settings.driven:
         channels["tau_J_d"] = motion.compensation_nm + motion.passivity_nm
     if settings.logs_temperature:
-        truth = _by_joint(temperature_c, [inside.warm_up for inside in hidden], motion.warmth)
-        channels["temperature"] = quantise(TEMPERATURE_STEP_C, truth)
+        cold, rise = np.array([(inside.warm_up.cold_c, inside.warm_up.rise_k) for inside in hidden]).T
+        channels["temperature"] = quantise(TEMPERATURE_STEP_C, cold + rise * motion.warmth)
     return channels
 
 

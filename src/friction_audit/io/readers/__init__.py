@@ -20,7 +20,6 @@ from friction_audit.io.readers.channel_names import arm_of_log, torque_unit
 from friction_audit.io.readers.join import join_recordings
 from friction_audit.io.readers.reader import (
     TAKE_A_PART,
-    OneOfSeveral,
     Reader,
     ReadOptions,
     SeveralLogsError,
@@ -65,14 +64,14 @@ def read_log(path: str | Path, options: ReadOptions = _DEFAULT, listen: Listen =
     if options.in_blocks:
         with suppress(WholeLogError):
             return _read_log(path, options, listen)
-        options = ReadOptions.of(options)
+        options = replace(options, in_blocks=False, hashed=True)
     return _read_log(path, options, listen)
 
 
 def _read_log(path: str | Path, options: ReadOptions, listen: Listen) -> JointLog:
     files = [(file := Path(name), _stamp(file), choose_reader(file)) for name in (path, *options.join)]
     at, parts, asked = files[0], list[tuple[Path, Recording]](), _asked(options)
-    own, arm = OneOfSeveral.of(asked) if options.join else asked, (options.topic or "").partition("#")[2]
+    own, arm = replace(asked, partial=bool(options.join)), (options.topic or "").partition("#")[2]
     with ThreadPoolExecutor(max_workers=1, thread_name_prefix="sha256") as pool:
         # hashlib gives the lock away: this costs no time on a second core.
         digests = [pool.submit(sha256_of, file) for file, *_ in files] if options.hashed else []
@@ -172,7 +171,8 @@ def to_joint_log(
     if blocks is None:
         return JointLog(t=recording.t if first == 0.0 else recording.t - first, **held)
     held |= {name: getattr(blocks, name) for name in ("mean_of", "numbers", "listener", "clock", "gaps", "read")}
-    return LogInBlocks(t=recording.t, **held, first=0, read_whole=partial(read_log, path, ReadOptions.of(options)))
+    again = partial(read_log, path, replace(options, in_blocks=False, hashed=True))
+    return LogInBlocks(t=recording.t, **held, first=0, read_whole=again)
 
 
 def list_topics(path: str | Path) -> tuple[str, tuple[Topic, ...]]:

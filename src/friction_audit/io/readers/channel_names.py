@@ -172,16 +172,11 @@ def is_label(name: str) -> bool:
 
 def labels_of(names: Sequence[str], joints: Mapping[str, str]) -> dict[int, str]:
     """Return position of a column -> its joint: ``field.position3`` is of the joint that ``field.name3`` holds."""
-    labels = {_place(name): joint for name, joint in joints.items()}
-    labels.pop(None, None)
-    places = [_place(name) for name in names]
-    return {cell: labels[place] for cell, place in enumerate(places) if place in labels}
-
-
-def _place(name: str) -> tuple[str, int] | None:
-    """Return the message ``field.`` and the index 3 of ``field.position.3``."""
-    match = _ELEMENT.fullmatch(name.strip())
-    return None if match is None else (match["head"], int(match["a"] or match["b"]))
+    found = {name: match for name in {*names, *joints} if (match := _ELEMENT.fullmatch(name.strip()))}
+    # The message ``field.`` and the index 3 of ``field.position.3``.
+    places = {name: (match["head"], int(match["a"] or match["b"])) for name, match in found.items()}
+    labels = {places[name]: joint for name, joint in joints.items() if name in places}
+    return {cell: labels[places[name]] for cell, name in enumerate(names) if places.get(name) in labels}
 
 
 _POSITION = re.compile(r"#(\d+)(?:-#?(\d+))?")
@@ -211,6 +206,19 @@ def shorten(names: Sequence[str], *, numbered: bool = False) -> str:
     return ", ".join(few(shown, 14))
 
 
+def group_of(template: str, found: Sequence[tuple[int, int | None, str | None]], *, degrees: bool = False) -> Group:
+    """Return the columns of one channel in the order of their joints, from position, number and name of each."""
+    base = 0 if any(number == 0 for _, number, _ in found) else 1
+    cells, names = dict[JointKey, int](), dict[JointKey, str]()
+    for cell, number, joint in found:
+        key = number - base if number is not None else joint or 0
+        cells.setdefault(key, cell)  # of repeated names the first is the state, the second the command
+        if joint is not None:
+            names.setdefault(key, joint)
+    in_order = sorted(cells, key=lambda key: (isinstance(key, str), key if isinstance(key, int) else 0))
+    return Group(template, {key: cells[key] for key in in_order}, names, degrees)
+
+
 def stated_group(
     value: str, names: Sequence[str], labels: Mapping[int, str] | None = None, outside: Collection[int] = ()
 ) -> Group:
@@ -224,15 +232,11 @@ def stated_group(
         return group._replace(template=value, degrees=unit == "deg")
     template = value.strip() if "{i}" in value else value + "[{i}]"
     pattern = re.compile(re.escape(template).replace(re.escape("{i}"), r"(\d+)"))
-    places = reversed(list(enumerate(names)))  # of repeated names the first counts
-    numbered = {int(match[1]): cell for cell, name in places if (match := pattern.fullmatch(name))}
-    if numbered:
-        kept = {number: numbered[number] for number in sorted(numbered) if numbered[number] not in outside}
-        base = 0 if 0 in kept else 1
-        cells: dict[JointKey, int] = {number - base: cell for number, cell in kept.items()}
-        parsed = {key: parse_name(names[cell]) for key, cell in cells.items()}
-        joints = {key: (name.joint if name else None) or (labels or {}).get(cells[key]) for key, name in parsed.items()}
-        return Group(value, cells, names={key: name for key, name in joints.items() if name})
+    numbers = {cell: int(match[1]) for cell, name in enumerate(names) if (match := pattern.fullmatch(name))}
+    if numbers:
+        parsed = {cell: parse_name(names[cell]) for cell in numbers if cell not in outside}
+        joints = {cell: (name and name.joint) or (labels or {}).get(cell) for cell, name in parsed.items()}
+        return group_of(value, [(cell, numbers[cell], joint) for cell, joint in joints.items()])
     if "{i}" in value:
         raise KeyError(value)
     listed = [cell for part in value.split(",") for cell in positions_of(part.strip(), names)]

@@ -16,6 +16,7 @@ from friction_audit.io.readers.channel_names import (
     JointKey,
     arms_in,
     choose_arm,
+    group_of,
     parse_name,
     positions_of,
     ranks,
@@ -189,23 +190,13 @@ def _guessed_groups(
             key = (rank_of(parsed), parsed.template)
             found.setdefault(parsed.channel, {}).setdefault(key, {})[cell] = parsed
     best = {channel: min(candidates.items(), key=lambda one: one[0][0]) for channel, candidates in found.items()}
-    groups = {channel: _group(template, cells, labels) for channel, ((_, template), cells) in best.items()}
+    groups = {}
+    for channel, ((_, template), cells) in best.items():
+        own = [(cell, name.index, name.joint or labels.get(cell)) for cell, name in cells.items()]
+        groups[channel] = group_of(template, own, degrees=next(iter(cells.values())).degrees)
     tied = [key[1] for key in found.get("q", {}) if key[0] == best["q"][0][0]]
     heads = {channel: next(iter(cells.values())).head for channel, (_, cells) in best.items()}
     return groups, tied[1:], heads
-
-
-def _group(template: str, cells: Mapping[int, ForeignName], labels: Mapping[int, str]) -> Group:
-    base = 0 if any(name.index == 0 for name in cells.values()) else 1
-    kept: dict[JointKey, int] = {}
-    names: dict[JointKey, str] = {}
-    for cell, name in cells.items():
-        key = name.index - base if name.index is not None else name.joint or 0
-        kept.setdefault(key, cell)  # of repeated names the first is the state, the second the command
-        if (label := name.joint or labels.get(cell)) is not None:
-            names.setdefault(key, label)
-    in_order = sorted(kept, key=lambda key: (isinstance(key, str), key if isinstance(key, int) else 0))
-    return Group(template, {key: kept[key] for key in in_order}, names, degrees=next(iter(cells.values())).degrees)
 
 
 def _missing_message(names: Sequence[str], groups: Mapping[str, Group], *, found_time: bool, path: str) -> str:
@@ -262,8 +253,11 @@ def _align(
         group = groups[channel]
         fits = len(group.cells) == len(keys) and (group.in_order or len(keys) == 1)
         own = tuple(group.cells.values()) if fits else tuple(group.cells[key] for key in keys if key in group.cells)
+        lost = [names[cell] for key, cell in group.cells.items() if key not in keys and not fits]
         if len(own) == len(keys):
             channels[channel] = own
+            text = f"{shorten(lost)} left out: {reference.template} has no such joint"
+            findings += [Finding("incomplete_channel", text, amount=float(len(lost)))] if lost else []
         elif channel in ("q", "dq") or torques == [channel]:
             short.append(f"{channel} ({_joints_text(group.cells)})")
         else:

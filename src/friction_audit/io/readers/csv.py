@@ -14,7 +14,7 @@ from friction_audit.errors import InputError
 from friction_audit.io.readers.channel_names import is_label, labels_of
 from friction_audit.io.readers.clocks import TimeColumn, stamps_of, to_clock
 from friction_audit.io.readers.columns import ColumnMap
-from friction_audit.io.readers.csv_lines import Dialect, recognises, sniff_csv, split_line, value_of
+from friction_audit.io.readers.csv_lines import COMMENT, Dialect, recognises, sniff_csv, split_line, value_of
 from friction_audit.io.readers.reader import BY_NUMBER, IN_BLOCKS_BYTES, ReadOptions, Topic, refuse_too_large
 from friction_audit.io.readers.table import Part, Table, part_in_blocks, read_table
 from friction_audit.io.recording import Recording, WholeLogError
@@ -23,6 +23,7 @@ from friction_audit.joint_log import Finding, find_window
 _SHOWN_TEXT, _SHOWN_CELLS = 40, 3
 _LIST = re.compile(r": [\"'](?:array)?[\[(]")  # in one cell, as pandas writes arrays
 _MOST_BAD = 0.01  # of the lines with a cell that is no number; beyond, a column is not what its name says
+_EXPECTED = f"numbers, in {1.0 - _MOST_BAD:.0%} of the lines; repair them"
 _LONG_INTEGER = 16  # digits from which a stamp no longer fits a float exactly
 _EXCEPTION_LOG_ROWS, _EXCEPTION_LOG_S = 60, 0.1
 _SLOWER = 4  # times as long as numbers take in other files, so that smaller tables are not read twice
@@ -150,7 +151,8 @@ class CsvTable(Table):
             text = raw.strip("\r")
             if "\r" in text:
                 raise InputError(f"{self.path}: line {number} has a carriage return within; expected none; repair it")
-            fields = split_line(text, dialect.separator) if text.strip() else ()
+            is_row = text.strip() and not COMMENT.match(text.encode())
+            fields = split_line(text, dialect.separator) if is_row else ()
             if fields and len(fields) != dialect.width:
                 raise InputError(
                     f"{self.path}: line {number} has {len(fields)} fields; expected {dialect.width}; repair the line"
@@ -165,15 +167,14 @@ class CsvTable(Table):
                     found[cell].append(np.nan if value is None else value)
         return {cell: np.array(values, _DTYPES[self._kinds[cell]]) for cell, values in found.items()}
 
-    def _complain(self, lines: int, what: str) -> None:
+    def _complain(self, lines: int, what: str, expected: str = _EXPECTED) -> None:
         """Note lines with a cell that is no number; refuse a table with many."""
         self._bad_lines += lines
         self._bad += [what] if len(self._bad) < _SHOWN_CELLS else []
         if self._bad_lines > _MOST_BAD * self._lines:
-            advice = f"expected numbers, in {1.0 - _MOST_BAD:.0%} of the lines; repair them"
             if _LIST.search(self._bad[0]):
-                advice = "expected one column per joint; split the lists, or give them to log_from_frame as arrays"
-            raise InputError(f"{self.path}: {self._bad[0]}; {advice}")
+                expected = "one column per joint; split the lists, or give them to log_from_frame as arrays"
+            raise InputError(f"{self.path}: {self._bad[0]}; expected {expected}")
 
     def _dated(self, columns: Block, time: TimeColumn) -> Block:
         """Return the rows with dates, which become nanoseconds since 1970; not those beyond what these can hold."""
@@ -185,7 +186,8 @@ class CsvTable(Table):
         dated = dates.notna().to_numpy()
         if not dated.all():
             what = f"column {time.name} holds neither a number nor an ISO 8601 date: {words[~dated][0]!r}"
-            self._complain(int(np.count_nonzero(~dated)), what)
+            expected = "seconds, or dates such as 2024-05-01T12:00:00.001; name another clock with --map t=NAME"
+            self._complain(int(np.count_nonzero(~dated)), what, expected)
         stamps = dates[dated].dt.tz_convert(None).dt.as_unit("ns").to_numpy().astype(np.int64)
         return {own: array[dated] for own, array in columns.items()} | {cell: stamps}
 

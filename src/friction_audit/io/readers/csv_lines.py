@@ -55,7 +55,7 @@ class _Unpacked(io.RawIOBase):
         return size
 
 
-_COMMENT = re.compile(rb"#+|//+|%(?=[%\s])%*")  # %time begins the header of rostopic echo -p
+COMMENT = re.compile(rb"#+|//+|%(?=[%\s])%*")  # %time begins the header of rostopic echo -p
 _FEWEST_LINES = 4
 _LOOK = 20
 _UNIT = re.compile(r"[\[(]?\s*([a-zA-Z°µ%-][\w°µ%*/^.· -]{0,11}?)?\s*[\])]?")  # a cell of a line of units, or nothing
@@ -119,7 +119,7 @@ class Dialect:
                 ends = [len(text.strip().rpartition(self.separator)[2]) for text in lines]
                 is_short = len(fields[-1]) < min(ends, default=0)
                 found = f"it has no line feed, and {fields[-1].strip()} may lack digits"
-        if not found or not last.strip():
+        if not found or not last.strip() or COMMENT.match(last):
             return body + b"\n", None
         number = line + before.count(b"\n") + len(newline)
         message = f"line {number}, the last one, {'is' if is_short else 'may be'} cut short ({found}); it is left out"
@@ -157,7 +157,7 @@ def sniff_csv(path: Path) -> Dialect:
     with open_table(path) as stream:
         _refuse_no_text(path, stream.peek(_HEAD_BYTES))
         # The last of the comments and blank lines at the start: numpy.savetxt writes its header as a comment.
-        while _COMMENT.match(line := stream.readline(_HEAD_BYTES)) or (line and not line.strip()):
+        while COMMENT.match(line := stream.readline(_HEAD_BYTES)) or (line and not line.strip()):
             skipped, begin, last = skipped + bool(last), begin + len(last), line
         head = last + line + stream.read(_HEAD_BYTES)
         while head.count(b"\n") < _FEWEST_LINES and len(head) < _LONGEST_HEAD and (more := stream.read(_HEAD_BYTES)):
@@ -168,15 +168,15 @@ def sniff_csv(path: Path) -> Dialect:
     lines = head.splitlines(keepends=True)
     if begin + len(head) < size and len(lines) > 1:
         del lines[-1]  # which may end in the middle
-    texts = [line.decode("utf-8-sig", errors="replace").strip("\r\n") for line in lines]
-    start = next((i for i, text in enumerate(texts) if text.strip() and not _COMMENT.match(text.encode())), None)
+    texts = [_decoded(line).strip("\r\n") for line in lines]
+    start = next((i for i, text in enumerate(texts) if text.strip() and not COMMENT.match(text.encode())), None)
     if start is None:
         raise InputError(f"{path}: all lines are blank or comments; expected a table with a header")
     separator = separator_of(texts[start])
     fields = split_line(texts[start], separator)
-    has_header = any(value_of(field, float, "," if separator == ";" else ".") is None for field in fields)
+    has_header = any(value_of(field, float, "." if separator == "," else ",") is None for field in fields)
     first, header = start + has_header, texts[start - (not has_header)] if has_header or start else ""
-    mark = _COMMENT.match(header.encode())
+    mark = COMMENT.match(header.encode())
     names = split_line(header[mark.end() :] if mark else header, separator)
     if not has_header:
         has_header = mark is not None and len(names) == len(fields)
@@ -186,10 +186,11 @@ def sniff_csv(path: Path) -> Dialect:
     rows = tuple(split_line(text, separator) for text in texts[first : first + _LOOK] if text.strip())
     if not rows:
         raise InputError(f"{path}: 0 samples: a header of {len(names)} columns and no rows; record the arm in motion")
+    commas = (value_of(field, float, ",") for row in rows for field in row if "," in field and separator != ",")
     return Dialect(
         path=path,
         separator=separator,
-        decimal="," if separator == ";" and any("," in field for row in rows for field in row) else ".",
+        decimal="," if any(number is not None for number in commas) else ".",
         names=names,
         has_header=has_header,
         width=_width(path, names, rows, skipped + first + 1),
@@ -198,6 +199,13 @@ def sniff_csv(path: Path) -> Dialect:
         size=size,
         rows=rows,
     )
+
+
+def _decoded(line: bytes) -> str:
+    try:
+        return line.decode("utf-8-sig")
+    except UnicodeDecodeError:  # a degree sign, as older programs write it
+        return line.decode("latin-1")
 
 
 def _with_units(names: tuple[str, ...], line: Sequence[str], separator: str) -> tuple[str, ...] | None:
@@ -246,8 +254,9 @@ def separator_of(line: str) -> str:
     counts = {separator: line.count(separator) for separator in ("\t", ";", ",")}
     if counts[";"] and counts[";"] >= counts["\t"]:
         return ";"  # before the comma, which then is the decimal sign
-    best = max(counts, key=lambda separator: counts[separator])
-    return best if counts[best] else " "
+    if counts["\t"] and counts["\t"] + 1 >= counts[","]:
+        return "\t"  # likewise
+    return "," if counts[","] else " "
 
 
 def _width(path: Path, names: tuple[str, ...], rows: tuple[tuple[str, ...], ...], line: int) -> int:

@@ -2,11 +2,11 @@
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from importlib import import_module
 from math import inf
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import Any
 
 from friction_audit.errors import InputError, UsageError, near_misses
 from friction_audit.io.files import starts_with
@@ -18,6 +18,7 @@ MARGIN_S = 1.0  # read on both sides of a part, so that spikes and delays at its
 WHOLE_BYTES = 256 << 20
 IN_BLOCKS_BYTES = 64 << 20  # larger arrays are read twice instead of kept [byte]
 _MAPPABLE = ("t", *JOINT_CHANNELS)
+OF_THE_COMMAND = ("partial", "hashed", "in_blocks", "largest_whole")  # of ReadOptions
 _BOMB_BYTES, _BOMB_RATIO = 1 << 30, 100  # noise does not shrink to a hundredth when it is compressed
 _GIGABYTE = 1e9
 _GIT_LFS = b"version https://git-lfs.github.com/spec/"
@@ -92,15 +93,11 @@ class ReadOptions:
     flip: tuple[int, ...] = ()  # numbers (1..n) of joints whose measured torque has the other sign
     join: tuple[str, ...] = ()  # further files of the log, whose channels are interpolated at the stamps of the first
 
-    partial: ClassVar[bool] = False
-    hashed: ClassVar[bool] = True
-    in_blocks: ClassVar[bool] = False
-    largest_whole: ClassVar[float] = inf  # what is read whole although a part is asked for, if that is less [byte]
-
-    @classmethod
-    def of(cls, other: "ReadOptions", **changed: Any) -> Self:  # noqa: ANN401
-        """Return the same options, some of them changed, as those of this class."""
-        return cls(**{one.name: getattr(other, one.name) for one in fields(other)} | changed)
+    # What a command knows and no user says: OF_THE_COMMAND.
+    partial: bool = False  # True for a file that may lack channels, since other files of the same log have them
+    hashed: bool = True  # False for a result that does not show the hash of the file
+    in_blocks: bool = False  # True to read a large table block by block, each time that it is needed: it is not kept
+    largest_whole: float = inf  # what is read whole although a part is asked for, if that is less [byte]
 
     def __post_init__(self) -> None:
         """Raise UsageError if the factor is not above zero, a channel does not exist, or the part holds no time."""
@@ -134,31 +131,6 @@ class ReadOptions:
         start = -inf if self.t_start_s is None else self.t_start_s / self.time_scale - MARGIN_S
         stop = inf if self.t_end_s is None else self.t_end_s / self.time_scale + MARGIN_S
         return start, stop
-
-
-class FirstLook(ReadOptions):
-    """Options with which the part asked for is read alone, of a log of any size, without the hash of the file."""
-
-    hashed = False
-    largest_whole = -1.0
-
-
-class OneOfSeveral(ReadOptions):
-    """Options with which a file may lack channels, since other files of the same log have them."""
-
-    partial = True
-
-
-class InBlocks(ReadOptions):
-    """Options with which a large table is read block by block, each time that it is needed, instead of kept."""
-
-    in_blocks = True
-
-
-class InBlocksUnhashed(InBlocks):
-    """The same, without the hash of the file, for a result that does not show it."""
-
-    hashed = False
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -82,36 +82,31 @@ _JSON_SCHEMA = {
         "joints": {"type": "array", "items": {"type": "object", "properties": _JOINT}},
     },
 }
-_NUMBERS = "".join(  # optional, so that a number that is not there is none
-    f'field {{ name: "{name}" number: {place + 2} label: LABEL_OPTIONAL type: TYPE_DOUBLE oneof_index: {place} '
-    f'proto3_optional: true }} oneof_decl {{ name: "_{name}" }}'
-    for place, name in enumerate(name for name in _JOINT if name != "name")
-)
-_PROTOBUF = f"""
-file {{
-  name: "foxglove/JointState.proto" package: "foxglove" syntax: "proto3" message_type {{
-    name: "JointState" field {{ name: "name" number: 1 label: LABEL_OPTIONAL type: TYPE_STRING }} {_NUMBERS}
-  }}
-}}
-file {{
-  name: "foxglove/JointStates.proto" package: "foxglove" syntax: "proto3"
-  dependency: "google/protobuf/timestamp.proto" dependency: "foxglove/JointState.proto" message_type {{
-    name: "JointStates"
-    field {{ name: "timestamp" number: 1 label: LABEL_OPTIONAL type: TYPE_MESSAGE
-            type_name: ".google.protobuf.Timestamp" }}
-    field {{ name: "joints" number: 2 label: LABEL_REPEATED type: TYPE_MESSAGE type_name: ".foxglove.JointState" }}
-  }}
-}}
-"""
 
 
 def _descriptors() -> Any:  # noqa: ANN401 - a FileDescriptorSet
-    from google.protobuf import text_format, timestamp_pb2
+    """Return the same as protobuf: foxglove/JointState.proto and foxglove/JointStates.proto."""
+    from google.protobuf import timestamp_pb2
     from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
-    found = FileDescriptorSet()
+    found, form = FileDescriptorSet(), {"package": "foxglove", "syntax": "proto3"}
     timestamp_pb2.DESCRIPTOR.CopyToProto(found.file.add())
-    return text_format.Merge(_PROTOBUF, found)
+    joint = found.file.add(name="foxglove/JointState.proto", **form).message_type.add(name="JointState")
+    one, many = {"label": "LABEL_OPTIONAL"}, {"label": "LABEL_REPEATED"}
+    for number, name in enumerate(_JOINT, start=1):
+        if name == "name":
+            joint.field.add(name=name, number=number, type="TYPE_STRING", **one)
+            continue
+        # Optional, so that a number that is not there is none.
+        own = {"oneof_index": len(joint.oneof_decl), "proto3_optional": True}
+        joint.field.add(name=name, number=number, type="TYPE_DOUBLE", **one, **own)
+        joint.oneof_decl.add(name=f"_{name}")
+    file = found.file.add(name="foxglove/JointStates.proto", **form)
+    file.dependency.extend(["google/protobuf/timestamp.proto", "foxglove/JointState.proto"])
+    states, of_type = file.message_type.add(name="JointStates"), {"type": "TYPE_MESSAGE"}
+    states.field.add(name="timestamp", number=1, type_name=".google.protobuf.Timestamp", **of_type, **one)
+    states.field.add(name="joints", number=2, type_name=".foxglove.JointState", **of_type, **many)
+    return found
 
 
 def _write_foxglove(log: JointLog, path: Path, *, encoding: str) -> None:

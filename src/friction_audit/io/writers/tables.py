@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.errors import csv_text, encodable
+from friction_audit.errors import encodable, printable
 from friction_audit.joint_log import DERIVATIVE, JOINT_CHANNELS, Float, JointLog
 from friction_audit.presets import candidates
 
@@ -101,6 +101,9 @@ HEAD: dict[str, type] = {"joint": int, "name": str}
 Lot = Mapping[str, Column]  # columns by name, all of one length
 
 
+_FORMULA = tuple("=+-@\t\r\n\uff1d\uff0b\uff0d\uff20")  # of what a spreadsheet computes, full-width forms included
+
+
 def write_table(table: TidyTable, path: Path, kind: str) -> None:
     """Write a table of joints as CSV or Parquet (a row group per joint)."""
     write_rows(HEAD | dict(table.types), _lots(table), path, kind)
@@ -114,23 +117,20 @@ def write_rows(types: Mapping[str, type], lots: Iterable[Lot], path: Path, kind:
     from pyarrow.csv import CSVWriter
     from pyarrow.parquet import ParquetWriter
 
-    schema = _schema(types)
+    rows = _arrow(types, lots, for_csv=kind == "csv")
     with path.open("wb") as file:  # opened here: Arrow takes no name of a file that is not UTF-8
         if kind == "csv":
-            writer = CSVWriter(file, schema)
+            writer = CSVWriter(file, rows.schema)
         else:
-            writer = ParquetWriter(file, schema, compression="zstd", write_page_checksum=True)
+            writer = ParquetWriter(file, rows.schema, compression="zstd", write_page_checksum=True)
         with writer:
-            for batch in _batches(schema, lots, csv_text if kind == "csv" else encodable):
+            for batch in rows:
                 writer.write_batch(batch)
 
 
 def to_frame(table: TidyTable) -> "pd.DataFrame":
     """Return a table as a pandas frame; NaN or None where there is nothing."""
-    import pyarrow as pa
-
-    schema = _schema(HEAD | dict(table.types))
-    frame: pd.DataFrame = pa.Table.from_batches(_batches(schema, _lots(table), encodable), schema).to_pandas()
+    frame: pd.DataFrame = _arrow(HEAD | dict(table.types), _lots(table)).read_pandas()
     return frame
 
 
@@ -140,25 +140,26 @@ def _lots(table: TidyTable) -> Iterator[Lot]:
             yield {"joint": np.full(n, rows.joint), "name": [rows.name] * n, **rows.columns}
 
 
-def _schema(types: Mapping[str, type]) -> "pa.Schema":
+def _arrow(types: Mapping[str, type], lots: Iterable[Lot], *, for_csv: bool = False) -> "pa.RecordBatchReader":
+    """Return each lot of rows as a batch; in CSV an apostrophe keeps a spreadsheet from computing a text."""
     import pyarrow as pa
 
     kinds = {str: pa.string(), int: pa.int64(), float: pa.float64(), bool: pa.bool_()}
-    return pa.schema([(name, kinds[kind]) for name, kind in types.items()])
+    schema = pa.schema([(name, kinds[kind]) for name, kind in types.items()])
 
+    def batches() -> "Iterator[pa.RecordBatch]":
+        for lot in lots:
+            columns = dict(lot)
+            for name in (name for name, kind in types.items() if kind is str):
+                texts = {text: text if text is None else encodable(text) for text in set(lot[name])}
+                if for_csv:
+                    plain = {text: printable(text) for text in texts if text is not None}
+                    texts |= {text: f"'{own}" if text.startswith(_FORMULA) else own for text, own in plain.items()}
+                columns[name] = [texts[text] for text in lot[name]]
+            arrays = [pa.array(columns[n], kinds[k], from_pandas=None if k is str else True) for n, k in types.items()]
+            yield pa.record_batch(arrays, schema=schema)
 
-def _batches(schema: "pa.Schema", lots: Iterable[Lot], write_text: Callable[[str], str]) -> "Iterator[pa.RecordBatch]":
-    import pyarrow as pa
-
-    for lot in lots:
-        columns = []
-        for field in schema:
-            column, is_text = lot[field.name], pa.types.is_string(field.type)
-            if is_text:
-                written = {text: None if text is None else write_text(text) for text in set(column)}
-                column = [written[text] for text in column]
-            columns.append(pa.array(column, type=field.type, from_pandas=None if is_text else True))
-        yield pa.record_batch(columns, schema=schema)
+    return pa.RecordBatchReader.from_batches(schema, batches())
 
 
 class Trajectory(NamedTuple):

@@ -9,8 +9,8 @@ from typing import Any, ClassVar, NamedTuple, Self, dataclass_transform
 
 from friction_audit.compensation.law import kind_name
 from friction_audit.effects.parameter import Parameter
-from friction_audit.effects.registry import FAMILY_OF, effect_of, near_names
-from friction_audit.errors import UsageError
+from friction_audit.effects.registry import FAMILY_OF, effect_of
+from friction_audit.errors import UsageError, near_misses
 from friction_audit.simulation.settings import JointParameters
 
 FORM = "form"
@@ -102,8 +102,8 @@ class HiddenEffect:
         for name, value in given.items():
             where = f"--effect {cls.name}: {name}={value}"
             if name not in names:
-                near = near_names(name, names)
-                raise UsageError(f"--effect {cls.name}: no parameter {name}{near}; expected {', '.join(names)}")
+                near = near_misses(name, names)
+                raise UsageError(f"--effect {cls.name}: no parameter {name}; expected {', '.join(names)}{near}")
             if name == FORM:
                 if value not in cls.forms:
                     raise UsageError(f"{where}: expected one of {', '.join(cls.forms)}")

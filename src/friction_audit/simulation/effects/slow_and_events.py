@@ -46,11 +46,6 @@ def warm_up_viscous_factor(group: Record, warmth: float) -> float:
     return float((1.0 - group.reduction) ** warmth)
 
 
-def temperature_c(group: WarmUp, warmth: Float) -> Float:
-    """Return the temperature at a warmth, shape as given. [degC]"""
-    return group.cold_c + group.rise_k * warmth
-
-
 ABRUPT, RAMP, SETTLING = range(3)
 
 
