@@ -25,7 +25,7 @@ def left_out(sessions: list[Session]) -> dict[int, str]:
 @pytest.mark.parametrize(
     ("name", "value", "reason"),
     [
-        ("drive", "robot", "drive robot, of the others hand"),
+        ("drive", "robot", "drive robot, of the others hand (or its torque has the other sign)"),
         ("torque", "tau_J", "torque tau_J, of the others interaction"),
         ("gravity", "model", "gravity model, of the others removed"),
         ("inertia", "model", "inertia model, of the others none"),

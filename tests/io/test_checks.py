@@ -162,6 +162,35 @@ def test_stale_samples_are_dropped_while_the_arm_moves() -> None:
         assert "stale_samples" not in codes(vetted(fresh))
 
 
+@pytest.mark.parametrize("name", ["tau_J", "q", "dq"])
+def test_held_values_of_a_slower_topic_are_interpolated(name: str) -> None:
+    """A torque held for 10 ms made viscous friction 20 to 80 % wrong without a word."""
+    rec, true = recording(8000, 3), recording(8000, 3).channels[name]
+    held = replace(rec, channels=rec.channels | {name: np.asfortranarray(true[np.arange(8000) // 10 * 10])})
+    log = vetted(held)
+    assert finding(log, "held_values").amount == pytest.approx(0.01, rel=1e-6)
+    assert "late on average" in finding(log, "held_values").message
+    off = np.abs(getattr(log, name) - true)[:7990]  # large only where Coulomb friction steps
+    assert np.median(off) < 0.1 * np.median(np.abs(true[10:] - true[:-10]))
+
+
+def test_coarse_encoders_and_torques_are_not_held() -> None:
+    rec = recording(8000, 3)
+    noisy = rec.channels["tau_J"] + 0.05 * np.random.default_rng(0).standard_normal((8000, 3))
+    coarse = {"q": np.round(rec.channels["q"] / 5e-3) * 5e-3, "tau_J": np.round(noisy / 0.1) * 0.1}
+    assert "held_values" not in codes(vetted(replace(rec, channels=rec.channels | coarse)))
+
+
+def test_a_velocity_that_is_mostly_noise_is_named_with_the_way_out() -> None:
+    rec = recording(8000, 3)
+    assert "velocity_noisy" not in codes(vetted(rec))
+    dq = rec.channels["dq"] + 0.0
+    dq[:, 1] += np.sqrt(0.2) * np.sqrt(np.mean(dq[:, 1] ** 2)) * np.random.default_rng(0).standard_normal(8000)
+    noticed = finding(vetted(replace(rec, channels=rec.channels | {"dq": dq})), "velocity_noisy")
+    assert (noticed.joint, noticed.amount) == (2, pytest.approx(0.2 / 1.2, rel=0.1))
+    assert "--map dq=derivative" in noticed.message
+
+
 def test_dropped_samples_and_gaps_are_counted_and_are_no_jitter() -> None:
     log = vetted(without(recording(), [100, 500, 501, 502]))
     assert finding(log, "dropped_samples").amount == 4

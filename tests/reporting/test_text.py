@@ -11,6 +11,7 @@ from friction_audit.diagnosis.result import ContactTrace
 from friction_audit.effects.registry import NAMES
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.pipeline import Estimate
+from friction_audit.preprocessing.interaction import Caution
 from friction_audit.reporting import words
 from friction_audit.reporting.diagnosis import diagnose_lines
 from friction_audit.reporting.diagnosis_words import joint_message
@@ -24,6 +25,7 @@ from friction_audit.reporting.notices import (
     diagnose_notices,
     notice_lines,
     reason_lines,
+    sentence_of,
 )
 from friction_audit.reporting.replay import replay_lines
 from tests.reporting import batch_by_hand, log_report_by_hand
@@ -143,6 +145,21 @@ def test_drift_in_detail_of_many_and_of_nothing() -> None:
     assert "not compared: 9 sessions: no start" in lines
     assert any(line.startswith("[red]arm[/red]: 24 sessions, 2026-03-03 to 2026-04-07") for line in lines)
     assert batch_lines(batch_by_hand.empty())[0].startswith("0 sessions of 0 arms: 0 computed, 0 known from the ledger")
+
+
+def test_sessions_that_do_not_fit_are_named_with_the_fault_of_their_torque() -> None:
+    """A recording with two exchanged joints was left out without a word."""
+    arm = batch_by_hand.arm()
+    first = replace(arm.joints[0], coefficients=tuple(replace(c, isolated=(3,)) for c in arm.joints[0].coefficients))
+    second = replace(arm.joints[1], coefficients=tuple(replace(c, isolated=(3,)) for c in arm.joints[1].coefficients))
+    fault = Caution(code="sign_disagrees", joint=2, numbers={"verdict": "falls", "torque": -0.3, "error": 0.1})
+    sessions = list(arm.sessions)
+    sessions[3] = replace(sessions[3], codes=("sign_disagrees",), warnings=(fault,))
+    odd = replace(arm, joints=(first, second, *arm.joints[2:]), sessions=tuple(sessions))
+    lines = batch_lines(batch_by_hand.batch(odd))
+    assert row(lines, "does not fit: session 4 (").endswith("joints 1 and 2: exchanged columns, another sign or unit?")
+    assert sentence_of(fault) in row(lines, "only in session 4 (")
+    assert not any(line.startswith(("does not fit", "only in")) for line in batch_lines(batch_by_hand.batch(arm)))
 
 
 def test_near_a_level_of_zero_drift_is_absolute() -> None:

@@ -65,7 +65,11 @@ def _unlike(sessions: dict[int, Session]) -> dict[int, str]:
     group = max(count, key=lambda key: (count[key], latest[key]), default=())
     unlike = {i: zip(LIKE, key, group, strict=True) for i, key in keys.items() if key != group}
     return {
-        i: "; ".join(f"{name} {mine}, of the others {theirs}" for name, mine, theirs in each if mine != theirs)
+        i: "; ".join(
+            f"{name} {mine}, of the others {theirs}" + " (or its torque has the other sign)" * (name == "drive")
+            for name, mine, theirs in each
+            if mine != theirs
+        )
         for i, each in unlike.items()
     }
 

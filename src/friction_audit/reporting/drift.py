@@ -2,9 +2,12 @@
 
 import json
 import math
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from operator import attrgetter
+from pathlib import PurePath
+from statistics import median
 from typing import NamedTuple
 
 from friction_audit import __version__
@@ -12,10 +15,15 @@ from friction_audit.batch.identity import FailedLog
 from friction_audit.drift.report import SHAPES, ArmDrift, ChangePoint, CoefficientDrift, DriftReport, JointDrift
 from friction_audit.drift.session import Session
 from friction_audit.friction.history import UNDETERMINED, Coefficient
+from friction_audit.preprocessing.interaction import Caution
 from friction_audit.reporting import drift_words as phrases, words
 from friction_audit.reporting.drift_sessions import SESSION, SessionRow
+from friction_audit.reporting.notices import sentence_of
 from friction_audit.reporting.table import INTERVAL, Column, Document, Record, joint_column
 
+ODD_TORQUE = ("gravity_error", "torque_offset", "sign_disagrees")  # cautions of one joint about how its torque was made
+RARE = 0.25  # share of the sessions
+WIDE = 10.0  # usual intervals that one is wide of a session that does not fit
 MOST_NAMED = 8  # sessions that a line names; more are counted
 
 
@@ -314,4 +322,26 @@ def _arm_lines(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
         if alone is None and len(sessions) <= MOST_NAMED:
             which = f"session{'s' if sessions[1:] else ''} {words.enumerate_words(one + 1 for one in sessions)}"
         yield f"not compared: {which}: {reason}"
+    yield from _odd_lines(arm)
     yield from (f"note: {warning}" for warning in arm.warnings)
+
+
+def _odd_lines(arm: ArmDrift) -> Iterator[str]:
+    """Name each session with joints that do not fit, or with a torque whose fault few others have, and what it is."""
+    isolated = {(index, joint.joint) for joint in arm.joints for one in joint.coefficients for index in one.isolated}
+    for joint in arm.joints:  # or far less certain than others: the torque of another joint is noise
+        for one in joint.coefficients[:1]:
+            widths = [value.high - value.low for value in one.values]
+            usual = WIDE * median(widths or [0.0])
+            isolated |= {(k, joint.joint) for k, width in zip(one.sessions, widths, strict=True) if width > usual}
+    often = Counter(code for index in arm.compared for code in set(arm.sessions[index].codes))
+    rare = {code for code in ODD_TORQUE if often[code] <= RARE * len(arm.compared)}
+    for index in arm.compared:
+        session, which = arm.sessions[index], words.format_date(arm.sessions[index].start_s)
+        name = f"session {index + 1} ({PurePath(session.path).name if session.start_s is None else which})"
+        if apart := sorted(joint for place, joint in isolated if place == index):
+            columns = ": exchanged columns, another sign or unit?" if apart[1:] else ""
+            which = f"joint{'s' * (len(apart) > 1)} {words.enumerate_words(apart)}"
+            yield f"does not fit: {name}: {which}{columns}"
+        found = (one for one in session.warnings if isinstance(one, Caution) and one.code in rare)
+        yield from (f"only in {name}: joint {one.joint}: {sentence_of(one)}" for one in found if one.joint is not None)

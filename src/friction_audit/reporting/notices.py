@@ -163,7 +163,8 @@ RECORDING = (
     "not_joined", "wrong_shape",
 )  # fmt: skip
 AS_ASKED = ("torque_converted",)  # codes about the physics that only repeat what the user asked for
-CORRECTED = ("dq_late", "sign_turned", "joints_left_out")  # detected and taken into account, as the table shows
+# Detected and taken into account, as the table shows.
+CORRECTED = ("dq_late", "held_values", "sign_turned", "joints_left_out")
 TABLED = ("not_determined", "from_regression", "not_replayed")  # a table or the lines below it say so in any case
 NO_PHYSICS = (*TABLED, *CORRECTED, *RECORDING)  # all others change what a number of a result means
 # A number in a sentence, no digit of a name.

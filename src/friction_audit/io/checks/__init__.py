@@ -15,6 +15,7 @@ from friction_audit.errors import InputError
 from friction_audit.io.checks import motion
 from friction_audit.io.checks.clock import Clock, Steps, Window, drop_repeats, sort_rows, spread_batches, take_window
 from friction_audit.io.checks.columns import Column
+from friction_audit.io.checks.held import Stretches, interpolate_held, noisy_velocity
 from friction_audit.io.checks.torque import Stale, check_torque, drop_stale_samples
 from friction_audit.io.checks.values import Missing, find_frozen, leave_out_columns, leave_out_rows
 from friction_audit.io.checks.wild import TO_ZERO, leave_out_wild
@@ -71,7 +72,7 @@ class _Survey:
         self.missing = Missing(recording)
         whole = recording.channels if recording.blocks is None else {}
         self.columns = {name: Column(rows, joints, TO_ZERO.get(name, np.inf), whole.get(name)) for name in names}
-        self.stale = Stale(recording)
+        self.stale, self.near = Stale(recording), Stretches(recording)
         self._before: dict[str, Float] = {}
         if clock.increases:
             self.steps, self._motion = Steps(clock), motion.Motion(clock, joints)
@@ -91,6 +92,7 @@ class _Survey:
         if "dq" in channels:
             self._motion.take(first, t, (last_s, before["dq"]), channels["q"], channels["dq"])
             self.stale.take(first, t, before, channels)
+            self.near.take(first, channels)
         self._before = {"t": t[-1:].copy()} | {name: piece[-1].copy() for name, piece in channels.items()}
         if self.means is None:
             return
@@ -163,6 +165,8 @@ def examine(
     look = look.after(look.recording.with_findings(*look.survey.steps.findings()))
     look = look.after(drop_stale_samples(look.recording, look.survey.stale, look.survey.columns))
     look = look.after(with_velocity(look.recording, look.clock.step_s))
+    look = look.after(interpolate_held(look.recording, look.survey.near, look.clock.step_s))
+    look = look.after(noisy_velocity(look.recording, look.survey.near))
     look = look.after(check_torque(look.recording, look.survey.columns))
     look = look.after(find_frozen(look.recording, look.survey.columns, look.clock))
     look = look.after(motion.check_motion(look.recording, look.survey.ratios, path, scaled=time_scale != 1.0))

@@ -1,0 +1,135 @@
+"""Channels that come less often than the rows, of a slower topic that was merged; velocities with more noise than that.
+
+A value that is held until the next one comes late by half of their period on average. Against channels that are not
+held, friction is then wrong in proportion to the speed and to the acceleration, so values are interpolated between
+updates. Noise of a velocity adds to the integral of its square, by which viscous friction is divided.
+"""
+
+from collections.abc import Iterator, Mapping
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.io.checks.columns import Picked
+from friction_audit.io.checks.torque import MOVING_RAD_S
+from friction_audit.io.recording import Block, Recording, WholeLogError
+from friction_audit.joint_log import DERIVATIVE, TORQUE_CHANNELS, Finding, Float
+
+_TIMED = ("q", "dq", *TORQUE_CHANNELS, "gravity", "tau_compensation")
+_STRETCHES, _LENGTH = 32, 1024  # of neighbouring rows that are looked at
+_FEWEST_UPDATES = 20
+_SHORTEST = 3.0  # rows of a usual run of equal values; the delay of shorter ones is below the jitter of clocks
+_IRREGULAR = 0.1  # share of runs that last less than half of the usual one: values that are equal by chance have more
+# Usual change at an update over the smallest: a coarse value that moves slowly changes by its resolution each time.
+_STEPS = 1.5
+_LATE = 1.5  # usual runs after which an update was missed
+_TRAVELLED_RAD = 0.1  # a joint that stands still has noise alone
+_NOISY = 0.05  # share of noise in the mean square of a velocity in motion
+
+
+class Stretches:
+    """Neighbouring rows of all channels, at places spread evenly over a recording."""
+
+    def __init__(self, recording: Recording) -> None:
+        rows, joints = recording.rows, len(recording.joint_names)
+        length = min(_LENGTH, rows)
+        starts = np.unique(np.linspace(0, rows - length, _STRETCHES).astype(np.int64))
+        if rows <= _STRETCHES * _LENGTH:
+            starts, length = np.zeros(1, np.int64), rows
+        self._places, self._shape = (starts[:, None] + np.arange(length)).ravel(), (len(starts), length, joints)
+        names = (name for name in recording.channels if name != "temperature")
+        self._picked = {name: Picked(self._places, joints) for name in names}
+
+    def take(self, first: int, channels: Mapping[str, Float]) -> None:
+        """Take the rows of a piece."""
+        for name, picked in self._picked.items():
+            picked.take(first, channels[name])
+
+    def of(self, name: str) -> Float:
+        """Return the rows of a channel, shape (stretches, rows, j)."""
+        return self._picked[name].values.reshape(self._shape)
+
+
+def interpolate_held(recording: Recording, near: Stretches, step_s: float) -> Recording:
+    """Return the recording with held values interpolated between their updates; WholeLogError if it is in blocks."""
+    if any(finding.code == "slow_state" for finding in recording.findings):  # all channels are held together
+        return recording
+    moving = np.abs(near.of("dq")) > MOVING_RAD_S
+    names = [
+        name for name in ("q", "dq", *TORQUE_CHANNELS, "gravity", "tau_compensation") if name in recording.channels
+    ]
+    found = {}
+    for name in names:
+        values = near.of(name)
+        periods = [_period(values[..., j], moving[..., j]) for j in range(values.shape[2])]
+        if any(periods) and recording.mapping.get(name) != DERIVATIVE:
+            found[name] = periods
+    if not found:
+        return recording
+    if recording.blocks is not None:
+        raise WholeLogError
+    findings = []
+    for name, periods in found.items():
+        held = [joint for joint, period in enumerate(periods) if period]
+        period_s = step_s * float(np.median([periods[joint] for joint in held]))
+        of = "" if len(held) == len(periods) else " of " + ", ".join(recording.joint_names[joint] for joint in held)
+        message = (
+            f"{name} ({recording.mapping.get(name, name)}){of} changes only every {1e3 * period_s:.3g} ms (held values "
+            f"of a slower topic), {500 * period_s:.2g} ms late on average; it is interpolated between its updates"
+        )
+        findings.append(Finding("held_values", message, amount=period_s))
+    return recording.mended(partial(_interpolated, periods=found)).with_findings(*findings)
+
+
+def _period(values: Float, moving: NDArray[np.bool_]) -> float:
+    """Return for how many rows the values of a joint are held while it moves, 0 where they are not."""
+    runs, jumps = list[Float](), list[Float]()
+    for column, moves in zip(values, moving, strict=True):
+        steps = np.diff(column)
+        updates = np.flatnonzero(steps)
+        own = moves[updates[:-1]] & moves[updates[1:]]
+        runs.append(np.diff(updates)[own])
+        jumps.append(np.abs(steps[updates[1:]])[own])
+    length, jump = np.concatenate(runs), np.concatenate(jumps)
+    if len(length) < _FEWEST_UPDATES:
+        return 0.0
+    usual = float(np.median(length))
+    regular = np.mean(length < 0.5 * usual) < _IRREGULAR
+    coarse = float(np.median(jump)) < _STEPS * float(jump.min())
+    return usual if usual >= _SHORTEST and regular and not coarse else 0.0
+
+
+def _interpolated(blocks: Iterator[Block], periods: Mapping[str, list[float]]) -> Iterator[Block]:
+    for t, channels in blocks:
+        for name, column, period in ((name, j, p) for name, own in periods.items() for j, p in enumerate(own) if p):
+            values = channels[name][:, column]
+            fresh = np.append(True, np.diff(values) != 0.0)
+            # Where an update was missed, or at rest, a value holds until a usual run before the next one.
+            rows = np.flatnonzero(fresh)
+            fresh[rows[1:][np.diff(rows) > _LATE * period] - round(period)] = True
+            fresh[-1] = True
+            values[:] = np.interp(t, t[fresh], values[fresh])
+        yield t, channels
+
+
+def noisy_velocity(recording: Recording, near: Stretches) -> Recording:
+    """Notice a velocity whose noise counts in its mean square in motion, as that of a difference of neighbours does."""
+    if recording.mapping.get("dq") == DERIVATIVE:
+        return recording
+    dq = near.of("dq")
+    findings = []
+    for joint in range(dq.shape[2]):
+        column = dq[..., joint]
+        moving = np.abs(column) > MOVING_RAD_S
+        rough = np.diff(column, n=3)[moving[:, 3:]]
+        if len(rough) < _FEWEST_UPDATES or np.ptp(near.of("q")[..., joint]) < _TRAVELLED_RAD:
+            continue
+        share = float(np.mean(rough**2)) / 20.0 / float(np.mean(column[moving] ** 2))  # 1 + 9 + 9 + 1 of white noise
+        if share > _NOISY:
+            message = (
+                f"{recording.name_of('dq', joint)}: {share:.0%} of its mean square is noise (a difference of "
+                "neighbouring positions?): viscous friction is too small by about as much; use --map dq=derivative"
+            )
+            findings.append(Finding("velocity_noisy", message, joint + 1, share))
+    return recording.with_findings(*findings)
