@@ -112,18 +112,14 @@ class Search:
         blocks, names = gram.blocks, gram.names
         gains, coefficients = self.training.gain(active)
         factor, found = occam(gains, gram.widths.astype(float)), {}
-        order = np.argsort(-factor, kind="stable")
+        possible, prior = gram.possible(coefficients), np.array([block.log_prior for block in blocks])
         given = {a.name for a in active}
         for name in (name for name in dict.fromkeys(names.tolist()) if name not in given):
-            total, best = 0.0, -1
-            for k in order[names[order] == name].tolist():
-                if best >= 0 and factor[k] < factor[best] - 25.0:
-                    break
-                if blocks[k].possible(coefficients[k]):
-                    best = k if best < 0 else best
-                    total += float(np.exp(blocks[k].log_prior + 0.5 * (factor[k] - factor[best])))
-            if best >= 0:
-                evidence = float(factor[best]) + 2.0 * float(np.log(total))
+            own = np.flatnonzero((names == name) & possible)
+            if len(own):
+                best = int(own[np.argmax(factor[own])])
+                total = np.sum(np.exp(prior[own] + 0.5 * (factor[own] - factor[best])))
+                evidence = float(factor[best] + 2.0 * np.log(total))
                 self._penalty[id(blocks[best])] = float(factor[best]) - evidence
                 if self.refine is not None:
                     blocks[best].penalty = float(factor[best]) - evidence
