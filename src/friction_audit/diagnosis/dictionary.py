@@ -130,13 +130,11 @@ class Dictionary:
 
     def complete(self, name: str) -> list[Block]:
         """Build what was withheld of an effect."""
-        rest, own = (
-            self.withheld.pop(name),
-            [block for block in self.blocks if block.name == name and not block.refined],
-        )
-        made = self.build_blocks(own[0].effect, rest, [*rest, *(block.shape for block in own)])
-        for block in own:
-            block.log_prior = -float(np.log(len(rest) + len(own)))
+        own = [block for block in self.blocks if block.name == name and not block.refined]
+        grid = own[0].effect.grid(self.problem.data)
+        made = self.build_blocks(own[0].effect, self.withheld.pop(name), grid)
+        for block in (*own, *made):
+            block.log_prior = -float(np.log(len(grid)))
         self.blocks += made
         return made
 

@@ -235,7 +235,7 @@ class Training:
     def gain(self, active: Sequence[Block]) -> tuple[Float, Float]:
         """L = n ln(RSS / RSS with the block) of every block given an active set; its coefficients, (blocks, most)."""
         known = self.gram.names
-        gains, coefficients = np.zeros(len(known)), np.zeros((len(known), self.gram.widths.max(initial=0)))
+        gains, coefficients = np.zeros(len(known)), np.zeros((len(known), self.gram.widths.max(initial=1)))
         names = {n for one in self.gram.nuisances for n in one.replaced_by} - {b.name for b in active}
         self._gain(active, "", np.flatnonzero(~np.isin(known, list(names))), gains, coefficients)
         for name in names.intersection(known.tolist()):
