@@ -104,7 +104,22 @@ def test_scores_of_the_gram_matrix_are_those_of_direct_least_squares() -> None:
         if block not in active:
             found, left = direct(gram, (*active, block))
             assert gains[k] == pytest.approx(training.samples * np.log(before / np.sum(left**2)), rel=1e-4, abs=1e-6)
-            assert coefficients[k] == pytest.approx(found[-block.p :], rel=1e-4)
+            assert coefficients[k, : block.p] == pytest.approx(found[-block.p :], rel=1e-4)
+
+
+def test_a_screened_effect_that_is_completed_is_the_whole_one() -> None:
+    gram, _ = prepared(BUMP)
+    problem, effect = gram.problem, effect_of("backlash")
+    baseline = problem.nominal.baseline(np.array([0.3, 0.07, 0.2]))
+    whole, some = (Dictionary.build(problem, (effect,), baseline, whole=whole) for whole in (True, False))
+    assert 0 < len(some.blocks) < len(whole.blocks) / 4
+    some.complete(effect.name)
+    assert not some.withheld
+    found, expected = (sorted(one.blocks, key=lambda block: sorted(block.shape.items())) for one in (some, whole))
+    for block, same in zip(found, expected, strict=True):
+        assert (block.shape, block.numbers) == (same.shape, same.numbers)
+        assert block.log_prior == pytest.approx(same.log_prior)
+        assert block.columns == pytest.approx(same.columns, abs=1e-6)
 
 
 def test_held_out_residuals_are_those_of_fits_without_the_fold() -> None:

@@ -234,7 +234,8 @@ def _detection_limit(state: State, left_nm: float) -> float:
     """Rms of an effect, free of the nominal model, that would have been seen with 90 % power. [N m]"""
     from scipy.special import ndtri
 
-    needed = (float(ndtri(1.0 - ALPHA / (2 * max(len(state.gram.blocks), 1)))) + POWER_Z) ** 2
+    tried = len(state.gram.blocks) + sum(map(len, state.dictionary.withheld.values()))
+    needed = (float(ndtri(1.0 - ALPHA / (2 * max(tried, 1)))) + POWER_Z) ** 2
     noise = state.gram.noise
     # The information of an effect as broad as the residual itself: its power per independent sample.
     time = float(np.sum(noise.predictors[-1])) if noise.age.max() else 0.0

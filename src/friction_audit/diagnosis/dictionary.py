@@ -27,6 +27,7 @@ CHANGED = 0.005
 # most the root of the inverse, and below 0.4, the least of all links, from 6.25 on. Other effects in the model and the
 # nominal model of the link itself change that by less than a factor of two.
 TOO_LARGE = 12.5
+EVERY_OF_FIRST = 2  # so many of the first kind of a link are built first; the others where they are worth it
 ORDERS_SCANNED = 2
 STORED = np.float32  # of columns alone, a thousand of them; products add up in double precision
 
@@ -85,6 +86,12 @@ class Dictionary:
     baseline: Nominal
     blocks: list[Block] = field(default_factory=list)
     not_testable: dict[str, str] = field(default_factory=dict)
+    # Points of links that are not built, by name of the effect: in a diagnosis, until ``complete`` asks for them.
+    withheld: dict[str, list[Nonlinear]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """What links are fitted to at first."""
+        self.response = self.problem.y
 
     @cached_property
     def back(self) -> Index:
@@ -92,8 +99,14 @@ class Dictionary:
         return np.argsort(self.problem.order)
 
     @classmethod
-    def build(cls, problem: RegressionProblem, effects: Sequence[Effect], baseline: Nominal) -> "Dictionary":
-        """Ask every effect whether the log can show it, and build its columns over its grid."""
+    def build(
+        cls, problem: RegressionProblem, effects: Sequence[Effect], baseline: Nominal, *, whole: bool = True
+    ) -> "Dictionary":
+        """Ask every effect whether the log can show it, and build its columns over its grid, if not whole for a screen.
+
+        Links are screened (sure independence screening: J. Fan, J. Lv, J. R. Stat. Soc. B 70 (2008) 849) by some of one
+        kind, because to follow all of them takes a quarter of the time.
+        """
         made = cls(problem, tuple(e for e in effects if e.name != EVENT), baseline)
 
         def of(k: int) -> tuple[str | None, list[Block]]:
@@ -104,7 +117,10 @@ class Dictionary:
             if effect.name == "nonlinear_viscous":
                 speed, exponent, least = "curved_viscous_speed_rad_s", "curved_viscous_exponent", speeds(data, 95.0)[0]
                 shapes = [s for s in shapes if s[exponent] > 0.0 or s[speed] >= LEAST_BEND * float(least)]
-            return why, made.build_blocks(effect, shapes)
+            first = shapes if whole or not effect.transmits else _first_of(effect, shapes)
+            if len(first) < len(shapes):
+                made.withheld[effect.name] = [s for s in shapes if s not in first]
+            return why, made.build_blocks(effect, first, shapes)
 
         for effect, (why, blocks) in zip(made.effects, side_by_side(of, len(made.effects)), strict=True):
             if why is not None:
@@ -112,13 +128,26 @@ class Dictionary:
             made.blocks += blocks
         return made
 
-    def build_blocks(self, effect: Effect, shapes: Sequence[Nonlinear], baseline: Nominal | None = None) -> list[Block]:
-        """Blocks of one effect; without those whose columns are zero."""
+    def complete(self, name: str) -> list[Block]:
+        """Build what was withheld of an effect."""
+        own = [block for block in self.blocks if block.name == name and not block.refined]
+        grid = own[0].effect.grid(self.problem.data)
+        made = self.build_blocks(own[0].effect, self.withheld.pop(name), grid)
+        for block in (*own, *made):
+            block.log_prior = -float(np.log(len(grid)))
+        self.blocks += made
+        return made
+
+    def build_blocks(
+        self, effect: Effect, shapes: Sequence[Nonlinear], grid: Sequence[Nonlinear] | None = None
+    ) -> list[Block]:
+        """Blocks of one effect, some points of a grid or all; without those whose columns are zero."""
         if not shapes:
             return []
-        varying = [k for k in {name for s in shapes for name in s} if len({s.get(k) for s in shapes}) > 1]
+        grid = grid or shapes
+        varying = [k for k in {name for s in grid for name in s} if len({s.get(k) for s in grid}) > 1]
         out: list[Block | None] = [None] * len(shapes)
-        for place, columns in self._built(effect, shapes, baseline or self.baseline, self.problem.y):
+        for place, columns in self._built(effect, shapes):
             there = np.asarray(columns.any(axis=1), bool)
             if there.any():
                 out[place] = Block(
@@ -136,16 +165,15 @@ class Dictionary:
         kept = columns if there.all() else columns[there]
         return np.take(kept.astype(STORED), self.problem.order, axis=1)
 
-    def _built(
-        self, effect: Effect, shapes: Sequence[Nonlinear], baseline: Nominal, y: Float
-    ) -> Iterator[tuple[int, Float]]:
+    def _built(self, effect: Effect, shapes: Sequence[Nonlinear]) -> Iterator[tuple[int, Float]]:
         """Yield place and columns on the samples, shape (p, m), each link with a nominal model of its own.
 
-        That is fitted with the link to a response, shape (m,). Half of the links keep the columns of the given one:
+        That is fitted with the link to the response. Half of the links keep the columns of the given one:
         they cannot be (safe screening; L. El Ghaoui, V. Viallon, T. Rabbani, Pacific J. Optimization 8 (2012) 667), or
         their own one is hardly another.
         """
-        data, nominals, again = self.problem.data, [baseline] * len(shapes), list(range(len(shapes)))
+        data, baseline, y = self.problem.data, self.baseline, self.response
+        nominals, again = [baseline] * len(shapes), list(range(len(shapes)))
         if effect.transmits:
             X, again = self.problem.X, []
             inverse = np.linalg.pinv(X @ X.T, rcond=1e-12, hermitian=True)
@@ -174,11 +202,11 @@ class Dictionary:
 
     def rebuild(self, baseline: Nominal, y: Float) -> None:
         """Build again what follows from the nominal model, better known; the response without other effects, (m,)."""
-        self.baseline = baseline
+        self.baseline, self.response = baseline, y
         for effect in self.effects:
             own = [block for block in self.blocks if block.effect is effect]
             if effect.needs_nominal and own:
-                for place, columns in self._built(effect, [block.shape for block in own], baseline, y):
+                for place, columns in self._built(effect, [block.shape for block in own]):
                     own[place].stored = self._stored(columns, own[place].there)
 
     def columns_at(self, block: Block, shape: Nonlinear, baseline: Nominal) -> Float:
@@ -242,3 +270,9 @@ class Dictionary:
         values = np.unique([s[name] for s in tried if name in s])
         away = np.abs(values - values[np.argmin(np.abs(values - block.shape[name]))]) if len(values) else values
         return float(away[away > 0].min()) if np.any(away > 0) else 0.2 * abs(block.shape[name]) + 1e-9
+
+
+def _first_of(effect: Effect, shapes: Sequence[Nonlinear]) -> list[Nonlinear]:
+    """Some points of the first kind: those that differ from the first one in the first parameter alone."""
+    name = effect.nonlinear[0].name
+    return [one for one in shapes if {**one, name: shapes[0][name]} == shapes[0]][::EVERY_OF_FIRST]

@@ -6,11 +6,13 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
 from friction_audit.diagnosis.dictionary import Block
 from friction_audit.diagnosis.problem import Nuisance, RegressionProblem
 from friction_audit.diagnosis.samples import Index, NoiseModel
+from friction_audit.effects.effect import Effect
 from friction_audit.joint_log import Float
 
 COPY = 1e-5  # eigenvalue of a block given everything else, over its own size, of what is a copy of that
@@ -47,6 +49,8 @@ class Gram:
         self._left: dict[int | None, Float] = {None: self.transposed(white)}
         self.cross: dict[int | None, Float] = {None: np.empty((problem.folds, len(white), 0))}
         self.version = 0
+        # Blocks of one effect with the same parameters: which they are, and for each its columns and parameters.
+        self._kinds: list[tuple[Effect, Index, NDArray[np.bool_], dict[str, Float]]] = []
         self.add(blocks)
 
     def whiten(self, columns: Float) -> Float:
@@ -75,7 +79,25 @@ class Gram:
         self.names = np.array([b.name for b in self.blocks])
         self.starts = np.array([b.start for b in self.blocks], int)
         self.widths = np.diff(self.starts, append=self.used)
+        self._kinds.clear()
         self.version += 1
+
+    def possible(self, coefficients: Float) -> NDArray[np.bool_]:
+        """Whether coefficients of all blocks, shape (blocks, most), are physically possible."""
+        if not self._kinds:
+            kinds: dict[tuple[str, int, frozenset[str]], list[int]] = {}
+            for k, block in enumerate(self.blocks):
+                kinds.setdefault((block.name, len(block.there), frozenset(block.shape)), []).append(k)
+            for places in kinds.values():
+                some = [self.blocks[k] for k in places]
+                at = {name: np.array([block.shape[name] for block in some]) for name in some[0].shape}
+                self._kinds.append((some[0].effect, np.array(places), np.stack([block.there for block in some]), at))
+        out, columns = np.zeros(len(self.blocks), bool), np.arange(coefficients.shape[1])
+        for effect, which, there, at in self._kinds:
+            whole = np.zeros(there.shape)
+            whole[there] = coefficients[which][columns < self.widths[which, None]]
+            out[which] = effect.admissible(whole.T, at)
+        return out
 
     def of(self, block: Block) -> Float:
         """Whitened columns of a block, shape (p, m)."""
@@ -210,10 +232,10 @@ class Training:
         self._fits[key] = Fit(kept, coefficients, rss, np.asarray(factor, np.float64), scale, projected)
         return self._fits[key]
 
-    def gain(self, active: Sequence[Block]) -> tuple[Float, list[Float]]:
-        """L = n ln(RSS / RSS with the block) of every block given an active set, and its coefficients."""
+    def gain(self, active: Sequence[Block]) -> tuple[Float, Float]:
+        """L = n ln(RSS / RSS with the block) of every block given an active set; its coefficients, (blocks, most)."""
         known = self.gram.names
-        gains, coefficients = np.zeros(len(known)), [np.zeros(0)] * len(known)
+        gains, coefficients = np.zeros(len(known)), np.zeros((len(known), self.gram.widths.max(initial=1)))
         names = {n for one in self.gram.nuisances for n in one.replaced_by} - {b.name for b in active}
         self._gain(active, "", np.flatnonzero(~np.isin(known, list(names))), gains, coefficients)
         for name in names.intersection(known.tolist()):
@@ -224,9 +246,7 @@ class Training:
             gains[which] -= lost
         return gains, coefficients
 
-    def _gain(
-        self, active: Sequence[Block], unpinned: str, which: Index, gains: Float, coefficients: list[Float]
-    ) -> None:
+    def _gain(self, active: Sequence[Block], unpinned: str, which: Index, gains: Float, coefficients: Float) -> None:
         """Write gains and coefficients of some blocks."""
         from scipy.linalg import solve_triangular
 
@@ -251,8 +271,7 @@ class Training:
                 scaled = np.where(good, along / np.where(good, values, 1.0), 0.0)
                 reduction, found = (along * scaled).sum(axis=1), np.einsum("upe,ue->up", vectors, scaled) / size
             gains[members] = self.samples * np.log(fit.rss / np.maximum(fit.rss - reduction, 1e-12 * fit.rss))
-            for k, one in zip(members, found, strict=True):
-                coefficients[k] = one
+            coefficients[members, : cols.shape[1]] = found
 
     def _by_width(self, unpinned: str, which: Index) -> ByWidth:
         gram, key = self.gram, (unpinned, len(which))

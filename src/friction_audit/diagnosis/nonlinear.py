@@ -191,8 +191,9 @@ def _starts(training: Training, block: Block, others: Sequence[Block]) -> list[B
     is lost: without them torque_ripple_40003 is 2 % off. The best other sets of nonlinear parameters are starts too.
     """
     kinds: dict[frozenset[str], list[tuple[float, Block]]] = {}
-    for one, gain, coefficients in zip(training.gram.blocks, *training.gain(others), strict=True):
-        if one.shape and one.effect is block.effect and not one.refined and one.possible(coefficients):
+    gains, coefficients = training.gain(others)
+    for one, gain, possible in zip(training.gram.blocks, gains, training.gram.possible(coefficients), strict=True):
+        if possible and one.shape and one.effect is block.effect and not one.refined:
             kinds.setdefault(frozenset(one.shape), []).append((float(gain), one))
     least = LEAST_GAIN * max((gain for kind in kinds.values() for gain, _ in kind), default=0.0)
     found = [start for kind in kinds.values() for start in _local_maxima(kind, block) if start[0] > least]

@@ -49,7 +49,10 @@ class State:
             together = [*others, block] if block.effect.needs_nominal else others
             return refine(dictionary, training, block, others, nominal(training, together))
 
-        self.search = selection.Search(training, moved, numbers)
+        def complete(name: str) -> list[Block]:
+            return [block for block in dictionary.complete(name) if block.p + block.numbers <= numbers]
+
+        self.search = selection.Search(training, moved, numbers, withheld=dictionary.withheld, complete=complete)
 
 
 def select(data: JointData, model: JointModel | None, effects: Sequence[Effect]) -> State:
@@ -70,7 +73,7 @@ def _selected(problem: RegressionProblem, effects: Sequence[Effect]) -> State:
     baseline = problem.nominal.baseline(_ols(problem.X, problem.y))
     nuisances = plausible(problem, problem.nuisances(baseline), baseline)
     noise = NoiseModel.fit(problem.age, _plain_and_bent(problem, nuisances), problem.model_error(baseline))
-    dictionary = Dictionary.build(problem, effects, baseline)
+    dictionary = Dictionary.build(problem, effects, baseline, whole=False)
     # At most one number per independent cycle: the richer form of an effect enters only where the cycles can carry it.
     numbers = len(np.unique(problem.samples.cycle))
     dictionary.blocks = [b for b in dictionary.blocks if b.p + b.numbers <= numbers]

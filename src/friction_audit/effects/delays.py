@@ -8,7 +8,7 @@ import numpy as np
 
 from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.transmission import far_side, simple_torque
-from friction_audit.effects.effect import Effect
+from friction_audit.effects.effect import Effect, between
 from friction_audit.effects.joint_data import JointData, Nominal, moves, reversals
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
@@ -75,7 +75,7 @@ FRICTIONAL_LAG = FrictionalLag(
     needs_nominal=True,
     not_identifiable=different_speeds,
     tries=lags,
-    possible=lambda found, _: 0.0 < found[0] <= LARGEST_SHARE,
+    possible=lambda found, _: between(0.0, found[0], LARGEST_SHARE),
     record="repeat motions of equal speed with different accelerations",
     separate={"time_delay": "repeat motions of equal speed with different accelerations, and carry a load"},
 )
@@ -124,7 +124,7 @@ TIME_DELAY = TimeDelay(
         (sign * step, load)
         for load, sign, step in product((0.0, 1.0)[: 1 if data.load is None else 2], (1.0, -1.0), STEPS_S)
     ),
-    possible=lambda found, at: LEAST_SHARE * (abs(at[STEP]) > STEPS_S[0]) < found[0] / at[STEP] <= LARGEST_SHARE,
+    possible=lambda found, at: between(LEAST_SHARE * (abs(at[STEP]) > STEPS_S[0]), found[0] / at[STEP], LARGEST_SHARE),
     coefficient_of=lambda at: at[STEP],
     forward="delay",
     not_identifiable=reversals,

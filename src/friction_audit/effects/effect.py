@@ -25,6 +25,11 @@ def free(*_: object) -> Any:  # noqa: ANN401 - it returns nothing
     raise NotImplementedError("this effect has neither a coefficient that follows nor a formula in C++")
 
 
+def between(low: Any, value: Any, high: float) -> Any:  # noqa: ANN401 - of one point or of many
+    """Return whether a coefficient is above a bound and at most another."""
+    return (low < value) & (value <= high)
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Effect:
     """One effect: data, and in a subclass ``columns`` or ``columns_of_many``, where they need more ``regressors``."""
@@ -46,8 +51,8 @@ class Effect:
     identifiable_part: Callable[[JointData], tuple[Nonlinear, ...]] = lambda _: ()
     # Nonlinear parameters to try on a joint, in order or by name; those that are lacking have none.
     tries: Callable[[JointData], Iterable[Sequence[float] | Nonlinear]] = lambda _: [()]
-    # Whether coefficients at a point of the grid are physically possible; above their lower bounds where None.
-    possible: Callable[[Float, Nonlinear], bool] | None = None
+    # Whether coefficients are physically possible, of one point of the grid or of many; within their bounds where None.
+    possible: Callable[[Float, Mapping[str, Any]], Any] | None = None
     # Coefficient, where it follows from the nonlinear parameters, of one column that acts on the nominal torque.
     coefficient_of: Callable[[Nonlinear], float] = free
     # How it takes part in a forward simulation:
@@ -85,12 +90,12 @@ class Effect:
         names, points = [one.name for one in self.nonlinear], self.tries(data)
         return tuple(at if isinstance(at, Mapping) else dict(zip(names, at, strict=False)) for at in points)
 
-    def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
-        """Return whether coefficients are physically possible."""
+    def admissible(self, coefficients: Float, at: Mapping[str, Any]) -> Any:  # noqa: ANN401 - one answer or k
+        """Return whether coefficients, shape (q,), or (q, k) of k points, are physically possible."""
         if self.possible is not None:
-            return bool(self.possible(coefficients, at))
-        pairs = zip(self.coefficients, coefficients.tolist(), strict=False)
-        return all(one.lower < value <= one.upper for one, value in pairs)
+            return self.possible(coefficients, at)
+        pairs = zip(self.coefficients, coefficients, strict=False)
+        return np.all([between(one.lower, value, one.upper) for one, value in pairs], axis=0)
 
     def regressors(self, data: JointData, nominal: Nominal, grid: Sequence[Nonlinear]) -> Iterator[tuple[int, Float]]:
         """Yield place and columns on the samples of a joint, shape (n, p), for points of the grid, in any order."""

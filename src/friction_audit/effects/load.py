@@ -67,7 +67,7 @@ LOAD_DEPENDENT_FRICTION = LoadDependentFriction(
     not_identifiable=_changing_load,
     # The load is all that goes through the gear, or what the link weighs: both are in the literature.
     tries=lambda _: ((p, d, *static) for d, p, static in product((0.0, 1.0), EXPONENTS, ((), (1.0,)))),
-    possible=lambda found, _: found[0] > 0 and abs(found[1]) <= found[0],  # resists, whichever way the power flows
+    possible=lambda found, _: (found[0] > 0) & (abs(found[1]) <= found[0]),  # resists, whichever way the power flows
     record="pass the same places with loads that differ by a factor of 3",
     separate={
         "position_dependent_friction": "pass the same places with another payload or posture",
@@ -188,7 +188,7 @@ GRAVITY_ERROR = GravityError(
     not_identifiable=partial(span, least_rad=0.3),
     tries=sources,
     # Of either sign; of several links not what no arm carries.
-    possible=lambda found, at: round(at[SOURCE]) != SEVERAL or bool(np.all(np.abs(found) <= MOST_KG)),
+    possible=lambda found, at: (np.round(at[SOURCE]) != SEVERAL) | np.all(np.abs(found) <= MOST_KG, axis=0),
     record="move through at least 1.5 rad, with rests at several places",
     separate={
         "torque_bias": "move through at least 1.5 rad, with rests at several places",

@@ -60,7 +60,7 @@ TORQUE_CROSSTALK = TorqueCrosstalk(
     nonlinear=(Parameter.choice("crosstalk_side", "-1 previous joint, 1 next joint, 0 both", -1, 1),),
     not_identifiable=_loaded_neighbours,
     tries=sides,
-    possible=lambda found, _: bool(np.all(np.abs(found) < 1)),  # a sensor feels its own load best
+    possible=lambda found, _: np.all(np.abs(found) < 1, axis=0),  # a sensor feels its own load best
     record="push against a neighbour while the arm rests",
     separate={"inertial_coupling": "move one joint at a time, then push against a neighbour at rest"},
 )
@@ -153,6 +153,6 @@ INERTIAL_COUPLING = InertialCoupling(
     not_identifiable=_moving_neighbours,
     tries=sources,
     # Either sign is possible, for a rotor may turn against its neighbour; not that of what no arm carries.
-    possible=lambda found, _: bool(np.all(np.abs(found[2 * JOINTS :][:2]) <= (LARGEST_SHARE, LARGEST_MASS_KG))),
+    possible=lambda found, _: np.all(np.abs(found[2 * JOINTS :][:2]).T <= (LARGEST_SHARE, LARGEST_MASS_KG), axis=-1),
     record="move the neighbours one at a time, also while this joint rests",
 )

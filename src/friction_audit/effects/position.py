@@ -229,7 +229,7 @@ CABLE_SPRING = CableSpring(
     even=True,
     not_identifiable=partial(span, least_rad=0.8),
     tries=free_stretches,
-    possible=lambda found, _: found[0] > 0 and found[0] + found[1] > 0,  # still pulls back stretched by a radian
+    possible=lambda found, _: (found[0] > 0) & (found[0] + found[1] > 0),  # still pulls back stretched by a radian
     record="move through all of the range",
     separate={
         "joint_limit_stop": "move through all of the range: a stop is there at its ends only",
@@ -289,7 +289,7 @@ JOINT_LIMIT_STOP = JointLimitStop(
     even=True,
     not_identifiable=partial(span, least_rad=0.5),
     tries=stops,
-    possible=lambda found, _: min(found[:2]) >= 0 and found[0] + found[1] > 0,  # stops push back
+    possible=lambda found, _: np.all(found[:2] >= 0, axis=0) & (found[0] + found[1] > 0),  # stops push back
     record="move through all of the range",
     separate={"contact_event": "go to the same place again: a stop is still there"},
 )

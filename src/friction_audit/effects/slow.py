@@ -131,7 +131,7 @@ WARM_UP = WarmUp(
     friction=True,
     not_identifiable=_long_enough,
     tries=_coolings,
-    possible=lambda found, _: bool(np.any(found > 0)),  # a cold joint has more friction of one kind at least
+    possible=lambda found, _: np.any(found > 0, axis=0),  # a cold joint has more friction of one kind at least
     record="record from a cold start, slow and fast motions early and late",
     separate={
         "friction_step": "record on for one and a half times as long: warming slows down, a step is over",

@@ -151,7 +151,7 @@ NONLINEAR_VISCOUS = NonlinearViscous(
     speed_only=True,
     not_identifiable=partial(speed_range, ratio=5.0),
     # A curve that flattens must rise: if it fell, friction would fall steeply with speed, which is Stribeck's.
-    possible=lambda found, at: found[0] > 0 or at["curved_viscous_exponent"] > 1.0,
+    possible=lambda found, at: (found[0] > 0) | (at["curved_viscous_exponent"] > 1.0),
     tries=curves,
     in_cpp=nonlinear_viscous_in_cpp,
     cpp_table=lambda values: bend_table(CARREAU * np.exp(values[-1])) if values[-1] else None,

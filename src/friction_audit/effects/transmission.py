@@ -21,7 +21,7 @@ from friction_audit.dynamics.transmission import (
     flank_stiffness,
     simple_torque,
 )
-from friction_audit.effects.effect import Effect, Nonlinear
+from friction_audit.effects.effect import Effect, Nonlinear, between
 from friction_audit.effects.joint_data import (
     CORNER_HZ,
     JointData,
@@ -190,7 +190,7 @@ JOINT_ELASTICITY = Link(
     ),
     needs_nominal=True,
     coefficient_of=lambda at: 1.0 / at["spring_nm_per_rad"],
-    possible=lambda found, at: LEAST_OF_SPRING <= found[0] / (1.0 / at["spring_nm_per_rad"]) <= LARGEST_SHARE,
+    possible=lambda found, at: between(LEAST_OF_SPRING, found[0] / (1.0 / at["spring_nm_per_rad"]), LARGEST_SHARE),
     forward="spring",
     not_identifiable=jumps_and_inertia,
     tries=springs,
@@ -253,7 +253,7 @@ BACKLASH = Link(
     ),
     needs_nominal=True,
     coefficient_of=lambda _: 1.0,
-    possible=lambda found, _: LEAST_OF_GAP <= found[0] <= LARGEST_SHARE,
+    possible=lambda found, _: between(LEAST_OF_GAP, found[0], LARGEST_SHARE),
     forward="gap",
     not_identifiable=jumps_and_inertia,
     tries=gaps,
