@@ -127,19 +127,23 @@ def test_big_endian_messages_are_decoded_one_by_one(tmp_path: Path) -> None:
     bags.assert_read(bags.read(edited(tmp_path, 10, *commands)[0]), values)
 
 
+AS_TEXT = "UPDATE messages SET data = printf('%.*c', LENGTH(data), 'x') WHERE id = 40"
+
+
 @pytest.mark.parametrize(
     ("command", "lost", "codes"),
     [
         ("UPDATE messages SET data = x'00010000ff' WHERE id = 4", [3], {"undecodable_messages"}),
-        ("UPDATE messages SET timestamp = 'noon' WHERE id = 4", [3], {"truncated", "missing_messages"}),
+        (AS_TEXT, [39], {"truncated", "missing_messages"}),
+        ("UPDATE messages SET timestamp = 'noon' WHERE id = 40", [39], {"truncated", "missing_messages"}),
         ("DELETE FROM messages WHERE id BETWEEN 4 AND 6", [3, 4, 5], {"missing_messages"}),
     ],
-    ids=["does not fit", "no time", "counted by metadata.yaml alone"],
+    ids=["does not fit", "a text as long", "no time", "counted by metadata.yaml alone"],
 )
 def test_messages_that_are_no_messages_are_left_out(
     tmp_path: Path, command: str, lost: list[int], codes: set[str]
 ) -> None:
-    path, values = edited(tmp_path, 10, (command,))
+    path, values = edited(tmp_path, 50, (command,))
     recording = bags.read(path)
     bags.assert_read(recording, {name: np.delete(array, lost, axis=0) for name, array in values.items()})
     assert {finding.code for finding in bags.damage(recording)} == codes

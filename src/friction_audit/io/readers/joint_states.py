@@ -260,6 +260,8 @@ class JointSamples:
         """Move everything, one array at a time; memory that was never written to costs nothing."""
         for arrays in (self.channels, self._times):
             for name, old in arrays.items():
+                if len(old) == rows:
+                    continue
                 new = np.empty((rows, *old.shape[1:]), old.dtype, order="F")
                 new[: self.count] = old[: self.count]
                 arrays[name] = new

@@ -30,6 +30,7 @@ from friction_audit.io.readers.message_stream import Block, BrokenError, Connect
 from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, MARGIN_S, ReadOptions, Topic, refuse_too_large, serial_in
 from friction_audit.io.recording import Blocks, Recording
 from friction_audit.joint_log import Finding, Float, find_window
+from friction_audit.parallel import ahead
 
 _SAMPLED_MESSAGES = 16  # first messages of a topic, from which its joints and channels are known
 _CLOCK_DRIFT = 0.01  # most drift of the time of recording against the source's clock; beyond, the whole log is read
@@ -231,7 +232,7 @@ def _collect(
 ) -> Counter[int]:
     """Decode the messages of the topic chosen; returns how many each connection has."""
     seen: Counter[int] = Counter()
-    for found in stream.blocks(list(decoder.chosen.decoders), window):
+    for found in ahead(stream.blocks(list(decoder.chosen.decoders), window)):
         kept = window.keeps(found.log_time, found.log_time) if window else slice(None)
         block = Block(found.key, found.log_time[kept], found.buffer, found.start[kept], found.size[kept])
         seen[block.key] += len(block)

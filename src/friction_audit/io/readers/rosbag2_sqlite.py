@@ -104,9 +104,23 @@ def _messages_on(page: bytes) -> list[re.Match[bytes]]:
 # What sqlite3 raises on a broken database; the second where the name of a broken thing is part of the message.
 _DATABASE_ERRORS = (sqlite3.Error, UnicodeDecodeError)
 _ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
-_MESSAGES_PER_BLOCK = 1024  # larger ones wake the garbage collector, which doubles the time
+_UTF_8 = 1  # of the encodings of texts: in another one, a blob is not the same as a text
+_MESSAGES_PER_BLOCK = 1024  # from leaf pages; larger ones wake the garbage collector, which doubles the time
+_FEWEST = 16  # messages that are read at a time
 _LARGEST_MESSAGE = 1 << 20  # the state of a thousand joints takes 50 kB; a message of a gigabyte is a bomb [byte]
 _LAST_ID = 2**63 - 1
+
+# The next messages of a topic: one by one; and, which leaves the interpreter to the thread that decodes, joined to one
+# result. The size is 0 where a message has no bytes or no time.
+_ONE_BY_ONE = (
+    "SELECT rowid, timestamp, data FROM messages WHERE topic_id = ? AND rowid BETWEEN ? AND ? ORDER BY rowid LIMIT ?"
+)
+_JOINED = """
+SELECT MAX(id), COUNT(*), MIN(size), CAST(GROUP_CONCAT(data, '') AS BLOB), GROUP_CONCAT(timestamp) FROM (
+    SELECT rowid AS id, timestamp, data,
+           LENGTH(data) * (TYPEOF(data) = 'blob' AND TYPEOF(timestamp) = 'integer') AS size
+    FROM messages WHERE topic_id = ? AND rowid BETWEEN ? AND ? ORDER BY id LIMIT ?
+)"""
 
 Row = tuple[int, int, bytes]  # id, time stamp and content of a message
 
@@ -144,34 +158,37 @@ class Sqlite3Stream(MessageStream):
                 # Where a file is cut off, its index is broken too.
                 ids = (0, _LAST_ID) if window is None or self._is_cut else _ids_in(database, window)
                 for key in keys:
-                    lots = self._on_leaves(key, *ids) if self._is_cut else self._rows(database, key, *ids)
-                    yield from (block for rows in lots if (block := self._block(key, rows)) is not None)
+                    yield from self._on_leaves(key, *ids) if self._is_cut else self._in_tree(database, key, *ids)
         except _DATABASE_ERRORS as error:
             raise self._broken(error) from error
 
-    def _rows(self, database: sqlite3.Connection, key: int, first: int, last: int) -> Iterator[list[Row]]:
-        """Yield id, time and content of the messages of a topic; those on broken pages are left out."""
-        query = "SELECT rowid, timestamp, data FROM messages WHERE topic_id = ? AND rowid BETWEEN ? AND ?"
+    def _in_tree(self, database: sqlite3.Connection, key: int, first: int, last: int) -> Iterator[Block]:
+        """Yield the messages of a topic; those on broken pages are left out."""
+        many = _FEWEST
         try:
-            cursor = database.execute(query, (key, first, last))
-            while rows := cursor.fetchmany(_MESSAGES_PER_BLOCK):
-                yield rows
-                first = rows[-1][0] + 1
+            while first <= last:
+                lot = (key, first, last, many)
+                latest, block = _joined(database, lot) if self._header[59] == _UTF_8 else (last, None)
+                if block is None:
+                    rows = database.execute(_ONE_BY_ONE, lot).fetchall()
+                    latest, block = (rows[-1][0], self._block(key, rows)) if rows else (last, None)
+                if block is not None:
+                    many = max(_LARGEST_MESSAGE // int(block.size.max() + 1), _FEWEST)
+                    yield block
+                first = latest + 1
         except _DATABASE_ERRORS as error:
             self._note(None, f"{error}; the messages on whole pages were read")
             yield from self._on_leaves(key, first, last)
 
-    def _on_leaves(self, key: int, first: int, last: int) -> Iterator[list[Row]]:
+    def _on_leaves(self, key: int, first: int, last: int) -> Iterator[Block]:
         every = ((row, time, data) for row, topic, time, data in self._leaves.messages() if topic == key)
         whole = (one for one in every if first <= one[0] <= last)
         while rows := list(islice(whole, _MESSAGES_PER_BLOCK)):
-            yield rows
+            if block := self._block(key, rows):
+                yield block
 
     def _block(self, key: int, rows: Sequence[Row]) -> Block | None:
         """Join messages; what is no time stamp with bytes, or cannot be decompressed, is left out."""
-        with suppress(TypeError, AttributeError, ValueError, OverflowError):  # the rows are then looked at one by one
-            if not rows[0][2].startswith(_ZSTD_MAGIC):
-                return one_block(key, [time for _, time, _ in rows], [data for _, _, data in rows])
         sound = [(time, own) for _, time, data in rows if isinstance(time, int) and (own := _message(data)) is not None]
         if len(sound) < len(rows):
             self._note(None, "messages without time stamp or bytes, or with broken compression, were left out")
@@ -220,6 +237,16 @@ class Sqlite3Stream(MessageStream):
             if not self._is_cut:
                 return dict(database.execute("SELECT topic_id, COUNT(*) FROM messages GROUP BY topic_id").fetchall())
         return Counter(topic for _, topic, *_ in self._leaves.messages())
+
+
+def _joined(database: sqlite3.Connection, lot: tuple[int, ...]) -> tuple[int, Block | None]:
+    """Return the last id of the next messages, and these, joined within SQLite; None where not all are equally long."""
+    with suppress(sqlite3.DataError):  # together they are larger than a message may be
+        last, count, size, data, times = database.execute(_JOINED, lot).fetchone()
+        if size and len(data) == count * size and not data.startswith(_ZSTD_MAGIC):
+            start, sizes = size * np.arange(count), np.full(count, size)
+            return last, Block(lot[0], np.fromstring(times, np.int64, sep=","), data, start, sizes)
+    return 0, None
 
 
 def _ids_in(database: sqlite3.Connection, window: Window) -> tuple[int, int]:
