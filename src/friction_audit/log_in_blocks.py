@@ -77,8 +77,8 @@ def samples_per_mean(step_s: float, samples: int) -> int:
 def block_means(signal: Float, samples: int) -> Float:
     """Return the means of neighbouring blocks of samples, shape (n, j) -> (n // samples, j)."""
     blocks = len(signal) // samples
-    whole = np.asfortranarray(signal[: blocks * samples]).T.reshape(signal.shape[1], blocks, samples)
-    return np.asarray(np.einsum("jmi->mj", whole) / samples)  # a quarter of the time of mean()
+    whole = (np.ascontiguousarray(column[: blocks * samples]).reshape(blocks, samples) for column in signal.T)
+    return np.stack([np.einsum("mi->m", one) for one in whole], axis=1) / samples  # a quarter of the time of mean()
 
 
 class Means:

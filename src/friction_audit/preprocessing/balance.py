@@ -70,18 +70,14 @@ class Balance:
         source, logged = getattr(log, CHANNELS[self.plan.source]), None if self.logged is None else log.gravity
         if self.sign > 0 and logged is None and self.modelled_means is None and len(columns) == source.shape[1]:
             return cast("Float", source)
-        torque, arm, weight = np.empty((len(log.t), len(columns)), order="F"), self.plan.arm, None
+        torque, arm, weight = np.empty((len(log.t), len(columns)), order="F"), self.plan.arm, logged
         if arm is not None and self.plan.gravity == "model":
             pieces = np.array_split(log.q, WORKERS)
             weight = np.concatenate(per_joint(lambda piece: arm.gravity(pieces[piece]), WORKERS))
 
         def fill(place: int) -> None:
             own, column = torque[:, place], columns[place]
-            own[:] = source[:, column]
-            if logged is not None:
-                own -= logged[:, column]
-            if weight is not None:
-                own -= weight[:, column]
+            np.subtract(source[:, column], 0.0 if weight is None else weight[:, column], out=own)
             if self.inertial is not None:
                 self.inertial.subtract_from(own[:, None], log.t, [column])
             if self.sign < 0:

@@ -4,8 +4,9 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from copy import copy
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, reduce
 from importlib import import_module, resources
+from operator import add
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 FLANGE_NAMES = ("link8", "flange", "tool0")
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)
 CHUNK = 4096
+ZERO = 1e-15  # rounding of the cosine of a right angle
 
 Payload = tuple[float, float, float, float]  # mass [kg] and place x, y, z [m] of a point mass in the flange frame
 
@@ -61,13 +63,15 @@ class Arm:
             still[parent], mass[parent] = still[parent] + mass[body] * reaches[body], mass[parent] + mass[body]
         for rows in chunks(len(q)):
             cosine, sine, down = self._down(q[rows], turns)
-            moment = [one[:, None] for one in still]
+            moment = [list(one) for one in still]
             for body in range(model.nbody - 1, 0, -1):
                 joint, parent, own = model.body_jntadr[body], model.body_parentid[body], moment[body]
                 if joint >= 0:
                     torque[rows, joint] = own[1] * down[body][0] - own[0] * down[body][1]
                     own = _turned(own, cosine[joint], sine[joint])
-                moment[parent] = moment[parent] + turns[body].T @ own
+                moment[parent] = [
+                    one + more for one, more in zip(moment[parent], _times(turns[body].T, own), strict=True)
+                ]
         return self.from_model(torque)
 
     def inverse_dynamics(self, q: Float, dq: Float, ddq: Float) -> Float:
@@ -111,7 +115,7 @@ class Arm:
         for rows in chunks(len(q)):
             _, _, down = self._down(q[rows], turns)
             for joint, body in enumerate(self.model.jnt_bodyid):
-                direction[rows, joint] = down[body][:2].T
+                direction[rows, joint, 0], direction[rows, joint, 1] = down[body][:2]
         return self.from_model(direction / np.linalg.norm(self.model.opt.gravity))
 
     @lru_cache(maxsize=4)  # noqa: B019 - of few arms, and asked for with every block of a log
@@ -133,19 +137,22 @@ class Arm:
         for body, parent in enumerate(model.body_parentid):
             mj.mju_quat2Mat(fixed, model.body_quat[body])
             turns[body] = axes[body] @ fixed.reshape(3, 3).T @ axes[parent].T
+            turns[body][np.abs(turns[body]) < ZERO] = 0.0
             reach = model.body_pos[body] - anchor[parent]
             reaches[body] = axes[parent] @ reach + turns[body].T @ axes[body] @ anchor[body]
         return axes, turns, reaches, anchor
 
-    def _down(self, q: Float, turns: Float) -> tuple[Float, Float, list[Float]]:
-        """Return cosine and sine of the model's joints, shape (j, n), and gravity in the axes of each body, (3, n)."""
+    def _down(self, q: Float, turns: Float) -> tuple[Float, Float, list[list[Float]]]:
+        """Return cosine and sine of the model's joints, shape (j, n), gravity in the axes of each body."""
         # MuJoCo takes one posture at a time: called for every sample it takes as long as reading the log
         # (benchmarks/bench_parquet.py, the row of a model). Here every body turns the vector of its parent.
         model, angle = self.model, self.to_model(q).T
-        cosine, sine = np.cos(angle), np.sin(angle)
-        down = [model.opt.gravity[:, None]]
+        half = np.tan(0.5 * angle)  # two thirds of the time of a cosine and a sine
+        double = 2.0 / (1.0 + half * half)
+        cosine, sine = double - 1.0, double * half
+        down = [list(model.opt.gravity)]
         for body, parent in enumerate(model.body_parentid[1:], start=1):
-            vector, joint = turns[body] @ down[parent], model.body_jntadr[body]
+            vector, joint = _times(turns[body], down[parent]), model.body_jntadr[body]
             down.append(vector if joint < 0 else _turned(vector, cosine[joint], -sine[joint]))
         return cosine, sine, down
 
@@ -180,7 +187,8 @@ class Arm:
         for body, parent in enumerate(model.body_parentid[1:], start=1):
             joint, turned = model.body_jntadr[body], turns[body] @ bodies[parent]
             if joint >= 0:
-                turned = _turned(turned.swapaxes(0, 1), np.cos(angle[joint]), -np.sin(angle[joint])).swapaxes(0, 1)
+                about = _turned(turned.swapaxes(0, 1), np.cos(angle[joint]), -np.sin(angle[joint]))
+                turned = np.stack(np.broadcast_arrays(*about), axis=1)
             places.append(places[parent] + reaches[body] @ bodies[parent])
             bodies.append(turned)
         origin, orientation, axis = (np.empty((len(angle), *shape, len(q))) for shape in ((3,), (3, 3), (3,)))
@@ -198,12 +206,19 @@ class Arm:
         return array if self.columns == tuple(range(len(self.columns))) else array[:, np.argsort(self.columns)]
 
 
-def _turned(vectors: Float, cosine: Float, sine: Float) -> Float:
-    """Return vectors, shape (3, ..., n) or (3, ..., 1), turned about the third axis by n angles."""
-    x, y, z = vectors
-    turned = np.empty((*vectors.shape[:-1], len(cosine)))
-    turned[0], turned[1], turned[2] = cosine * x - sine * y, sine * x + cosine * y, z
-    return turned
+def _turned(vector: Sequence[Float], cosine: Float, sine: Float) -> list[Float]:
+    """Return the components of vectors, shape (..., n) or (..., 1), turned about the third axis by n angles."""
+    x, y, z = vector
+    return [cosine * x - sine * y, sine * x + cosine * y, z]
+
+
+def _times(matrix: Float, vector: Sequence[Float]) -> list[Float]:
+    """Return a matrix times vectors, by component: most joints are parallel or at right angles, with few products."""
+    rows = (
+        [one if factor == 1.0 else factor * one for factor, one in zip(row, vector, strict=True) if factor]
+        for row in matrix.tolist()
+    )
+    return [reduce(add, products) for products in rows]
 
 
 def chunks(samples: int) -> Iterator[slice]:

@@ -8,6 +8,7 @@ from friction_audit.io.checks.clock import GAP_S
 from friction_audit.io.checks.columns import Column, Thinned
 from friction_audit.io.recording import Marks, Recording, WholeLogError
 from friction_audit.joint_log import DERIVATIVE, TORQUE_CHANNELS, Finding, Float
+from friction_audit.parallel import per_joint
 
 MOVING_RAD_S = 0.02
 # Share of stale rows, of those in motion, from which on the state itself is slow, and the logger did not stall.
@@ -111,8 +112,8 @@ def check_torque(recording: Recording, columns: Mapping[str, Column]) -> Recordi
             )
             findings.append(Finding("torque_unit_suspected", text, joint + 1, float(usual[joint])))
     used = next(name for name in TORQUE_CHANNELS if name in columns)
-    joints = range(len(recording.joint_names))
-    return recording.with_findings(*findings, *(_poor(recording, columns, used, joint) for joint in joints))
+    poor = per_joint(lambda joint: _poor(recording, columns, used, joint), len(recording.joint_names))
+    return recording.with_findings(*findings, *poor)
 
 
 def _poor(recording: Recording, columns: Mapping[str, Column], channel: str, joint: int) -> Finding | None:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from friction_audit.io.checks.columns import LAG, Column
 from friction_audit.io.recording import Marks, Recording
 from friction_audit.joint_log import Finding, Float
+from friction_audit.parallel import per_joint
 
 Pair = tuple[NDArray[np.intp], NDArray[np.intp]]
 _LONGEST_RUN = 8  # rows over which a filter of the driver spreads one wild value
@@ -51,8 +52,8 @@ def leave_out_wild(
     recording: Recording, columns: Mapping[str, Column], step_s: float, *, first_s: float, numbered: bool
 ) -> Recording:
     """Leave out rows that hold a wild sample, and name each: by its number too where the rows are those of the file."""
-    joints = [_Wild(joint, columns, step_s, recording.rows) for joint in range(len(recording.joint_names))]
-    joints = [joint for joint in joints if joint.suspected]
+    every = per_joint(lambda joint: _Wild(joint, columns, step_s, recording.rows), len(recording.joint_names))
+    joints = [joint for joint in every if joint.suspected]
     if not joints:
         return recording
     _look_closely(recording, joints)
