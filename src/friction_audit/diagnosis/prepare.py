@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.data_audit import DataFinding, audit_clock, audit_data, resolution
+from friction_audit.diagnosis.data_audit import DataFinding, audit_clock, audit_data, own_velocity, resolution
 from friction_audit.diagnosis.known_load import know_load, known_inertias
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.breakaway import find_breakaways, signed_rest
@@ -74,6 +74,7 @@ def prepare(
     """
     # With repeated samples effects_stiction_16001 and effects_time_delay_16001 are adequate; with stamps as they are,
     # those and stranger_time_delay_1 and stranger_joint_elasticity_1.
+    log = own_velocity(log)
     choice, new = interaction.choice, fresh_samples(log)
     fresh = slice(None) if new.all() else new  # views, no copies
     t = moments_of_samples(log.t[fresh], log.q[fresh], log.dq[fresh])
