@@ -234,11 +234,11 @@ def _filtered_motion(
         moves = np.abs(logged) > MOVING_RAD_S
         seen = moves if FEWEST_SAMPLES < np.count_nonzero(moves) < 0.5 * len(moves) else slice(None)
         apart = noise_of_both(slope, logged, valid, low_pass.step_s, lag[column])
-        # The same as standard deviations of white noise of the log's samples.
-        white = (0.0, 0.0) if derived else apart / np.sqrt(2.0 * median_step(log.t))
+        # The noise that both have in common does not show; of the position it is that of white noise of the samples.
+        of_both = (0.0, 0.0) if derived else (slope_gain * apart[0] / np.sqrt(2.0 * median_step(log.t)), apart[1])
         noises = (
-            max(grid_noise(slope[seen]), slope_gain * max(of_q, white[0])),
-            np.hypot(max(grid_noise(logged[seen]), of_dq, white[1]), late),
+            max(grid_noise(slope[seen]), slope_gain * of_q, of_both[0]),
+            np.hypot(max(grid_noise(logged[seen]), of_dq, of_both[1] * np.sqrt(low_pass.corner_hz)), late),
         )
         source, crossover_hz = "q" if derived or noises[0] < noises[1] else "dq", 0.0
         if source == "q":

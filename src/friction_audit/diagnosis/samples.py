@@ -139,7 +139,7 @@ def corner_for(data: JointData, inertia_kg_m2: float) -> tuple[float, float]:
     # As if rounding, white in the log's samples, were all noise of the acceleration.
     median = data.rounding / SIGMA_PER_MEDIAN * float(np.sqrt(data.sample_s / (np.pi * step_s)))
     rounding = OBSERVED * (2.0 * np.pi) ** order * median
-    apart = MEDIAN_OF_DENSITY / float(np.sqrt(step_s)) * (2.0 * np.pi) ** order * data.noise_density
+    apart = OBSERVED * MEDIAN_OF_DENSITY / float(np.sqrt(step_s)) * (2.0 * np.pi) ** order * data.noise_density
     own = inertia_kg_m2 * max(noise_density(data.ddq, step_s, order), rounding, apart)
     inertial = float(np.hypot(own, 0.0 if data.load is None else noise_density(data.load, step_s, order)))
     crossing = (QUIET_SHARE * noise / inertial) ** (1.0 / order) if inertial > 0 else CORNER_HZ
