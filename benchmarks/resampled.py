@@ -3,7 +3,8 @@
 python -m benchmarks.resampled --output ROWS.csv [--cases clean_joint,...] [--ways linear,...]
 
 A recorder takes samples at 250 Hz on a clock that jitters by whole milliseconds, with right stamps; what is written is
-made of those or of the 1 kHz signals by one of ``WAYS``. Joints are those of three generators.
+made of those or of the 1 kHz signals by one of ``WAYS``. Most signals at 1 kHz repeat and lose samples, as those of a
+Panda, which does not show afterwards. Joints are those of two generators. Rows: ``rows/resampled.csv``.
 """
 
 import argparse
@@ -30,6 +31,7 @@ from friction_audit.pipeline import AuditSettings, diagnose_log
 
 Array = NDArray[np.float64]
 Columns = dict[str, Array]
+Way = Callable[[Columns, Array, np.random.Generator], tuple[Array, Columns]]
 FIELDS = ("truth", "seed", "way", "scenario", "joint", *ANSWER)
 RATE_HZ = 1000.0
 # Truth, scenario, seed, scale of the strength.
@@ -65,7 +67,7 @@ def _read(columns: Columns, t: Array, at: Array, names: Sequence[str], how: str)
     return {name: np.interp(at, t, columns[name]) for name in names}
 
 
-def _interpolated(how: str, rate_hz: float) -> Callable[[Columns, Array, np.random.Generator], tuple[Array, Columns]]:
+def _interpolated(how: str, rate_hz: float) -> Way:
     def make(columns: Columns, t: Array, rng: np.random.Generator) -> tuple[Array, Columns]:
         kept = _irregular(len(t), 4, rng)
         at = np.arange(t[kept[0]], t[kept[-1]], 1.0 / rate_hz)
@@ -74,7 +76,7 @@ def _interpolated(how: str, rate_hz: float) -> Callable[[Columns, Array, np.rand
     return make
 
 
-def _merged(motion: int, torque: int, rate: int) -> Callable[[Columns, Array, np.random.Generator], tuple[Array, Columns]]:
+def _merged(motion: int, torque: int, rate: int) -> Way:
     """Motion and torque that are sampled every so many milliseconds, the last of each at every row."""
 
     def make(columns: Columns, t: Array, rng: np.random.Generator) -> tuple[Array, Columns]:
@@ -95,9 +97,7 @@ def _torque(columns: Columns) -> list[str]:
     return [name for name in columns if name not in _motion(columns)]
 
 
-def _filtered(
-    filter_: Callable[[Array], Array], every: int, *, torque_only: bool = False
-) -> Callable[[Columns, Array, np.random.Generator], tuple[Array, Columns]]:
+def _filtered(filter_: Callable[[Array], Array], every: int, *, torque_only: bool = False) -> Way:
     def make(columns: Columns, t: Array, _: np.random.Generator) -> tuple[Array, Columns]:
         names = _torque(columns) if torque_only else list(columns)
         return t[::every], {k: (filter_(v) if k in names else v)[::every] for k, v in columns.items()}
@@ -115,15 +115,16 @@ def _butter(order: int, corner_hz: float, *, both: bool) -> Callable[[Array], Ar
     return (lambda x: sosfiltfilt(sections, x)) if both else (lambda x: x[0] + sosfilt(sections, x - x[0]))
 
 
-def _differences(after: Callable[[Array], Array]) -> Callable[[Columns, Array, np.random.Generator], tuple[Array, Columns]]:
+def _differences(after: Callable[[Array], Array]) -> Way:
     def make(columns: Columns, t: Array, _: np.random.Generator) -> tuple[Array, Columns]:
-        slopes = {f"d{k}": after(np.diff(v, prepend=v[0]) / np.diff(t, prepend=t[0] - 1.0 / RATE_HZ)) for k, v in columns.items() if k.startswith("q_")}
-        return t, columns | slopes
+        step = np.diff(t, prepend=t[0] - 1.0 / RATE_HZ)
+        positions = {name: array for name, array in columns.items() if name.startswith("q_")}
+        return t, columns | {f"d{name}": after(np.diff(q, prepend=q[0]) / step) for name, q in positions.items()}
 
     return make
 
 
-WAYS: dict[str, Callable[[Columns, Array, np.random.Generator], tuple[Array, Columns]]] = {
+WAYS: dict[str, Way] = {
     "as recorded": lambda columns, t, _: (t, columns),
     "linear": _interpolated("linear", 250.0),
     "cubic": _interpolated("cubic", 250.0),
@@ -150,10 +151,8 @@ def recorded(truth: str, scenario: str, seed: int, scale: float) -> tuple[Array,
     else:
         case = case_of(seed, truth, scenario)
         log = log_of(scaled(case, (scale,) * len(case.effects)))
-    joints = range(len(log.joint_names)) if len(log.joint_names) == 1 else (1, 3)
-    columns = {f"{name}_{j + 1}": array[:, j] for name, array in log.channels().items() for j in range(array.shape[1])}
-    del joints
-    return log.t, columns
+    channels = log.channels().items()
+    return log.t, {f"{name}_{j + 1}": one for name, array in channels for j, one in enumerate(array.T)}
 
 
 def log_by(way: str, t: Array, columns: Columns, seed: int) -> JointLog:

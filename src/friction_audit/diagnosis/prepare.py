@@ -74,8 +74,7 @@ def prepare(
     """
     # With repeated samples effects_stiction_16001 and effects_time_delay_16001 are adequate; with stamps as they are,
     # those and stranger_time_delay_1 and stranger_joint_elasticity_1.
-    log = own_velocity(log)
-    choice, new = interaction.choice, fresh_samples(log)
+    choice, new = interaction.choice, fresh_samples(log := own_velocity(log))
     fresh = slice(None) if new.all() else new  # views, no copies
     t = moments_of_samples(log.t[fresh], log.q[fresh], log.dq[fresh])
     if np.any(belated := belated_samples(t, log.q[fresh], log.dq[fresh])):
@@ -234,13 +233,10 @@ def _filtered_motion(
         moves = np.abs(logged) > MOVING_RAD_S
         seen = moves if FEWEST_SAMPLES < np.count_nonzero(moves) < 0.5 * len(moves) else slice(None)
         apart = noise_of_both(slope, logged, valid, low_pass.step_s, lag[column])
-        # The noise that both have in common does not show; of the position it is that of white noise of the samples.
-        of_both = (0.0, 0.0) if derived else (slope_gain * apart[0] / np.sqrt(2.0 * median_step(log.t)), apart[1])
-        noises = (
-            max(grid_noise(slope[seen]), slope_gain * of_q, of_both[0]),
-            np.hypot(max(grid_noise(logged[seen]), of_dq, of_both[1] * np.sqrt(low_pass.corner_hz)), late),
-        )
-        source, crossover_hz = "q" if derived or noises[0] < noises[1] else "dq", 0.0
+        white = apart * (slope_gain / np.sqrt(2.0 * median_step(log.t)), np.sqrt(low_pass.corner_hz))
+        of_slope = max(grid_noise(slope[seen]), slope_gain * of_q, white[0])
+        of_logged = np.hypot(max(grid_noise(logged[seen]), of_dq, white[1]), late)
+        source, crossover_hz = "q" if derived or of_slope < of_logged else "dq", 0.0
         if source == "q":
             dq, ddq = slope, np.gradient(slope, low_pass.t)
         else:
