@@ -150,7 +150,9 @@ def corner_for(data: JointData, inertia_kg_m2: float) -> tuple[float, float]:
     least = SMALL * float(np.std(data.torque)) / SIGMA_PER_MEDIAN / float(np.sqrt(band))
     quiet = max(QUIET_SHARE * max(noise, least), np.finfo(float).tiny)
     coarse = inertia_kg_m2 * rounding * LOWEST_CORNER_HZ**order / quiet
-    return float(np.clip(crossing, LOWEST_CORNER_HZ, CORNER_HZ)), coarse
+    # Where noise is that large, half of the lowest corner is enough for friction (resampled: none 130002 held).
+    lowest = LOWEST_CORNER_HZ / 2.0 if crossing < LOWEST_CORNER_HZ / 2.0 else LOWEST_CORNER_HZ
+    return float(np.clip(crossing, lowest, CORNER_HZ)), coarse
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
