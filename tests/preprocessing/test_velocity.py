@@ -18,6 +18,7 @@ from friction_audit.preprocessing.velocity import (
     crossover_of,
     filter_velocity,
     find_lag,
+    noise_of_both,
     on_time,
     read_on_time,
 )
@@ -159,6 +160,18 @@ def test_the_crossover_is_where_both_are_equally_noisy_and_none_is_below_the_fre
     assert crossover_of(*readings(1e-5, 2 * np.pi * 20.0 * 1e-5), GRID_S) == pytest.approx(20.0, rel=0.1)
     assert crossover_of(*readings(1e-3, 2 * np.pi * 1e-3), GRID_S) == 0.0
     assert crossover_of(np.zeros(50), np.ones(50), GRID_S) == 0.0
+
+
+@pytest.mark.parametrize("share", [1.0, 0.1])
+def test_noise_that_comes_and_goes_is_found_as_what_two_velocities_do_not_have_in_common(share: float) -> None:
+    """The median of second differences shows a fifth of the noise that is there a tenth of the time."""
+    rng, hertz = np.random.default_rng(1), np.fft.rfftfreq(len(GRID), GRID_S)
+    there = np.where(rng.random((2, len(GRID))) < share, 1.0 / np.sqrt(share), 0.0)
+    noise = np.array([[1e-5], [1e-3]]) * there * rng.standard_normal(there.shape)
+    white = np.fft.rfft(noise) * (hertz < 80.0)
+    slope, logged = (TRUE + np.fft.irfft(one) for one in (2j * np.pi * hertz * white[0], white[1]))
+    found = noise_of_both(slope, logged, np.ones(len(GRID), bool), GRID_S, 0.0)
+    assert_allclose(found, np.array([1e-5, 1e-3]) * np.sqrt(2.0 * GRID_S), rtol=0.1)
 
 
 def test_the_mean_is_quieter_than_either_at_all_frequencies() -> None:

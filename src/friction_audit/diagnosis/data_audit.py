@@ -1,12 +1,12 @@
 """Faults of the data of one joint, with which no effect may be named, and limits of what the data can show."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from friction_audit.effects.joint_data import SIGMA_PER_MEDIAN, JointData
-from friction_audit.joint_log import Float, JointLog, median_step, step_places
+from friction_audit.joint_log import DERIVATIVE, Float, JointLog, median_step, step_places
 from friction_audit.preprocessing.even_grid import fresh_samples, gaps
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.sign import SIGNIFICANT
@@ -17,6 +17,7 @@ MOST_DELAY_S, MOST_DELAY_STEPS = 0.02, 2.0  # of dq after q: larger than any fil
 RESTING_RAD = 0.05  # a joint without a cycle whose position stays within this does not move, and velocities are noise
 # A resolution is found if this share of the changes are whole multiples of the smallest, to this share of it.
 MOST_CHANGES, WHOLE = 0.9, 0.01
+MOST_OF_ITS_OWN, NEAR = 0.05, 5  # share of the changes of a velocity; samples that smooth one
 DEAD = "channel is dead; check the sensor and the bus, or choose another column with --map"
 
 
@@ -34,7 +35,9 @@ RULES = {
     "batched_stamps": _Rule(0.0, "fault", "samples came in batches: their time stamps are uncertain by a period"),
     "clock_jitter": _Rule(0.5, "fault", "the time step varies by {value:.0%}"),
     "holes": _Rule(0.1, "limit", "gaps take {value:.0%} of the time"),
-    "stale": _Rule(0.3, "fault", "{value:.0%} of the samples are duplicates"),
+    "stale": _Rule(
+        0.3, "limit", "{value:.0%} of the samples are duplicates, which are left out: {rate:.0f} samples per second "
+        "show the motion"),
     "torque_constant": _Rule(
         0.0, "fault", f"the torque reads {{reads}} N m in all samples: the torque {DEAD} {{channel}}=..."),
     "dq_constant": _Rule(
@@ -105,13 +108,37 @@ def judged(code: str, value: float, bound: float | None = None, **words: object)
 def audit_clock(log: JointLog) -> tuple[DataFinding, ...]:
     """Look for faults of a log's stamps and for repeated samples."""
     fresh = fresh_samples(log)
-    t, step, usual = log.t[fresh], np.diff(log.t), median_step(log.t)
+    t, steps = log.t[fresh], (np.diff(log.t), np.diff(log.t[fresh]))
+    # Of a motion that is held in a faster log, the moments at which it changes are the clock.
+    jitter = min(float(np.median(np.abs(step / np.median(step) - 1.0))) for step in steps)
     return (
         judged("batched_stamps", float(sum(one.code == "batched_stamps" for one in log.source.findings))),
-        judged("clock_jitter", SIGMA_PER_MEDIAN * float(np.median(np.abs(step - usual))) / usual),
-        judged("holes", float(np.diff(t)[gaps(t)].sum()) / log.duration_s),
-        judged("stale", float(np.mean(~fresh))),
+        judged("clock_jitter", SIGMA_PER_MEDIAN * jitter),
+        judged("holes", float(steps[1][gaps(t)].sum()) / log.duration_s),
+        judged("stale", float(np.mean(~fresh)), rate=1.0 / median_step(t)),
     )
+
+
+def own_velocity(log: JointLog) -> JointLog:
+    """The log, with velocities from the positions that are new where the logged ones are differences of all positions.
+
+    Then they show nothing of their own, and a position that is repeated is a velocity of zero: no sample repeats the
+    one before. The changes of a velocity with noise of its own are not those of differences of the position.
+    """
+    step = np.diff(log.t)[:, None]
+    slope, n = np.diff(log.q, axis=0) / step, len(log.t)
+    for dq, slopes in zip(log.dq.T, slope.T, strict=True):
+        change = np.diff(dq[1:-1])
+        design = np.diff(np.column_stack([slopes[:-1], slopes[1:]]), axis=0)
+        left = change - design @ np.linalg.lstsq(design, change, rcond=None)[0]
+        if np.sum(left**2) > MOST_OF_ITS_OWN * np.sum(change**2):
+            return log
+    apart = np.clip(np.arange(n)[:, None] + [-NEAR, NEAR], 0, n - 1)
+    way = np.abs(np.diff(log.q[apart], axis=1)[:, 0] / np.diff(log.t[apart], axis=1))[1:] * step
+    size = np.min(np.abs(slope * step), axis=0, where=slope != 0, initial=np.inf)
+    new = np.append(True, ~np.all((slope == 0) | (size == np.inf), axis=1) | np.all(way < 2.0 * size, axis=1))
+    dq = np.gradient(log.q[new], log.t[new], axis=0)[np.maximum(np.cumsum(new) - 1, 0)]
+    return replace(log, dq=dq, source=replace(log.source, channels={**log.source.channels, "dq": DERIVATIVE}))
 
 
 def _constant_channels(log: JointLog, interaction: Interaction, data: JointData) -> tuple[DataFinding, DataFinding]:

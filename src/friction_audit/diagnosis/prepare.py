@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.data_audit import DataFinding, audit_clock, audit_data, resolution
+from friction_audit.diagnosis.data_audit import DataFinding, audit_clock, audit_data, own_velocity, resolution
 from friction_audit.diagnosis.known_load import know_load, known_inertias
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.breakaway import find_breakaways, signed_rest
@@ -32,7 +32,7 @@ from friction_audit.preprocessing.even_grid import (
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.sign import coarse_log
 from friction_audit.preprocessing.torque_source import CHANNELS
-from friction_audit.preprocessing.velocity import complementary_mean, crossover_of, find_lag
+from friction_audit.preprocessing.velocity import complementary_mean, crossover_of, find_lag, noise_of_both
 from friction_audit.robot import Arm
 
 # Parts of a long recording, the way from each to the next, and the time in which springs and bristles forget that.
@@ -74,7 +74,7 @@ def prepare(
     """
     # With repeated samples effects_stiction_16001 and effects_time_delay_16001 are adequate; with stamps as they are,
     # those and stranger_time_delay_1 and stranger_joint_elasticity_1.
-    choice, new = interaction.choice, fresh_samples(log)
+    choice, new = interaction.choice, fresh_samples(log := own_velocity(log))
     fresh = slice(None) if new.all() else new  # views, no copies
     t = moments_of_samples(log.t[fresh], log.q[fresh], log.dq[fresh])
     if np.any(belated := belated_samples(t, log.q[fresh], log.dq[fresh])):
@@ -93,7 +93,7 @@ def prepare(
 
     def one(joint: int) -> JointData:
         column = interaction.joint_numbers[joint] - 1
-        derived_from, crossover_hz, rounding = sources[column]
+        derived_from, crossover_hz, rounding, noise_density = sources[column]
         if removed is None:
             torque = low_pass.of(t, interaction.torque[fresh, joint])
         else:
@@ -132,6 +132,7 @@ def prepare(
             sample_s=median_step(log.t),
             rounding=rounding,
             crossover_hz=crossover_hz,
+            noise_density=noise_density,
         )
 
     return tuple(per_joint(one, len(interaction.joint_numbers)))
@@ -208,8 +209,8 @@ def _filtered_motion(
     fresh: NDArray[np.bool_] | slice,
     valid: NDArray[np.bool_],
     slope_gain: float,
-) -> tuple[list[Float], list[tuple[str, float, float]]]:
-    """Position, velocity, acceleration and logged velocity, (n, j) each; per joint their source, crossover, rounding.
+) -> tuple[list[Float], list[tuple[str, float, float, float]]]:
+    """Position, velocity, acceleration, logged velocity, (n, j) each; per joint source, crossover, rounding, noise.
 
     The noise of rounding is step / sqrt(12), and white (W. R. Bennett, Bell Syst. Tech. J. 27 (1948) 446). Most samples
     of a slow joint read the same, and a median shows none of it.
@@ -222,7 +223,7 @@ def _filtered_motion(
     many = log.q.shape[1]
     moved = [np.empty((len(low_pass.t), many)) for _ in range(4)]
 
-    def one(column: int) -> tuple[str, float, float]:
+    def one(column: int) -> tuple[str, float, float, float]:
         q, slope = low_pass.with_slope(t, log.q[fresh, column])
         logged = low_pass.of(t, log.dq[fresh, column])
         derived = log.source.channels.get("dq") == DERIVATIVE
@@ -231,19 +232,22 @@ def _filtered_motion(
         # The noise of a position by late or uneven stamps grows with the speed: rests, where they prevail, hide it.
         moves = np.abs(logged) > MOVING_RAD_S
         seen = moves if FEWEST_SAMPLES < np.count_nonzero(moves) < 0.5 * len(moves) else slice(None)
-        noises = max(grid_noise(slope[seen]), slope_gain * of_q), np.hypot(max(grid_noise(logged[seen]), of_dq), late)
-        source, crossover_hz = "q" if derived or noises[0] < noises[1] else "dq", 0.0
+        apart = noise_of_both(slope, logged, valid, low_pass.step_s, lag[column])
+        white = apart * (slope_gain / np.sqrt(2.0 * median_step(log.t)), np.sqrt(low_pass.corner_hz))
+        of_slope = max(grid_noise(slope[seen]), slope_gain * of_q, white[0])
+        of_logged = np.hypot(max(grid_noise(logged[seen]), of_dq, white[1]), late)
+        source, crossover_hz = "q" if derived or of_slope < of_logged else "dq", 0.0
         if source == "q":
             dq, ddq = slope, np.gradient(slope, low_pass.t)
         else:
             dq, ddq = low_pass.with_slope(t - lag[column], log.dq[fresh, column])
             # With the logged velocity alone the inertial_coupling of a real Panda's joints 5 and 6 is ambiguous.
-            if crossover_hz := crossover_of(slope[seen], dq[seen], low_pass.step_s):
+            if crossover_hz := crossover_of(slope[seen], dq[seen], low_pass.step_s, apart):
                 dq = complementary_mean(slope, dq, valid, low_pass.step_s, crossover_hz)
                 ddq = np.gradient(dq, low_pass.t)
         for every, own in zip(moved, (q, dq, ddq, logged), strict=True):
             every[:, column] = own
-        return source, crossover_hz, of_q if source == "q" else of_dq
+        return source, crossover_hz, *((of_q, apart[0]) if source == "q" else (of_dq, apart[1]))
 
     return moved, per_joint(one, many)
 

@@ -38,6 +38,9 @@ SAMPLE_SD = 0.29  # of a sample, the standard deviation of a delay evenly spread
 REVERSAL_S = 0.05  # time over which a wrong formula of a reversal fades
 LAGS_S = (0.03, 0.1, 0.3, 1.0, 3.0)  # of the velocity behind a first-order filter
 RINGING_HZ, DAMPING_RATIOS = np.geomspace(1.0, 12.0, 8), (0.05, 0.2)  # of what the acceleration excites
+# Of the corner, up to which frequency a response is looked for: above, one that follows the noise of the acceleration
+# takes that out of the residual (resampled: none 130002 linear).
+KNOWN_SHARE = 0.5
 MODEL_ERROR = {"reversal": 0.04, "inertia": 0.01}  # of Coulomb friction, of the inertial torque
 
 
@@ -158,7 +161,8 @@ class RegressionProblem:
         """Linear responses of first and second order to the motion, on the samples, shapes (1 or 2, m)."""
         data = self.data
         found = [first_order(data.dq, exp(-data.step_s / lag), 0.0)[:, None] for lag in LAGS_S]
-        for hertz, damping in product(RINGING_HZ.tolist(), DAMPING_RATIOS):
+        highest = KNOWN_SHARE * self.samples.corner_hz
+        for hertz, damping in product(RINGING_HZ[highest >= RINGING_HZ].tolist(), DAMPING_RATIOS):
             pole = cmath.exp(2.0 * np.pi * hertz * data.step_s * (1j * sqrt(1.0 - damping**2) - damping))
             rung = first_order(data.ddq.astype(complex), pole, 0j)
             found.append(np.column_stack([rung.real, rung.imag]))

@@ -30,7 +30,7 @@ from friction_audit.effects.transmission import MOTION_BELOW_HZ, motion_below
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.even_grid import filtered, kaiser_low_pass
-from friction_audit.preprocessing.velocity import noise_density
+from friction_audit.preprocessing.velocity import MEDIAN_OF_DENSITY, noise_density
 
 Index = NDArray[np.int64]
 INERTIA = "inertia_kg_m2"
@@ -139,7 +139,8 @@ def corner_for(data: JointData, inertia_kg_m2: float) -> tuple[float, float]:
     # As if rounding, white in the log's samples, were all noise of the acceleration.
     median = data.rounding / SIGMA_PER_MEDIAN * float(np.sqrt(data.sample_s / (np.pi * step_s)))
     rounding = OBSERVED * (2.0 * np.pi) ** order * median
-    own = inertia_kg_m2 * max(noise_density(data.ddq, step_s, order), rounding)
+    apart = OBSERVED * MEDIAN_OF_DENSITY / float(np.sqrt(step_s)) * (2.0 * np.pi) ** order * data.noise_density
+    own = inertia_kg_m2 * max(noise_density(data.ddq, step_s, order), rounding, apart)
     inertial = float(np.hypot(own, 0.0 if data.load is None else noise_density(data.load, step_s, order)))
     crossing = (QUIET_SHARE * noise / inertial) ** (1.0 / order) if inertial > 0 else CORNER_HZ
     # f^2 / sqrt(f^2 + crossover^2) in the place of f, solved for f
@@ -149,7 +150,9 @@ def corner_for(data: JointData, inertia_kg_m2: float) -> tuple[float, float]:
     least = SMALL * float(np.std(data.torque)) / SIGMA_PER_MEDIAN / float(np.sqrt(band))
     quiet = max(QUIET_SHARE * max(noise, least), np.finfo(float).tiny)
     coarse = inertia_kg_m2 * rounding * LOWEST_CORNER_HZ**order / quiet
-    return float(np.clip(crossing, LOWEST_CORNER_HZ, CORNER_HZ)), coarse
+    # Where noise is that large, half of the lowest corner is enough for friction (resampled: none 130002 held).
+    lowest = LOWEST_CORNER_HZ / 2.0 if crossing < LOWEST_CORNER_HZ / 2.0 else LOWEST_CORNER_HZ
+    return float(np.clip(crossing, lowest, CORNER_HZ)), coarse
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

@@ -65,6 +65,7 @@ class JointData:
     others_joint: int | None = None  # column of this joint among the others; ``joint`` where None
     sample_s: float = 0.0  # usual step of the log itself, 0 where a torque late by part of it is of no interest [s]
     rounding: float = 0.0  # standard deviation of the rounding of that [rad or rad/s]
+    noise_density: float = 0.0  # amplitude density of the white noise of that [rad/sqrt(Hz) or rad/s/sqrt(Hz)]
     crossover_hz: float = 0.0  # below it a velocity from "dq" is mainly the derivative of the position [Hz]
     # the low-passed motion by corner, as far as it was asked for [Hz]
     smooth: dict[float, Motion] = field(default_factory=dict, init=False, repr=False)

@@ -30,6 +30,11 @@ TOLERANCE = 0.1  # by so much of itself may the lag be found too large
 MOVED_RAD = 0.05  # the lag of a joint that moves less is that of its vibration
 LOWEST_CROSSOVER_HZ = 2.0  # below the frequencies of the motion a derivative improves nothing
 TIME_CONSTANTS = 9.0  # after which the exponential of the mean of two velocities ends
+# Spectra of noise: length and least number of their segments; their band ends here, or at a share of the rate.
+SEGMENT_S, FEWEST_SEGMENTS = 2.0, 5
+NOISE_HZ, NOISE_SHARE, NOISE_SPAN = 25.0, 0.2, 5.0
+# Median of white noise over its amplitude density times the root of the rate: 0.6745 / sqrt(2 pi), as noise_density.
+MEDIAN_OF_DENSITY = 0.269
 FINE = 0.01  # noise of a velocity from the position, of the rms speed, that is no loss
 
 
@@ -223,10 +228,40 @@ def noise_density(signal: Float, step_s: float, order: int) -> float:
     return float(np.median(np.abs(np.diff(signal, n=2)))) / gain
 
 
-def crossover_of(slope: Float, logged: Float, step_s: float) -> float:
-    """Frequency at which the position's derivative and the logged velocity are equally noisy, 0 where too low. [Hz]"""
-    rising = noise_density(slope, step_s, 1)
-    crossing = noise_density(logged, step_s, 0) / rising if rising > 0 else 0.0
+def noise_of_both(slope: Float, logged: Float, valid: NDArray[np.bool_], step_s: float, lag_s: float) -> Float:
+    """Amplitude densities of the noise of a position [rad/sqrt(Hz)] and of a velocity that lags it [rad/s/sqrt(Hz)].
+
+    What two measurements of the same motion do not have in common is noise (J. S. Bendat, A. G. Piersol, Random Data
+    (2010), section 7.2): spectrum less cross-spectrum, by Welch's method, where both noises are white. It holds where a
+    recorder has filtered them, or noise comes and goes with the motion, as of samples that repeat or were interpolated:
+    second differences and their median show none of it.
+    """
+    samples = round(SEGMENT_S / step_s)
+    whole = np.array([valid[k : k + samples].all() for k in range(0, len(slope) - samples + 1, samples)], bool)
+    if np.count_nonzero(whole) < FEWEST_SEGMENTS:
+        return np.zeros(2)
+    window = np.hanning(samples)
+    kept = (one[: len(whole) * samples].reshape(-1, samples)[whole] for one in (slope, logged))
+    first, second = (np.fft.rfft((one - one.mean(axis=1, keepdims=True)) * window) for one in kept)
+    hertz = np.fft.rfftfreq(samples, step_s)
+    common = first * (second * np.exp(2j * np.pi * hertz * lag_s)).conj()
+    high = min(NOISE_HZ, NOISE_SHARE / step_s)
+    band = (hertz >= high / NOISE_SPAN) & (hertz <= high)
+    found = [
+        np.median(np.mean(np.abs(own) ** 2 - common.real, axis=0)[band] / (2.0 * np.pi * hertz[band]) ** order)
+        for own, order in ((first, 2), (second, 0))
+    ]
+    return np.sqrt(np.maximum(found, 0.0) * 2.0 * step_s / float(window @ window))
+
+
+def crossover_of(slope: Float, logged: Float, step_s: float, least: Float | tuple[float, float] = (0.0, 0.0)) -> float:
+    """Frequency at which the position's derivative and the logged velocity are equally noisy, 0 where too low. [Hz]
+
+    Their noise is at least that of the position, and of the velocity, that is given as an amplitude density.
+    """
+    of_q, of_dq = MEDIAN_OF_DENSITY / np.sqrt(step_s) * np.asarray(least)
+    rising = max(noise_density(slope, step_s, 1), 2.0 * np.pi * of_q)
+    crossing = max(noise_density(logged, step_s, 0), of_dq) / rising if rising > 0 else 0.0
     return crossing if crossing >= LOWEST_CROSSOVER_HZ else 0.0
 
 

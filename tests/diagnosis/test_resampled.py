@@ -1,0 +1,36 @@
+"""Clean joints of two generators whose logs were interpolated, held, filtered or differentiated before they are read.
+
+All were `unexplained` or a `data_fault` before noise was found as what position and velocity do not have in common.
+"""
+
+from functools import cache
+
+import pytest
+
+from benchmarks.resampled import CASES, Columns, log_by, recorded
+from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.joint_log import Float
+from friction_audit.pipeline import AuditSettings, diagnose_log
+
+CLEAN = {case[1]: case for case in CASES if case[0] == "none"}
+
+
+@cache
+def signals(scenario: str) -> tuple[Float, Columns]:
+    return recorded(*CLEAN[scenario])
+
+
+@pytest.mark.parametrize(
+    ("scenario", "way"),
+    [
+        ("joint", "linear"),
+        ("joint", "difference"),
+        ("joint", "held up"),
+        ("joint-sine", "cubic"),
+        ("smoothed sign", "held"),
+    ],
+)
+def test_nothing_is_missing_in_a_clean_joint_whose_log_was_resampled(scenario: str, way: str) -> None:
+    log = log_by(way, *signals(scenario), CLEAN[scenario][2])
+    (found,) = diagnose_log(log, AuditSettings(), DiagnosisSettings()).discrepancy.joints
+    assert (found.verdict, found.effects) == ("adequate", ())
