@@ -187,7 +187,7 @@ class Arm:
         for body, parent in enumerate(model.body_parentid[1:], start=1):
             joint, turned = model.body_jntadr[body], turns[body] @ bodies[parent]
             if joint >= 0:
-                about = _turned(turned.swapaxes(0, 1), np.cos(angle[joint]), -np.sin(angle[joint]))
+                about = _turned([*turned.swapaxes(0, 1)], np.cos(angle[joint]), -np.sin(angle[joint]))
                 turned = np.stack(np.broadcast_arrays(*about), axis=1)
             places.append(places[parent] + reaches[body] @ bodies[parent])
             bodies.append(turned)
