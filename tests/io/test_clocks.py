@@ -28,7 +28,8 @@ SECONDS = np.linspace(0.0, 0.999, 1000)
         ("timestamp_ns", ("timestamp_ns", "ns", "column")),
         ("Time|header.stamp.secs|header.stamp.nsecs",
          ("header.stamp.secs + header.stamp.nsecs", "ns", "header_stamp")),
-        ("q_1|dq_1|stamina", None),
+        ("q|sec|nanosec", ("sec + nanosec", "ns", "header_stamp")),
+        ("q_1|dq_1|stamina|sec", None),
     ],
 )  # fmt: skip
 def test_columns_in_use(names: str, found: tuple[str, str | None, str] | None) -> None:

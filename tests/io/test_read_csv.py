@@ -25,6 +25,7 @@ SAME: dict[str, str | bytes] = {
     "compressed, under any name": gzip.compress(PLAIN.encode()),
     "no line feed after what is not read": FRAME.assign(note="fine").to_csv(index=False).rstrip("\n"),
     "comments": "# a comment\n\n" * 100_000 + PLAIN,
+    "lines about the recording": "Robot: KUKA, LBR\nDate;2024-05-01\n\n" + PLAIN,
 }
 
 

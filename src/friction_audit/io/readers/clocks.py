@@ -27,7 +27,7 @@ _UNIT = rf"(?:(?:[ _]+|[ _]*[\[(])(?P<unit>{_UNITS_SPELLED})[\])]?)?"
 _SPELLED = {"mil": "ms", "mse": "ms", "ms": "ms", "nan": "ns", "nse": "ns", "ns": "ns", "mic": "us", "use": "us",
             "us": "us", "µs": "us"}  # fmt: skip
 _PATTERNS = tuple((re.compile(rf"(?:{name}){_UNIT}", re.IGNORECASE), unit, clock) for name, unit, clock in _NAMES)
-_SECONDS = re.compile(r"(?P<head>.*stamp[._/])secs?", re.IGNORECASE)
+_SECONDS = re.compile(r"(?P<head>(?:.*[._/])?)secs?", re.IGNORECASE)
 _EPOCH_S = (1.1e9, 4.1e9)  # Unix time between the years 2004 and 2099
 _LONGEST_S = 1e10  # three centuries: from no stamp to the last one in nanoseconds
 

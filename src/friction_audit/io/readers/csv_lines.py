@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import chain, pairwise
 from pathlib import Path
+from statistics import median_low
 from typing import Any
 
 import numpy as np
@@ -172,6 +173,7 @@ def sniff_csv(path: Path) -> Dialect:
     start = next((i for i, text in enumerate(texts) if text.strip() and not COMMENT.match(text.encode())), None)
     if start is None:
         raise InputError(f"{path}: all lines are blank or comments; expected a table with a header")
+    start = _below_prologue(texts, start)
     separator = separator_of(texts[start])
     fields = split_line(texts[start], separator)
     has_header = any(value_of(field, float, "." if separator == "," else ",") is None for field in fields)
@@ -206,6 +208,17 @@ def _decoded(line: bytes) -> str:
         return line.decode("utf-8-sig")
     except UnicodeDecodeError:  # a degree sign, as older programs write it
         return line.decode("latin-1")
+
+
+def _below_prologue(texts: Sequence[str], start: int) -> int:
+    """Return the line of the header below lines about the recording: the first that is as wide as the last lines."""
+    last = [text for text in texts[-_LOOK:] if text.strip()]
+    is_blank = separator_of(texts[start]) == " " and len(last[-1].split()) > 1  # then a comma is the decimal sign
+    separator = " " if is_blank else separator_of(last[-1])
+    width = median_low(len(split_line(text, separator)) for text in last)
+    wide = next((i for i in range(start, len(texts)) if len(split_line(texts[i], separator)) >= width - 1), start)
+    is_header = any(value_of(field, float, ",") is None for field in split_line(texts[wide], separator))
+    return wide if is_header else start
 
 
 def _with_units(names: tuple[str, ...], line: Sequence[str], separator: str) -> tuple[str, ...] | None:
