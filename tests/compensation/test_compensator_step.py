@@ -1,6 +1,6 @@
 """The compensator over signals by hand, sample by sample; what every compensator and all settings keep to."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import MISSING, fields, replace
 from math import inf, nan, nextafter
 from pathlib import Path
@@ -21,6 +21,7 @@ from friction_audit.compensation.competitors import (
     LugreCompensation,
     SigmoidCompensation,
     TorqueRegulation,
+    fit_sigmoid,
 )
 from friction_audit.compensation.controller import FIND, REVERSALS, TORQUE_BOUND_NM, run, step
 from friction_audit.compensation.law import PUBLISHED, Checked, Coefficients, EnergyCompensator
@@ -182,21 +183,25 @@ def test_a_limit_of_the_rate_does_not_wind_up() -> None:
     assert np.all(signals["u_nm"] >= np.minimum.accumulate(asked) - 1e-12)
 
 
+LUGRE = LugreCompensation(coulomb_nm=COULOMB, breakaway_nm=0.4, viscous_nms_per_rad=VISCOUS)
+
+
 @pytest.mark.parametrize(
-    ("wrong", "message"),
+    ("made", "message"),
     [
-        ({"model": "stribeck"}, "model stribeck: expected one of viscous, coulomb, combined"),
-        ({"window": 1}, "window 1: expected 2 to 64 cycles"),
-        ({"window": 65, "model": "viscous"}, "expected 1 to 64 cycles"),
-        ({"initiation_rad_s": 0.01}, "initiation above termination"),
-        ({"forced_from_cycle": 0}, "cycles count from 1"),
+        (lambda: EnergyCompensator(model="stribeck"), "model stribeck: expected one of viscous, coulomb, combined"),
+        (lambda: EnergyCompensator(window=1), "window 1: expected 2 to 64 cycles"),
+        (lambda: EnergyCompensator(window=65, model="viscous"), "expected 1 to 64 cycles"),
+        (lambda: EnergyCompensator(initiation_rad_s=0.01), "initiation above termination"),
+        (lambda: EnergyCompensator(forced_from_cycle=0), "cycles count from 1"),
+        (lambda: pack([None], 0.0), "rate 0 Hz"),
+        (lambda: replace(LUGRE, breakaway_nm=0.2), "breakaway_nm 0.2: expected coulomb_nm 0.3 or more"),
+        (lambda: fit_sigmoid(0.0, 0.0), "friction above zero"),
     ],
 )
-def test_settings_out_of_range_are_refused(wrong: dict[str, float], message: str) -> None:
+def test_what_makes_no_sense_is_refused(made: Callable[[], object], message: str) -> None:
     with pytest.raises(UsageError, match=message):
-        EnergyCompensator(**wrong)  # type: ignore[arg-type]
-    with pytest.raises(UsageError, match="rate 0 Hz"):
-        pack([None], 0.0)
+        made()
 
 
 # What every compensator and all settings with bounds keep to, and loops that ran away.
@@ -206,7 +211,7 @@ EXAMPLES: dict[str, Compensator | None] = {
     "fixed": FixedCompensation(coulomb_nm=COULOMB, viscous_nms_per_rad=VISCOUS),
     "energy": EnergyCompensator(),
     "sigmoid": SigmoidCompensation(height_nm=0.6, steepness_s_per_rad=9.0, shift_rad_s=0.03),
-    "lugre": LugreCompensation(coulomb_nm=COULOMB, breakaway_nm=0.4, viscous_nms_per_rad=VISCOUS),
+    "lugre": LUGRE,
     "disturbance_observer": DisturbanceObserver(inertia_kg_m2=INERTIA, observer_gain_per_s=50.0),
     "torque_regulation": TorqueRegulation(inertia_kg_m2=INERTIA, desired_inertia_kg_m2=0.15, cutoff_hz=100.0),
     "joint_model": JointModelCompensation(terms=(FittedTerm("coulomb", (COULOMB,)),)),

@@ -1,6 +1,5 @@
 """The compensators other than the paper's: each by hand, in the hand of the same person, and where they run away."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from math import inf, pi, sqrt
 from typing import Any
@@ -21,7 +20,6 @@ from friction_audit.compensation.competitors import (
 )
 from friction_audit.compensation.controller import FIND, step
 from friction_audit.compensation.law import Coefficients, EnergyCompensator, Law, payback_s
-from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.simulation import IDEAL_SENSORS, PANDA_SENSORS, JointParameters, Operator
 from friction_audit.simulation.bench import BenchSettings
@@ -187,18 +185,6 @@ def test_the_loop_runs_away_just_beyond_the_limit(hand: float) -> None:
     )
     assert not runs_away(below)
     assert runs_away(above)
-
-
-@pytest.mark.parametrize(
-    ("made", "message"),
-    [
-        (lambda: replace(LUGRE, breakaway_nm=0.2), "breakaway_nm"),
-        (lambda: fit_sigmoid(0.0, 0.0), "friction above zero"),
-    ],
-)
-def test_what_makes_no_sense_is_refused(made: Callable[[], object], message: str) -> None:
-    with pytest.raises(UsageError, match=message):
-        made()
 
 
 # Torque feedback in a joint whose gear twists: the limits of docs/compensators.md, eigenvalues of the sampled loop.
