@@ -150,7 +150,7 @@ class CsvTable(Table):
             text = raw.strip("\r")
             if "\r" in text:
                 raise InputError(f"{self.path}: line {number} has a carriage return within; expected none; repair it")
-            fields = split_line(text, dialect.separator) if text.strip() else ()
+            fields = split_line(text, dialect.separator) if text.strip() and not text.startswith("#") else ()
             if fields and len(fields) != dialect.width:
                 raise InputError(
                     f"{self.path}: line {number} has {len(fields)} fields; expected {dialect.width}; repair the line"
@@ -181,10 +181,12 @@ class CsvTable(Table):
 
         (cell,), words = time.cells, columns[time.cells[0]]
         dates = pd.to_datetime(pd.Series(words), format="ISO8601", utc=True, errors="coerce")
+        if dates.isna().all():  # a time of day
+            dates = pd.Timestamp(0, tz="UTC") + pd.to_timedelta(pd.Series(words), errors="coerce")
         dates = dates.where(dates.between(pd.Timestamp.min.tz_localize("UTC"), pd.Timestamp.max.tz_localize("UTC")))
         dated = dates.notna().to_numpy()
         if not dated.all():
-            what = f"column {time.name} holds neither a number nor an ISO 8601 date: {words[~dated][0]!r}"
+            what = f"column {time.name} holds neither a number nor an ISO 8601 date or time: {words[~dated][0]!r}"
             self._complain(int(np.count_nonzero(~dated)), what)
         stamps = dates[dated].dt.tz_convert(None).dt.as_unit("ns").to_numpy().astype(np.int64)
         return {own: array[dated] for own, array in columns.items()} | {cell: stamps}
