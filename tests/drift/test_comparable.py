@@ -47,6 +47,8 @@ def test_same_start_and_estimates_in_another_format_count_once() -> None:
     again = replace(session(1), path="run1.mcap", sha256="other bytes")
     assert left_out([session(0), session(1), again]) == {2: "the same recording as run1.csv"}
     assert left_out([replace(session(i), start_s=FIRST_S) for i in range(4)]) == {}  # the start alone says nothing
+    nameless = replace(session(1, known=False), path="run1.npz", sha256="more bytes")
+    assert left_out([session(i, known=False) for i in range(3)] + [nameless]) == {2: "the same recording as run1.csv"}
 
 
 def test_most_without_a_start_are_ordered_by_name_few_are_left_out() -> None:

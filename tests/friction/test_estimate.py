@@ -166,6 +166,18 @@ def test_a_change_within_the_log_is_said_and_its_absence_is_not() -> None:
     assert codes == [[], ["coulomb_changes"]]
 
 
+def test_a_recording_that_is_twice_in_a_log_is_said() -> None:
+    """Copies of cycles made intervals narrower by the square root of two."""
+    lengths = [*LENGTHS, -sum(LENGTHS)]
+    t, v, a = strokes(lengths, [*DURATIONS, 2.0])
+    torque = friction(v, a) + 0.01 * np.random.default_rng(0).normal(size=len(t))
+    codes = [
+        [one.code for one in estimated(interaction(*signals), compare=False).warnings]
+        for signals in ((t, v, torque), (np.append(t, t + t[-1] + 1e-3), np.tile(v, 2), np.tile(torque, 2)))
+    ]
+    assert codes == [[], ["cycles_repeated"]]
+
+
 def test_two_methods_that_disagree_are_reported_with_what_it_means() -> None:
     t, v, a = strokes(LENGTHS, DURATIONS)
     history = estimated(interaction(t, v, COULOMB * np.sign(v) + 0.3 * v * np.abs(v) + INERTIA * a))

@@ -41,21 +41,28 @@ def choose_comparable(order: Order) -> tuple[tuple[int, ...], dict[int, str], li
 
 
 def _repeated(sessions: dict[int, Session]) -> dict[int, str]:
-    """Find recordings that are there twice: the same content, or the same start and the same estimates."""
+    """Find recordings that are there twice."""
     first: dict[tuple[object, ...], int] = {}
     twice: dict[int, str] = {}
     for i, session in sessions.items():
-        keys: list[tuple[object, ...]] = [("content", session.sha256)]
-        values = tuple(float(f"{c.value:.4g}") for joint in session.joints for c in joint.coefficients.values())
-        known = tuple(value for value in values if math.isfinite(value))
-        if session.start_s is not None and known:
-            keys.append(("estimates", round(session.start_s, 3), known))
+        keys = known_by(session)
         earlier = next((first[key] for key in keys if key in first), None)
         if earlier is not None:
             twice[i] = f"the same recording as {sessions[earlier].path}"
         for key in keys:
             first.setdefault(key, i if earlier is None else earlier)
     return twice
+
+
+def known_by(session: Session) -> list[tuple[object, ...]]:
+    """Return by what a recording is known in another file or format: content; estimates with start or duration."""
+    keys: list[tuple[object, ...]] = [("content", session.sha256)]
+    found = [c.value for joint in session.joints for c in joint.coefficients.values() if math.isfinite(c.value)]
+    if found and session.start_s is not None:
+        keys.append(("start", round(session.start_s, 3), *(float(f"{value:.4g}") for value in found)))
+    elif found:  # without the start, by more digits
+        keys.append(("duration", round(session.duration_s, 3), *(float(f"{value:.6g}") for value in found)))
+    return keys
 
 
 def _unlike(sessions: dict[int, Session]) -> dict[int, str]:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import stdtr, stdtrit
 
-from friction_audit.drift.covariates import Condition, Recording, differences
+from friction_audit.drift.covariates import Condition, Recording, differences, known_by
 from friction_audit.drift.regression import holm, random_effects, relative_change
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, DriftReport, DriftSettings, JointDrift
 from friction_audit.drift.session import COEFFICIENTS, JointSummary, SpeedCurve
@@ -127,14 +127,14 @@ def compare_sides(before: Sequence[Recording], after: Sequence[Recording]) -> Tw
         raise AnalysisError(
             f"no joint has an estimate on both sides, which have joints {held}:{reasons or ' no match'}"
         )
-    content = {one.session.sha256 for one in before}
+    content = {key for one in before for key in known_by(one.session)}
     return TwoSides(
         before=tuple(before),
         after=tuple(after),
         joints=tuple(joints),
         one_sided=tuple((number, number in numbers[0]) for number in sorted(numbers[0] ^ numbers[1])),
         conditions=tuple(differences(before, after)),
-        twice=tuple(one.session.path for one in after if one.session.sha256 in content),
+        twice=tuple(one.session.path for one in after if not content.isdisjoint(known_by(one.session))),
         unit=before[0].unit,
     )
 

@@ -24,6 +24,7 @@ from friction_audit.friction.reasons import (
     missing_motion,
     not_simultaneous,
     one_speed,
+    repeated,
 )
 from friction_audit.friction.settings import PARTS, FrictionSettings
 from friction_audit.friction.torque_regression import CUTOFF_HZ, HIGHEST_CONDITION, RegressionRows, regress_torque
@@ -213,7 +214,7 @@ def _conclude(
         for name in UNITS
         if np.isnan(getattr(determined, name).value) and not np.isnan(getattr(joint, name).value)
     )
-    lost = (*not_simultaneous(joint), *lost)
+    lost = (*repeated(joint, kept), *not_simultaneous(joint), *lost)
     if joint.method == "regression":
         return determined, (Caution(code="from_regression", joint=joint.joint), *lost)
     alike = False

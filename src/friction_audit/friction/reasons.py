@@ -12,6 +12,7 @@ from friction_audit.preprocessing.interaction import Caution, Interaction
 
 HIGHEST_CORRELATION = 0.97
 FEW_CYCLES = 10
+ALIKE = 1e-6  # relative difference of sums over a cycle that only the rounding of the clock makes
 # Differences between two estimates below both of these are irrelevant.
 LEAST_DIFFERENCE = 0.02  # N m, N m s/rad
 LEAST_SHARE = 0.1
@@ -35,6 +36,20 @@ def not_simultaneous(joint: JointFriction) -> Iterator[Caution]:
     if np.isfinite(delay_s):
         numbers = {"ms": 1e3 * abs(delay_s), "late": "late" if delay_s > 0.0 else "early"}
         yield Caution(code="torque_delayed", joint=joint.joint, numbers=numbers)
+
+
+def repeated(joint: JointFriction, kept: EnergyCycles) -> Iterator[Caution]:
+    """Yield a caution where cycles repeat earlier ones, energies and paths alike, though noise makes all others differ.
+
+    A simulated periodic motion without noise has few cycles that differ: these are no copies.
+    """
+    sums = kept.sums
+    columns = np.column_stack([sums.work_j, sums.path_rad, sums.square_speed_rad2_s])
+    order = np.argsort(columns[:, 2])
+    same = np.isclose(columns[order][1:], columns[order][:-1], rtol=ALIKE, atol=0.0).all(axis=1)
+    count = int(np.count_nonzero(same))
+    if FEWEST_CYCLES <= count <= len(order) // 2 and len(order) - count >= FEW_CYCLES:
+        yield Caution(code="cycles_repeated", joint=joint.joint, numbers={"count": count})
 
 
 def _weaknesses(joint: JointFriction) -> Iterator[tuple[str, dict[str, Any]]]:

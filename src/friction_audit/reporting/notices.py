@@ -68,6 +68,8 @@ SENTENCES: Mapping[str, str] = {
     "Stribeck friction): the viscous coefficient is wrong; log q, dq and torque in one message; `diagnose` separates "
     "the causes",
     "few_cycles": "fewer than {fewest} cycles: the intervals are wide and approximate",
+    "cycles_repeated": "{count} energy cycles repeat earlier ones digit by digit: a recording is twice in the log, and "
+    "the intervals are too narrow; leave one out with --t-start or --t-end",
     "from_regression": "too few energy cycles, so the coefficients are from torque regression, which assumes a "
     "constant inertia and no coupling with other joints",
     "one_speed_profile": "all cycles have one speed profile: their energies give friction at the mean speed only; the "

@@ -30,7 +30,7 @@ _WHOLE_NAMES = {"f_m": "tau_interaction", "friction_compensation": "tau_compensa
 _MEASURED = {"measured", "meas", "msr", "actual", "act", "j", "link", "real", "feedback", "fb"}
 _SAYS_NOTHING = {"joint", "joints", "jnt", "axis", "axes", "a", "m", "motor", "motors", "actuator", "actuators",
                  "state", "sensor", "as", "hat", "est", "estimated", "filtered", "filt", "raw", "angular",
-                 "field"}  # fmt: skip
+                 "field", "spring"}  # fmt: skip
 _COMMANDED = {"desired", "des", "cmd", "cmds", "command", "commands", "commanded", "target", "targets", "goal", "goals",
               "reference", "references", "ref", "refs", "setpoint", "setpoints", "action", "actions", "planned",
               "points"}  # fmt: skip
