@@ -181,9 +181,8 @@ class Sqlite3Stream(MessageStream):
             yield from self._on_leaves(key, first, last)
 
     def _on_leaves(self, key: int, first: int, last: int) -> Iterator[Block]:
-        every = ((row, time, data) for row, topic, time, data in self._leaves.messages() if topic == key)
-        whole = (one for one in every if first <= one[0] <= last)
-        while rows := list(islice(whole, _MESSAGES_PER_BLOCK)):
+        found = (one for one in self._leaves.messages() if one[1] == key and first <= one[0] <= last)
+        while rows := [(row, time, data) for row, _, time, data in islice(found, _MESSAGES_PER_BLOCK)]:
             if block := self._block(key, rows):
                 yield block
 
