@@ -119,7 +119,7 @@ class Dialect:
                 ends = [len(text.strip().rpartition(self.separator)[2]) for text in lines]
                 is_short = len(fields[-1]) < min(ends, default=0)
                 found = f"it has no line feed, and {fields[-1].strip()} may lack digits"
-        if not found or not last.strip():
+        if not found or not last.strip() or last.startswith(b"#"):
             return body + b"\n", None
         number = line + before.count(b"\n") + len(newline)
         message = f"line {number}, the last one, {'is' if is_short else 'may be'} cut short ({found}); it is left out"
