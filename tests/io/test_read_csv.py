@@ -26,6 +26,7 @@ SAME: dict[str, str | bytes] = {
     "no line feed after what is not read": FRAME.assign(note="fine").to_csv(index=False).rstrip("\n"),
     "comments": "# a comment\n\n" * 100_000 + PLAIN,
     "lines about the recording": "Robot: KUKA, LBR\nDate;2024-05-01\n\n" + PLAIN,
+    "comments at the end": PLAIN + "# stopped by hand\n# operator: X\n",
 }
 
 
@@ -187,6 +188,14 @@ def test_files_of_many_blocks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     log = read_text(tmp_path, "\n".join([HEAD, *LINES[:199], LINES[199].replace(".", "x", 1), *LINES[200:]]) + "\n")
     assert len(log.t) == 299
     assert "line 201, column time" in log.source.findings[0].message
+
+
+def test_times_of_day_and_the_torque_of_a_spring(tmp_path: Path) -> None:
+    day = FRAME.assign(time=pd.to_datetime(1.7e9 + FRAME["time"], unit="s").dt.strftime("%H:%M:%S.%f"))
+    np.testing.assert_allclose(read_text(tmp_path, day.to_csv(index=False)).t, motion(300)["t"], atol=1e-6)
+    elastic = FRAME[["time", "q_1", "dq_1"]].assign(spring_torque_Nm=FRAME["tau_J_1"], motor_current_A=1.0)
+    log = read_text(tmp_path, elastic.to_csv(index=False))
+    assert (log.source.channels["tau_J"], log.source.torque_unit) == ("spring_torque_Nm", "N m")
 
 
 def test_lines_are_counted_below_a_megabyte_of_comments(tmp_path: Path) -> None:
