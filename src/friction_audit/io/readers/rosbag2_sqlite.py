@@ -111,14 +111,14 @@ _LARGEST_MESSAGE = 1 << 20  # the state of a thousand joints takes 50 kB; a mess
 _LAST_ID = 2**63 - 1
 
 # The next messages of a topic: one by one; and, which leaves the interpreter to the thread that decodes, joined to one
-# result. The size is 0 where a message has no bytes or no time.
+# result. The size is 0 where a message has no bytes (which SQLite sorts after texts and numbers) or no time.
 _ONE_BY_ONE = (
     "SELECT rowid, timestamp, data FROM messages WHERE topic_id = ? AND rowid BETWEEN ? AND ? ORDER BY rowid LIMIT ?"
 )
 _JOINED = """
 SELECT MAX(id), COUNT(*), MIN(size), CAST(GROUP_CONCAT(data, '') AS BLOB), GROUP_CONCAT(timestamp) FROM (
     SELECT rowid AS id, timestamp, data,
-           LENGTH(data) * (TYPEOF(data) = 'blob' AND TYPEOF(timestamp) = 'integer') AS size
+           LENGTH(data) * (data >= x'' AND CAST(timestamp AS INTEGER) = timestamp) AS size
     FROM messages WHERE topic_id = ? AND rowid BETWEEN ? AND ? ORDER BY id LIMIT ?
 )"""
 
@@ -243,8 +243,9 @@ def _joined(database: sqlite3.Connection, lot: tuple[int, ...]) -> tuple[int, Bl
     with suppress(sqlite3.DataError):  # together they are larger than a message may be
         last, count, size, data, times = database.execute(_JOINED, lot).fetchone()
         if size and len(data) == count * size and not data.startswith(_ZSTD_MAGIC):
-            start, sizes = size * np.arange(count), np.full(count, size)
-            return last, Block(lot[0], np.fromstring(times, np.int64, sep=","), data, start, sizes)
+            log_time = np.fromstring(times, np.int64, sep=",")
+            if len(log_time) == count:  # else some have none
+                return last, Block(lot[0], log_time, data, size * np.arange(count), np.full(count, size))
     return 0, None
 
 
