@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from bench_parquet import INSTALLED  # type: ignore[import-not-found]  # the script beside this
+from processes import INSTALLED  # type: ignore[import-not-found]  # the script next to this
 from numpy.typing import NDArray
 
 JOINTS = 7
