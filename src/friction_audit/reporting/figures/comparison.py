@@ -30,7 +30,8 @@ LOST: dict[str, Any] = {"color": theme.BORDER, "marker": "x", "ls": ""}  # where
 
 def _draw_energies(comparison: Comparison) -> Figure:
     """Draw the net energies of all methods over time, in one panel as in the paper."""
-    rows, figure = [row for row in comparison.rows if row.role == PAPER], parts.new_figure(theme.COLUMN_IN, 2.9)
+    rows = [row for row in comparison.rows if row.role == PAPER]
+    figure = Figure(figsize=(theme.COLUMN_IN, 2.9), layout="constrained")
     axes = figure.subplots()
     parts.mark_zero(axes)
     for row in rows:
@@ -143,7 +144,7 @@ def _draw_summary(comparison: Comparison) -> Figure:
     """Draw the setting of the paper's order and the best one of every method, with 95 % intervals."""
     rows = [row for row in comparison.rows if row.role in SHIFTS]
     labels = list(dict.fromkeys(row.label for row in rows))
-    figure = parts.new_figure(theme.COLUMN_IN, 0.9 + 0.27 * len(labels))
+    figure = Figure(figsize=(theme.COLUMN_IN, 0.9 + 0.27 * len(labels)), layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True)
     for row in rows:
         alone = sum(other.label == row.label for other in rows) == 1
