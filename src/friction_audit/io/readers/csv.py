@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -64,7 +65,8 @@ class CsvTable(Table):
         self._cut: Finding | None = None
 
     def read(self, columns: ColumnMap, options: ReadOptions) -> Part:
-        dialect, time, cells = self._dialect, columns.time, columns.cells
+        dialect, time = self._dialect, columns.time
+        cells = [*time.cells, *chain.from_iterable(columns.channels.values())]
         words = [*self._labels] if columns.joint is None else [columns.joint]
         kind = _time_kind(dialect, time)
         self._kinds = dict.fromkeys(words, str) | dict.fromkeys(cells, float) | dict.fromkeys(time.cells, kind)
