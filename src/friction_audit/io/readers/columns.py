@@ -4,6 +4,7 @@ import difflib
 import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import TYPE_CHECKING
 
 from friction_audit.errors import InputError, near_misses
@@ -54,6 +55,11 @@ class ColumnMap:
     degrees: frozenset[str]  # channels whose names say degrees
     findings: tuple[Finding, ...] = ()  # channels left out
     joint: int | None = None  # position of the column of joints in a table with one row per joint and time, else None
+
+    @property
+    def cells(self) -> list[int]:
+        """Positions of the clock and of the columns of all channels."""
+        return [*self.time.cells, *chain.from_iterable(self.channels.values())]
 
 
 def map_columns(
