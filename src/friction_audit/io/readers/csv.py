@@ -182,12 +182,10 @@ class CsvTable(Table):
 
         (cell,), words = time.cells, columns[time.cells[0]]
         dates = pd.to_datetime(pd.Series(words), format="ISO8601", utc=True, errors="coerce")
-        if dates.isna().all():  # a time of day
-            dates = pd.Timestamp(0, tz="UTC") + pd.to_timedelta(pd.Series(words), errors="coerce")
         dates = dates.where(dates.between(pd.Timestamp.min.tz_localize("UTC"), pd.Timestamp.max.tz_localize("UTC")))
         dated = dates.notna().to_numpy()
         if not dated.all():
-            what = f"column {time.name} holds neither a number nor an ISO 8601 date or time: {words[~dated][0]!r}"
+            what = f"column {time.name} holds neither a number nor an ISO 8601 date: {words[~dated][0]!r}"
             expected = "seconds, or dates such as 2024-05-01T12:00:00.001; name another clock with --map t=NAME"
             self._complain(int(np.count_nonzero(~dated)), what, expected)
         stamps = dates[dated].dt.tz_convert(None).dt.as_unit("ns").to_numpy().astype(np.int64)
