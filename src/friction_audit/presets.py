@@ -6,7 +6,7 @@ Figures are those of the sources only; what has no source is left out. Angles in
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import inf, radians
+from math import inf, pi, radians, tau
 
 BUILT_IN = "panda"  # the arm whose rigid-body model comes with this package
 UR_JOINTS = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
@@ -37,10 +37,6 @@ class Preset:
     torque_rate_nm_s: float = inf  # fastest change of a commanded torque [N m/s]
 
 
-def _radians(*degrees: float) -> tuple[float, ...]:
-    return tuple(map(radians, degrees))
-
-
 def _seven(prefix: str) -> tuple[str, ...]:
     return tuple(f"{prefix}{number}" for number in range(1, 8))
 
@@ -50,19 +46,19 @@ def _universal_robots(name: str, speeds: Sequence[float], torques: Sequence[floa
     return Preset(
         label=f"Universal Robots {name.upper().replace('E', 'e')}", pattern=name, torque=CURRENT,
         joints=tuple(f"{one}_joint" for one in UR_JOINTS), shared=r"(?:shoulder_(?:pan|lift)|elbow|wrist_[123])_joint",
-        low_rad=_radians(-360, -360, -180, -360, -360, -360), high_rad=_radians(360, 360, 180, 360, 360, 360),
-        speed_rad_s=_radians(*speeds), torque_nm=tuple(torques),
+        low_rad=(-tau, -tau, -pi, -tau, -tau, -tau), high_rad=(tau, tau, pi, tau, tau, tau),
+        speed_rad_s=tuple(map(radians, speeds)), torque_nm=tuple(torques),
         source="Universal_Robots_ROS2_Description, config/*/joint_limits.yaml; effort: ur_robot_driver",
     )  # fmt: skip
 
 
 def _iiwa(name: str, model: str, speeds: Sequence[float], torques: Sequence[float]) -> Preset:
+    high_rad = tuple(map(radians, (170, 120, 170, 120, 170, 120, 175)))
     return Preset(
         label=f"KUKA LBR iiwa {model}", pattern=name.replace("iiwa", "iiwa_?"), torque=SENSOR,
         joints=_seven("lbr_A"), shared=r"(?:lbr_|iiwa_|lbr_iiwa_)(?:joint_?|a)[1-7]",
-        low_rad=_radians(-170, -120, -170, -120, -170, -120, -175),
-        high_rad=_radians(170, 120, 170, 120, 170, 120, 175),
-        speed_rad_s=_radians(*speeds), torque_nm=tuple(torques),
+        low_rad=tuple(-one for one in high_rad), high_rad=high_rad,
+        speed_rad_s=tuple(map(radians, speeds)), torque_nm=tuple(torques),
         source="KUKA brochure Sensitive robotics LBR iiwa; names: lbr_fri_ros2_stack",
     )  # fmt: skip
 
@@ -102,8 +98,8 @@ PRESETS: dict[str, Preset] = {
     ),
     "xarm7": Preset(
         label="UFACTORY xArm 7", pattern="xarm7", joints=_seven("joint"), torque=ESTIMATE,
-        low_rad=(*_radians(-360), -2.059, *_radians(-360), -0.19198, *_radians(-360), -1.69297, *_radians(-360)),
-        high_rad=(*_radians(360), 2.0944, *_radians(360), 3.927, *_radians(360, 180, 360)),
+        low_rad=(-tau, -2.059, -tau, -0.19198, -tau, -1.69297, -tau),
+        high_rad=(tau, 2.0944, tau, 3.927, tau, pi, tau),
         speed_rad_s=(3.14,) * 7, torque_nm=(50.0, 50.0, 30.0, 30.0, 30.0, 20.0, 20.0),
         source="xarm_description/urdf/xarm7; no torque sensors: xarm_ros2 issue 98",
     ),

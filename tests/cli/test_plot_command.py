@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from friction_audit import parallel
-from friction_audit.reporting.figures.registry import figure_names
+from friction_audit.cli.choices import PLOTTED
 from friction_audit.reporting.figures.style import RC
 from tests.cli.conftest import Run
 
@@ -45,7 +45,7 @@ def test_one_joint_needs_no_sheet(run: Run, logs: Path) -> None:
     words = ("--joints", "2", "--figures", "all", "--figure-format", "svg,pdf", "-o", "x", "--json")
     answer = run("plot", logs / "moved2.csv", *words)
     figures = answer.document()["figures"]
-    assert tuple(figure["kind"] for figure in figures[::2]) == figure_names("estimate", "replay", "diagnosis")
+    assert tuple(figure["kind"] for figure in figures[::2]) == PLOTTED
     assert {figure["joint"] for figure in figures} == {2}
     assert {Path(figure["path"]).suffix for figure in figures} == {".svg", ".pdf"}
 
@@ -54,7 +54,7 @@ def test_one_joint_needs_no_sheet(run: Run, logs: Path) -> None:
 def test_a_joint_at_rest_is_drawn_all_the_same(run: Run, logs: Path) -> None:
     answer = run("plot", logs / "still.csv", "--figures", "all")
     assert answer.code == 0
-    assert len(answer.out.split()) == len(figure_names("estimate", "replay", "diagnosis"))
+    assert len(answer.out.split()) == len(PLOTTED)
 
 
 SHEET = "axes.grid: True\nfont.size: 13\nlines.linewidth: 2.5\nsavefig.dpi: 50\ntext.usetex: True\n"

@@ -7,8 +7,9 @@ from html.parser import HTMLParser
 
 import pytest
 
+from friction_audit.cli.choices import BATCH_FIGURES
 from friction_audit.reporting.drift import BatchSummary
-from friction_audit.reporting.figures.registry import figure_names, figures_of
+from friction_audit.reporting.figures.registry import figures_of
 from friction_audit.reporting.html import batch_page, log_page as page_of_log
 from friction_audit.reporting.html.batch_page import draw, drawings_of, write_page
 from friction_audit.reporting.html.log_page import LOG_FIGURES, log_page
@@ -83,7 +84,7 @@ def page(case: str) -> str:
         return CASES[case]()
 
 
-def blank_figures(arms: int, *, letters: int, kinds: Iterable[str] = figure_names("drift")) -> dict[str, Figure]:
+def blank_figures(arms: int, *, letters: int, kinds: Iterable[str] = BATCH_FIGURES) -> dict[str, Figure]:
     """Return figures of so many arms of up to eight joints, by their anchors, each of so many letters."""
     svg = f"<svg>{'<g></g>' * (letters // 7)}</svg>"
     anchors = {f"arm-{number}-{kind}-1": kind for number in range(1, arms + 1) for kind in kinds}

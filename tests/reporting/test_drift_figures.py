@@ -9,7 +9,7 @@ import pytest
 from friction_audit.drift.report import ArmDrift, CoefficientDrift
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.reporting.figures.drift import CONTROL, CURVES, DRIFT, MOST_MARKED, draw_changes, stretches
-from friction_audit.reporting.figures.registry import FigureKind, figure_names, figures_of
+from friction_audit.reporting.figures.registry import FigureKind, figures_of
 from friction_audit.reporting.figures.style import figure_bytes
 from friction_audit.reporting.html.batch_page import as_drawn, drawings_of
 from friction_audit.reporting.html.page import ON_A_SHEET
@@ -20,7 +20,6 @@ ARM = by_hand.arm()
 MANY = by_hand.arm(MOST_MARKED + 20, 1)
 STEP = ARM.joints[1].coefficients[0]
 RISE = ARM.joints[4].coefficients[0]
-NAMES = figure_names("drift")
 KINDS = pytest.mark.parametrize("kind", figures_of("drift"), ids=lambda kind: kind.name)
 
 

@@ -113,10 +113,11 @@ def require_one(log: "JointLog", joints: "Sequence[Joint]", lack: str = "no join
         raise AnalysisError(f"{log.source.path}: {lack}:{lines}")
 
 
-def conclude(log: "JointLog", notices: "Iterable[Notice]", *, strict: bool) -> None:
+def conclude(log: "JointLog", notices: "Iterable[Notice]" = (), *, strict: bool = False) -> None:
     """Exit with the code for a result that stands: with doubts if that is asked for, or with input missing from it."""
     exit_if_strict({log.source.path: [one.code for one in notices]}, strict=strict)
-    exit_if_damaged(log)
+    if any(found.damaged for found in log.source.findings):
+        raise typer.Exit(DAMAGED)
 
 
 def exit_if_strict(codes: Mapping[str, Iterable[str]], *, strict: bool) -> None:
@@ -132,12 +133,6 @@ def exit_if_strict(codes: Mapping[str, Iterable[str]], *, strict: bool) -> None:
             "results are complete; do what the warnings say, or leave out --strict"
         )
         raise typer.Exit(EXCEEDED)
-
-
-def exit_if_damaged(log: "JointLog") -> None:
-    """Exit with the code for a result that part of the input is missing from."""
-    if any(found.damaged for found in log.source.findings):
-        raise typer.Exit(DAMAGED)
 
 
 def exit_for_bugs(joints: "Iterable[JointDiagnosis]", voice: Voice, unanswered: "Iterable[Unanswered]" = ()) -> None:

@@ -13,17 +13,18 @@ from friction_audit.effects import registry
 from friction_audit.errors import UsageError, near_misses, printable
 from friction_audit.joint_numbers import parse_joint_numbers
 from friction_audit.reporting.figures import style as figure_style
-from friction_audit.reporting.figures.registry import figure_names
+from friction_audit.reporting.figures.registry import figures_of
 
 # Their modules load numerics, and the help shows them: a test holds them equal.
 COMPENSATORS = ("energy", "fixed", "sigmoid", "lugre", "disturbance_observer", "torque_regulation", "model")
 ASSUMPTIONS = ("same-motion", "same-torque", "same-operator")
 REPORT_FORMATS = {"html": ".html", "pdf": ".pdf", "markdown": ".md", "json": ".json"}
 """Formats of a report and the endings of their files."""
-FIGURES, REPLAY_FIGURES = figure_names("estimate"), figure_names("replay")
-DIAGNOSIS_FIGURES, BATCH_FIGURES = figure_names("diagnosis"), figure_names("drift")
-DIFF_FIGURES = figure_names("diff")
-PLOTTED = figure_names("estimate", "replay", "diagnosis")
+FIGURES, REPLAY_FIGURES, DIAGNOSIS_FIGURES, BATCH_FIGURES, DIFF_FIGURES = (
+    tuple(figure.name for figure in figures_of(result))
+    for result in ("estimate", "replay", "diagnosis", "drift", "diff")
+)
+PLOTTED = (*FIGURES, *REPLAY_FIGURES, *DIAGNOSIS_FIGURES)
 ALL = "all"
 Group = TypeVar("Group")
 OPTION = "option"  # key of a field's metadata

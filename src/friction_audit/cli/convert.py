@@ -54,4 +54,4 @@ def command(
         write_log(kept, out, dialect=writer.name, overwrite=overwrite)
     document = CONVERT.json({"source": kept, "output": {"path": str(out), "writer": writer, "log": kept}})
     show_written(document, [out], voice, json=general.json)
-    chain.exit_if_damaged(kept)
+    chain.conclude(kept)

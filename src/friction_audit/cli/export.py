@@ -81,4 +81,4 @@ def command(
         voice.warn(notice_lines(export_notices(export)))
     show(lambda: EXPORT.json(export), lambda: export_lines(export), json=json)
     if estimate:
-        chain.exit_if_damaged(estimate.log)
+        chain.conclude(estimate.log)

@@ -64,7 +64,7 @@ def command(
         raise typer.Exit(max(codes) if len(codes) == len(entries) else DAMAGED)
     for entry in entries:
         if entry.summary is not None:
-            chain.exit_if_damaged(entry.summary.log)
+            chain.conclude(entry.summary.log)
 
 
 def _read(path: Path, options: "ReadOptions", topics: "tuple[Topic, ...]", voice: Voice) -> "JointLog":

@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 from friction_audit.diagnosis.prepare import Subject
 from friction_audit.diagnosis.result import Discrepancy, JointDiagnosis, SimulationGap
 from friction_audit.dynamics.forward import simulate_along
+from friction_audit.dynamics.torque_tables import rms
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, Provenance
 from friction_audit.effects.registry import terms
 from friction_audit.effects.transmission import FAR_SHARE
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import Coefficient
-from friction_audit.joint_log import Float, JointLog
+from friction_audit.joint_log import JointLog
 
 METHOD = "diagnose"
 FRICTION = ("coulomb_nm", "viscous_nms_per_rad")
@@ -103,7 +104,7 @@ def simulate_cycles(
     pieces = np.asarray(whole, np.int64).reshape(-1, 2)
     models = [_heavier(model, known_inertia_kg_m2) for model in (nominal, augmented)]
     drive = data.torque + known_inertia_kg_m2 * data.ddq
-    lightest = LEAST_S * _rms(drive) / max(_rms(data.dq), 1e-300)
+    lightest = LEAST_S * rms(drive) / max(rms(data.dq), 1e-300)
     if not len(pieces) or any(model.inertia_kg_m2 < lightest for model in models):
         return None
     motion = replace(data.motion(), way=None)  # what is simulated has its own direction
@@ -116,7 +117,7 @@ def simulate_cycles(
     for name, signal in {"t": data.t, "measured": data.dq, "nominal": before, "augmented": after}.items():
         parts = [np.append(signal[first : last + 1], np.nan) for first, last in pieces]
         traces[name] = np.concatenate(parts)[:-1]  # a NaN after each piece but the last
-    return SimulationGap(before=_rms((before - data.dq)[inside]), after=_rms((after - data.dq)[inside]), **traces)
+    return SimulationGap(before=rms((before - data.dq)[inside]), after=rms((after - data.dq)[inside]), **traces)
 
 
 def gap_in_motion(joint: JointDiagnosis, subject: Subject, cycles: NDArray[np.int64]) -> SimulationGap | None:
@@ -141,7 +142,3 @@ def _heavier(model: JointModel, inertia_kg_m2: float) -> JointModel:
             values[at] = float(np.clip(1.0 - (1.0 - values[at]) * model.inertia_kg_m2 / whole, 0.0, 1.0))
         heavier.append(replace(term, values=tuple(values)))
     return replace(model, inertia_kg_m2=whole, terms=tuple(heavier))
-
-
-def _rms(signal: Float) -> float:
-    return float(np.sqrt(np.mean(signal**2)))

@@ -84,14 +84,11 @@ class Dictionary:
     problem: RegressionProblem
     effects: tuple[Effect, ...]
     baseline: Nominal
+    response: Float  # what links are fitted to, at first that of the problem, shape (m,)
     blocks: list[Block] = field(default_factory=list)
     not_testable: dict[str, str] = field(default_factory=dict)
     # Points of links that are not built, by name of the effect: in a diagnosis, until ``complete`` asks for them.
     withheld: dict[str, list[Nonlinear]] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        """What links are fitted to at first."""
-        self.response = self.problem.y
 
     @cached_property
     def back(self) -> Index:
@@ -107,7 +104,7 @@ class Dictionary:
         Links are screened (sure independence screening: J. Fan, J. Lv, J. R. Stat. Soc. B 70 (2008) 849) by some of one
         kind, because to follow all of them takes a quarter of the time.
         """
-        made = cls(problem, tuple(e for e in effects if e.name != EVENT), baseline)
+        made = cls(problem, tuple(e for e in effects if e.name != EVENT), baseline, problem.y)
 
         def of(k: int) -> tuple[str | None, list[Block]]:
             effect, data = made.effects[k], problem.data
@@ -117,7 +114,11 @@ class Dictionary:
             if effect.name == "nonlinear_viscous":
                 speed, exponent, least = "curved_viscous_speed_rad_s", "curved_viscous_exponent", speeds(data, 95.0)[0]
                 shapes = [s for s in shapes if s[exponent] > 0.0 or s[speed] >= LEAST_BEND * float(least)]
-            first = shapes if whole or not effect.transmits else _first_of(effect, shapes)
+            first = shapes
+            if effect.transmits and not whole:  # some that differ from the first one in the first parameter alone
+                name = effect.nonlinear[0].name
+                alike = [one for one in shapes if {**one, name: shapes[0][name]} == shapes[0]]
+                first = alike[::EVERY_OF_FIRST]
             if len(first) < len(shapes):
                 made.withheld[effect.name] = [s for s in shapes if s not in first]
             return why, made.build_blocks(effect, first, shapes)
@@ -270,9 +271,3 @@ class Dictionary:
         values = np.unique([s[name] for s in tried if name in s])
         away = np.abs(values - values[np.argmin(np.abs(values - block.shape[name]))]) if len(values) else values
         return float(away[away > 0].min()) if np.any(away > 0) else 0.2 * abs(block.shape[name]) + 1e-9
-
-
-def _first_of(effect: Effect, shapes: Sequence[Nonlinear]) -> list[Nonlinear]:
-    """Some points of the first kind: those that differ from the first one in the first parameter alone."""
-    name = effect.nonlinear[0].name
-    return [one for one in shapes if {**one, name: shapes[0][name]} == shapes[0]][::EVERY_OF_FIRST]

@@ -29,7 +29,7 @@ def analyse_arm(sessions: Sequence[Session], settings: DriftSettings) -> ArmDrif
     compared, left_out, limits = choose_comparable(order)
     reference, odd = choose_reference(compared, settings.baseline)
     family, warnings = _collect(order, compared)
-    verdicts = _judge([series.counted() for series in family], settings)
+    verdicts = _judge([series.take(series.kept) for series in family], settings)
     found: dict[int, list[CoefficientDrift]] = {}
     for series, verdict in zip(family, verdicts, strict=True):
         drift = describe_series(series, verdict, reference, order.sessions, settings)
@@ -119,13 +119,13 @@ def describe_series(
         own = [joint for session in sessions for joint in session.joints if joint.joint == series.joint]
         reasons = tuple(joint.reason for joint in own if joint.reason)
         return CoefficientDrift(**_shown(series, series.y, sessions), shape="too_few", drift=False, reasons=reasons)
-    warm, growth, first = series.counted(), verdict.scatter.growth, verdict.scatter.first
+    warm, growth, first = series.take(series.kept), verdict.scatter.growth, verdict.scatter.first
     inflation = (1.0 + first) / (1.0 - first)
     shape, model, steps = _find_shape(warm, verdict, reference, settings)
     if shape == "temperature":
         series = replace(series, temperature=None)
-        model = regression.ends_model(series.counted(), reference)
-    counted = series.counted()
+        model = regression.ends_model(series.take(series.kept), reference)
+    counted = series.take(series.kept)
     fit = regression.fit_model(counted, model.columns, inflation)
     level = to_level(fit.interval(model.level), series)
     y = series.y

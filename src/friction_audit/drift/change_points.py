@@ -145,7 +145,7 @@ def find_isolated(y: Float, error: Float) -> NDArray[np.bool_]:
 
 def leave_outliers_out(series: Series) -> Series:
     """Set the sessions aside that miss the change which all others show, at the ends of the series too."""
-    while (odd := _outlier(series.counted())) is not None:
+    while (odd := _outlier(series.take(series.kept))) is not None:
         places = np.flatnonzero(series.kept)
         series = replace(series, kept=series.kept & (np.arange(len(series.kept)) != places[odd]))
         if np.count_nonzero(~series.kept) >= len(series.kept) // SHARE_ODD:

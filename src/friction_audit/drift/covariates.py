@@ -119,7 +119,7 @@ def use_temperature(series: Series, sessions: Sequence[Session]) -> tuple[Series
             why = f"{count} sessions with a temperature, {FEWEST} are needed"
         return bare, f"{why}: not compared at like temperature"
     kept = series.take(known)
-    counted = kept.counted().temperature
+    counted = kept.take(kept.kept).temperature
     varies = counted is not None and len(counted) >= FEWEST and float(np.ptp(counted)) >= LEAST_RANGE_K
     names = ", ".join(sessions[index].path for index in series.session[~known])
     unknown = f"not compared, since their temperature is not known: {names}" if names else ""

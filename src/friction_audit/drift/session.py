@@ -144,10 +144,6 @@ class Series:
         taken: dict[str, Any] = {name: one[which] for name, one in columns.items() if isinstance(one, np.ndarray)}
         return replace(self, **taken)
 
-    def counted(self) -> "Series":
-        """Return the series of the sessions that count."""
-        return self.take(self.kept)
-
 
 def make_series(
     sessions: Sequence[Session], compared: Sequence[int], joint: int, coefficient: str, *, by_start: bool

@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.dynamics.motion import Forward, Model, Motion, Term
-from friction_audit.dynamics.stick_slip import Link, can_follow, follow, link_of, move_two_sides, run_pieces
-from friction_audit.dynamics.torque_tables import Tables, certain, rms, steps_per_sample, tabulate
+from friction_audit.dynamics.stick_slip import Link, follow, link_of, move_two_sides, ringing_steps, run_pieces
+from friction_audit.dynamics.torque_tables import MOST_STEPS, Tables, certain, rms, steps_per_sample, tabulate
 from friction_audit.dynamics.transmission import HIGHEST_HZ, Transmission, flank_stiffness, straightened
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.even_grid import first_order
@@ -72,11 +72,12 @@ def simulate_along(
     transmission, link = _transmission(model, motion, between), None
     if transmission is not None:
         near = (1.0 - transmission.far_share) * model.inertia_kg_m2
-        link = link_of(transmission, near, tables.inertia_kg_m2 - near)
-    if link is not None and can_follow(link, tables, recording.step_s):
-        move = partial(_both_sides, recording, link)
-    else:
-        move = partial(_one_side, recording, _ahead(recording, link, tables))
+        far = tables.inertia_kg_m2 - near
+        link = link_of(transmission, near, far)
+        # The near side needs inertia enough for its ringing to be followed.
+        if min(near, far) > 0.0 and ringing_steps(link, far, recording.step_s) <= MOST_STEPS:
+            return _settle(model, tables, past, recording, partial(_both_sides, recording, link))
+    move = partial(_one_side, recording, _ahead(recording, link, tables))
     return _settle(model, tables, past, recording, move)
 
 

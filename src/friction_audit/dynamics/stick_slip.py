@@ -149,19 +149,14 @@ def link_of(transmission: Transmission, near_kg_m2: float, far_kg_m2: float) -> 
     return Link(near_kg_m2, stiffness, damping, 0.5 * transmission.gap_rad, *bend_of(transmission.soft_nm))
 
 
-def can_follow(link: Link, whole: Tables, step_s: float) -> bool:
-    """Whether the near side has inertia enough for its ringing to be followed; ``whole`` has that of both sides."""
-    far_kg_m2 = whole.inertia_kg_m2 - link.near_kg_m2
-    return min(link.near_kg_m2, far_kg_m2) > 0.0 and _ringing_steps(link, far_kg_m2, step_s) <= MOST_STEPS
-
-
-def _ringing_steps(link: Link, far_kg_m2: float, step_s: float) -> int:
+def ringing_steps(link: Link, far_kg_m2: float, step_s: float) -> int:
+    """Return in how many steps of a sample the ringing of the two sides can be followed."""
     ringing = sqrt(link.stiffness_nm_per_rad * (1.0 / link.near_kg_m2 + 1.0 / far_kg_m2))
     return ceil(step_s * ringing / SHARE_OF_SWING)
 
 
 def _between(link: Link, far: Tables, step_s: float) -> Float:
-    steps = max(_ringing_steps(link, far.inertia_kg_m2, step_s), steps_per_sample(step_s, far))
+    steps = max(ringing_steps(link, far.inertia_kg_m2, step_s), steps_per_sample(step_s, far))
     return between_samples(step_s, min(steps, MOST_STEPS))
 
 

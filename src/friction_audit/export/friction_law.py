@@ -114,11 +114,6 @@ class ExportedJoint:
     fitted: FittedFriction  # the law as the target holds it
 
     @property
-    def static_nm(self) -> float:
-        """Friction at the onset of motion, with what Stribeck adds; a simulator wants no less than in motion. [N m]"""
-        return max(float(self.law.torque(np.array([SLOWEST]))[0]), self.fitted.coefficients[0])
-
-    @property
     def damping(self) -> list[float]:
         """Coefficients of dq, dq |dq| and dq^3 as MuJoCo 4 takes them; where the first is enough, as every version."""
         found = list(self.fitted.coefficients[1:])
@@ -217,10 +212,11 @@ def _of_document(document: Mapping[str, Any], path: Path) -> Joints:
     chosen, unit = document["settings"]["torque_chosen"], str(document["source"].get("torque_unit", "N m"))
     if unit != "N m":
         raise UsageError(f"{path}: its torque is in {unit}; expected N m; estimate again with --torque-constant")
-    rows = [
-        (int(one["joint"]), str(one["name"]), [_number(one[k], key) for k, key in keys], str(one["reason"] or ""))
-        for one in document["joints"]
-    ]
+    rows = []
+    for one in document["joints"]:
+        found = [None if one[k] is None else one[k][key] for k, key in keys]
+        values = np.array(found, dtype=np.float64).tolist()  # NaN for None
+        rows.append((int(one["joint"]), str(one["name"]), values, str(one["reason"] or "")))
     return _joints(rows, chosen["drive"], chosen["inertia"])
 
 
@@ -234,7 +230,7 @@ def _of_batch(document: Mapping[str, Any], path: Path, arm: str | None) -> Joint
     rows = []
     for one in (one for one in document["joints"] if one["robot"] == chosen):
         found = [one["coefficients"].get(name, {}).get("level") for name in COEFFICIENTS]
-        levels = [_number(level, "value") for level in found]
+        levels = np.array([None if level is None else level["value"] for level in found], dtype=np.float64)
         reason = "no session of the reference has its friction" if np.isnan(levels).all() else ""
         rows.append((int(one["joint"]), str(one["name"]), [float("nan"), *levels], reason))
     return _joints(rows, "robot", "none")
@@ -253,8 +249,3 @@ def _joints(rows: Iterable[tuple[int, str, Sequence[float], str]], drive: str, i
         numbers = {"inertia_kg_m2": known[0], "coulomb_nm": coulomb, "viscous_nms_per_rad": viscous}
         every.append((number, name, reason or simple_model(**numbers)))
     return Joints(tuple(every), reflected=drive == "hand" or inertia == "model")
-
-
-def _number(found: Mapping[str, Any] | None, key: str) -> float:
-    """Return a number of a document, NaN where it has none."""
-    return float("nan") if found is None or found[key] is None else float(found[key])

@@ -128,17 +128,8 @@ class Candidate:
 
     words: str
     strokes: tuple[Stroke, ...]
-
-    @property
-    def duration_s(self) -> float:
-        """Its length with the rests. [s]"""
-        return sum(one.duration_s for one in self.strokes)
-
-    @property
-    def span_rad(self) -> tuple[float, float]:
-        """Lowest and highest position relative to the start. [rad]"""
-        places = np.cumsum([0.0, *(one.way_rad for one in self.strokes)])
-        return float(places.min()), float(places.max())
+    duration_s: float  # its length with the rests [s]
+    span_rad: tuple[float, float]  # lowest and highest position relative to the start [rad]
 
 
 def candidates_of(limits: Limits) -> list[Candidate]:
@@ -154,7 +145,9 @@ def candidates_of(limits: Limits) -> list[Candidate]:
         pairs = zip(ways.tolist(), np.broadcast_to(np.asarray(speeds, float), ways.shape).tolist(), strict=True)
         strokes = [_stroke(*one, limits, rest_s=rest_s, smooth=smooth) for one in pairs if abs(one[0]) > ROUNDING_RAD]
         strokes[-1] = strokes[-1]._replace(rest_s=max(REST_S, rest_s))
-        candidates.append(Candidate(words, tuple(strokes)))
+        reached = np.cumsum([0.0, *(one.way_rad for one in strokes)])
+        span, duration_s = (float(reached.min()), float(reached.max())), sum(one.duration_s for one in strokes)
+        candidates.append(Candidate(words, tuple(strokes), duration_s, span))
     return candidates
 
 

@@ -20,7 +20,7 @@ from friction_audit.io.writers.tables import Trajectory
 from friction_audit.pipeline import estimate_log
 from friction_audit.planning import design
 from friction_audit.planning.design import Candidate, Limits, candidates_of
-from friction_audit.planning.task import AUTO, Arm, Joint, Task, reference, subject_of, term_of_block
+from friction_audit.planning.task import AUTO, Arm, Joint, Task, subject_of, term_of_block
 from friction_audit.simulation import BenchSettings, Hidden, simulate
 from friction_audit.simulation.effects import HiddenEffect
 from friction_audit.simulation.effects.effect import NoEqualError, Setting
@@ -160,7 +160,7 @@ def _filled(about: design.Information, criterion: design.Criterion, duration_s: 
 def usual_terms(joint: Joint) -> dict[str, FittedTerm]:
     """Return the effects that a joint alone can show, each of the usual size and in the middle of its grid."""
     alone = [one for one in effects() if one.coefficients and not EQUALS[one.name].needs_neighbours]
-    data = reference(joint)
+    data = subject_of(joint).data
     problem, nominal = RegressionProblem.build(data, None), joint.nominal(data)
     blocks, size = Dictionary.build(problem, alone, nominal).blocks, SIZE * joint.parameters.coulomb_nm
     terms = dict[str, FittedTerm]()

@@ -194,7 +194,7 @@ def _sets(
     start_rad: float,
 ) -> tuple[tuple[Mapping[str, FittedTerm], ...], dict[str, str]]:
     """Fit every name that competes with a named effect to that effect's torque, or return why it cannot be."""
-    data, named = reference(joint) if data is None else data, {name for name, *_ in effects}
+    data, named = subject_of(joint).data if data is None else data, {name for name, *_ in effects}
     sets, unknown = [], dict[str, str]()
     for name, alternatives, numbers in effects:
         names = [name, *(other for other in alternatives if other not in named)]
@@ -253,13 +253,9 @@ def term_of_block(block: Block, coefficients: Float) -> FittedTerm | None:
     return _term_of(block.effect, [*whole, *missing, *nonlinear])
 
 
-def reference(joint: Joint) -> JointData:
-    """Return the motion of a person who stops and goes, for a result without its log."""
-    return subject_of(joint, joint.settings(StopAndGo(), 60.0), seed=0).data
-
-
-def subject_of(joint: Joint, settings: BenchSettings, seed: int) -> Subject:
-    """Simulate a joint and prepare it for the diagnosis."""
+def subject_of(joint: Joint, settings: BenchSettings | None = None, seed: int = 0) -> Subject:
+    """Simulate a joint and prepare it for the diagnosis; without settings, a person who stops and goes."""
+    settings = joint.settings(StopAndGo(), 60.0) if settings is None else settings
     log = simulate(settings, seed, path="planned motion").log
     audit = replace(AUTO, torque=replace(AUTO.torque, drive="hand" if joint.hand else "robot"))
     return diagnosis_subjects(estimate_log(log, audit), DiagnosisSettings(at_most_s=settings.duration_s))[0]

@@ -45,11 +45,7 @@ class EffectRow(NamedTuple):
     joint: JointDiagnosis
     rank: int
     effect: NamedEffect
-
-    @property
-    def names(self) -> str:
-        """Its name, and those indistinguishable from it."""
-        return " or ".join((self.effect.name, *words.others_of(self.effect, self.joint.effects)))
+    names: str  # its name, and those indistinguishable from it
 
     @property
     def known(self) -> dict[str, Coefficient]:
@@ -61,7 +57,11 @@ class EffectRow(NamedTuple):
 
 def effect_rows(joints: Iterable[JointDiagnosis], which: str = "effects") -> list[EffectRow]:
     """Return the effects of joints in order, those named or with ``which`` those negligible."""
-    return [EffectRow(joint, rank, one) for joint in joints for rank, one in enumerate(getattr(joint, which), start=1)]
+    found = ((joint, rank, one) for joint in joints for rank, one in enumerate(getattr(joint, which), start=1))
+    return [
+        EffectRow(joint, rank, one, " or ".join((one.name, *words.others_of(one, joint.effects))))
+        for joint, rank, one in found
+    ]
 
 
 def _percent(share: float) -> str:
@@ -224,7 +224,9 @@ JOINT_DIAGNOSIS = Record(
     Column("share_explained_without_gravity", float, "gravity in the model before and after", "share_explained"),
     _people(
         "explained without gravity", "w/o\ngravity", "%", form=_percent,
-        get=lambda joint: joint.share_explained if joint.added[1:] and words.corrects_gravity(joint) else None,
+        get=lambda joint: (
+            joint.share_explained if joint.added[1:] and "gravity_error" in [one.name for one in joint.added] else None
+        ),
     ),
     Column("held_out_cycles", int, get="gap.cycles", title="held-out cycles", on="fp"),
     Column("simulation_gap", SIMULATION, "forward-simulation velocity error", "simulation", on="j", null=True),

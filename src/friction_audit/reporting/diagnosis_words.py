@@ -82,11 +82,6 @@ def _missing(joint: JointDiagnosis) -> str:
     return f"missing: {names} ({first.size_nm:.2g} N m RMS{share}){f' and {len(rest)} more' if rest else ''}"
 
 
-def corrects_gravity(joint: JointDiagnosis) -> bool:
-    """Whether the augmented model holds an error of the gravity model."""
-    return "gravity_error" in [one.name for one in joint.added]
-
-
 def _todo(joint: JointDiagnosis) -> str:
     if joint.verdict == "unexplained":
         return "look at the figure residual"
@@ -95,7 +90,7 @@ def _todo(joint: JointDiagnosis) -> str:
         which = "" if joint.added[:1] == (unsure,) else f" {unsure.name}"
         return f"to separate{which}: {motion.partition(':')[0].partition(';')[0]}"
     it = "it" if len(joint.added) == 1 else "them"
-    if corrects_gravity(joint):
+    if "gravity_error" in [one.name for one in joint.added]:
         return f"give payload or model of the arm, or add {it} to the model (model.toml)"
     return f"add {it} to the model (model.toml)" if joint.added else "record again without contact"
 

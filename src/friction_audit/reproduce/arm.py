@@ -8,7 +8,6 @@ import numpy as np
 from friction_audit.compensation.comparison import METHODS, SCENES, Comparison, compare
 from friction_audit.compensation.comparison.methods import FULL, PAPER
 from friction_audit.compensation.comparison.result import Row
-from friction_audit.joint_log import Float
 from friction_audit.reproduce.one_joint import BAND
 from friction_audit.reproduce.reproduction import SECOND, Claim, Simulations, share, spread
 from friction_audit.simulation.bench import Progress
@@ -26,8 +25,10 @@ def check_12(simulations: Simulations) -> tuple[Claim, ...]:
     t = [arm.truth.motion.t[own] for arm, own in zip(arms, ends, strict=True)]
     energies = [arm.truth.compensators["energy_j"][own] for arm, own in zip(arms, ends, strict=True)]
     whole = [one.sum(axis=1, keepdims=True) for one in energies]
-    slopes = np.array([slope_ratios(*one)[0] for one in zip(t, whole, strict=True)])
-    own_slopes = np.array([slope_ratios(*one) for one in zip(t, energies, strict=True)])
+    # Slopes from the second cycle on, over those up to it; in the last column that of the arm.
+    every = [(at, np.hstack(both)) for at, *both in zip(t, energies, whole, strict=True)]
+    ratios = np.array([np.polyfit(at[SECOND:], e[SECOND:], 1)[0] / (e[SECOND] / at[SECOND]) for at, e in every])
+    slopes, own_slopes = ratios[:, -1], ratios[:, :-1]
     stopped, joint = own_slopes < SLOPE_BOUND, int(np.argmax(own_slopes.max(axis=0)))
     leaves = np.array([np.abs(energy[SECOND + 1 :] / energy[SECOND] - 1.0).max() for energy in whole])
     estimated = [
@@ -59,12 +60,6 @@ def check_12(simulations: Simulations) -> tuple[Claim, ...]:
             f"{negative:.0%} of the pairs of cycles give a joint one negative coefficient, which is not applied",
         ),
     )  # fmt: skip
-
-
-def slope_ratios(t: Float, energies: Float) -> Float:
-    """Return the slope of the cyclic energies from the second on, over that up to it, shape (j,)."""
-    after = np.polyfit(t[SECOND:], energies[SECOND:], 1)[0]
-    return np.asarray(after / (energies[SECOND] / t[SECOND]))
 
 
 # The paper's methods, from the steepest to the flattest net energy.

@@ -289,7 +289,12 @@ def check_11(simulations: Simulations) -> tuple[Claim, ...]:
     before = [make_course(simulation) for simulation in simulations["fig8"]]
     after = [compensated(make_course(simulation)) for simulation in simulations["fig10"]]
     peaks = np.array([peak_nm(course) for course in after])
-    left = np.array([abs(against_nm(a)) / against_nm(b) for a, b in zip(after, before, strict=True)])
+    # The mean of F_m sgn(dq) where the joint slides is friction: acceleration and braking cancel.
+    still, without = (
+        np.array([(one.interaction_nm * np.sign(one.dq))[np.abs(one.dq) > FAST].mean() for one in courses])
+        for courses in (after, before)
+    )
+    left = np.abs(still) / without
     held_nm = simulations["fig10"][0].truth.settings.joints[0].coulomb_nm
     return (
         Claim(
@@ -311,9 +316,3 @@ def check_11(simulations: Simulations) -> tuple[Claim, ...]:
 def compensated(course: Course) -> Course:
     """Return the part from the end of the second cycle on."""
     return course.part(course.t >= course.ends_s[SECOND])
-
-
-def against_nm(course: Course) -> float:
-    """Return the mean of F_m sgn(dq) where the joint slides: friction, as acceleration and braking cancel. [N m]"""
-    fast = np.abs(course.dq) > FAST
-    return float((course.interaction_nm[fast] * np.sign(course.dq[fast])).mean())

@@ -46,7 +46,9 @@ def parse_urdf(text: bytes, where: str) -> tuple[str, dict[str, tuple[Inertial, 
         raise UsageError(f"{where}: {'; '.join(few(faults, 10))}; repair the URDF, or give another one")
     # Children in the order of their joints' names: the order of columns of an arm with branches.
     joints = sorted(root.findall("joint"), key=lambda joint: joint.get("name", ""))
-    if not any(_counts(joint) for joint in joints):
+    own_motor = [one for one in joints if one.get("type") in TURNING and one.find("mimic") is None]
+    counted = [one for one in own_motor if not FINGER.search(one.get("name", ""))]
+    if not counted:
         raise UsageError(f"{where}: no revolute joint (fingers left out); expected the URDF of an arm")
     inertials = {link.get("name", ""): tuple(map(_inertial, link.findall("inertial"))) for link in root.findall("link")}
     if not any(one.mass > 0.0 for parts in inertials.values() for one in parts):
@@ -57,7 +59,7 @@ def parse_urdf(text: bytes, where: str) -> tuple[str, dict[str, tuple[Inertial, 
         inertial = ET.SubElement(ET.SubElement(bare, "link", name=link.get("name", "")), "inertial")
         inertial.extend(ET.Element(tag, values) for tag, values in _PLACEHOLDER.items())
     for joint in joints:
-        kind = "continuous" if _counts(joint) else "fixed"
+        kind = "continuous" if joint in counted else "fixed"
         plain = ET.SubElement(bare, "joint", name=joint.get("name", ""), type=kind)
         plain.extend(part for part in joint if part.tag in ("origin", "parent", "child", "axis"))
     return ET.tostring(bare, encoding="unicode"), inertials
@@ -86,11 +88,6 @@ def _root(text: bytes, where: str) -> ET.Element:
     if root.tag != "robot":
         raise UsageError(f"{where}: the outermost element is <{root.tag}>; expected <robot>, the root of a URDF")
     return root
-
-
-def _counts(joint: ET.Element) -> bool:
-    own_motor = joint.find("mimic") is None
-    return joint.get("type") in TURNING and own_motor and not FINGER.search(joint.get("name", ""))
 
 
 def _inertial(element: ET.Element) -> Inertial:

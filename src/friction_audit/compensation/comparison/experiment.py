@@ -141,7 +141,7 @@ class _Trials:
                 Point(value=value, tuning=tuning, outcomes=tuple(outcome for outcome, _ in heap))
                 for value, (tuning, heap) in zip(some, tried, strict=False)
             ]
-            held = [point.value for point in takewhile(lambda point: point.stable, points)]
+            held = [point.value for point in takewhile(lambda point: not point.losses, points)]
             boldest = held[-1] if held else None
             curves.append(Curve(method.name, method.label, sweep.name, sweep.axis, tuple(points), boldest))
         return tuple(curves)

@@ -243,11 +243,6 @@ class Point(Tried):
 
     value: float
 
-    @property
-    def stable(self) -> bool:
-        """Whether nobody lost the loop."""
-        return self.losses == 0
-
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Curve:

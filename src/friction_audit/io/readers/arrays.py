@@ -96,10 +96,10 @@ def column_of(table: Any, name: str) -> NDArray[Any]:  # noqa: ANN401 - a table 
     """Return a column, shape (n,), or (n, k) of lists of k elements; ValueError if they differ in length."""
     from pyarrow import compute
 
-    from friction_audit.io.readers.arrow import is_list, whole
+    from friction_audit.io.readers.arrow import is_of, whole
 
     column = whole(table[name])
-    if not is_list(column.type):
+    if not is_of(column.type, "list"):
         return np.asarray(column.to_numpy(zero_copy_only=False))
     if len(lengths := compute.unique(compute.list_value_length(column))) > 1:
         raise ValueError(f"{name} holds lists of {len(lengths)} lengths")

@@ -7,6 +7,13 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+KINDS = {
+    "stamp": (pa.types.is_timestamp, pa.types.is_duration),  # whose type names the unit
+    "list": (pa.types.is_list, pa.types.is_large_list, pa.types.is_fixed_size_list),
+    "number": (pa.types.is_floating, pa.types.is_integer, pa.types.is_decimal),
+    "text": (pa.types.is_string, pa.types.is_large_string, pa.types.is_string_view),
+}
+
 
 def flat(table: pa.Table | pa.RecordBatch) -> pa.Table:
     """Return a table with the fields of structs as columns of dotted names."""
@@ -32,7 +39,7 @@ def are_the_same(texts: pa.Array, joints: Sequence[str]) -> NDArray[np.bool_]:
 
 def integers_or_floats(array: pa.Array) -> NDArray[Any]:
     """Return Arrow numbers as NumPy: stamps as int64, everything else as it is, NaN for null."""
-    if has_unit(array.type):
+    if is_of(array.type, "stamp"):
         array = array.cast(pa.int64())
     if pa.types.is_decimal(array.type) or pa.types.is_boolean(array.type):
         array = array.cast(pa.float64())
@@ -40,22 +47,7 @@ def integers_or_floats(array: pa.Array) -> NDArray[Any]:
     return np.asarray(array.to_numpy(zero_copy_only=False) if array.null_count else np.from_dlpack(array))
 
 
-def has_unit(kind: pa.DataType) -> bool:
-    """Return whether numbers are stamps or durations, whose type names the unit."""
-    return bool(pa.types.is_timestamp(kind) or pa.types.is_duration(kind))
-
-
-def is_list(kind: pa.DataType) -> bool:
-    """Return whether rows are lists."""
-    return bool(pa.types.is_list(kind) or pa.types.is_large_list(kind) or pa.types.is_fixed_size_list(kind))
-
-
-def is_number(kind: pa.DataType) -> bool:
-    """Return whether rows are numbers."""
-    return bool(pa.types.is_floating(kind) or pa.types.is_integer(kind) or pa.types.is_decimal(kind))
-
-
-def is_text(kind: pa.DataType) -> bool:
-    """Return whether rows are text."""
-    inner = kind.value_type if pa.types.is_dictionary(kind) else kind
-    return bool(pa.types.is_string(inner) or pa.types.is_large_string(inner) or pa.types.is_string_view(inner))
+def is_of(kind: pa.DataType, what: str) -> bool:
+    """Return whether a type is one of KINDS; text may be in a dictionary."""
+    inner = kind.value_type if what == "text" and pa.types.is_dictionary(kind) else kind
+    return any(is_one(inner) for is_one in KINDS[what])

@@ -119,11 +119,11 @@ def _columns(file: Path, episode: str) -> dict[str, NDArray[Any]]:
     import pyarrow as pa
     from pyarrow import compute
 
-    from friction_audit.io.readers.arrow import is_list, is_number
+    from friction_audit.io.readers.arrow import is_of
 
     with _opened(file) as parquet:
-        kinds = {one.name: one.type.value_type if is_list(one.type) else one.type for one in parquet.schema_arrow}
-        wanted = [name for name, kind in kinds.items() if is_number(kind)]
+        kinds = {one.name: one.type.value_type if is_of(one.type, "list") else one.type for one in parquet.schema_arrow}
+        wanted = [name for name, kind in kinds.items() if is_of(kind, "number")]
         table = parquet.read(wanted)
     table = table.filter(compute.equal(table["episode_index"], int(episode.rpartition("_")[2])))
     try:

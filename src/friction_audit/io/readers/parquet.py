@@ -66,9 +66,9 @@ class ParquetTable(ColumnTable):
         self._file, self._damage = file, dict[tuple[str, int], str]()
         self._types = {field.name: field.type for field in fields}
         self._sizes = [file.metadata.row_group(group).num_rows for group in range(file.metadata.num_row_groups)]
-        lists = [field.name for field in fields if arrow.is_list(field.type)]
+        lists = [field.name for field in fields if arrow.is_of(field.type, "list")]
         scalars = [field.name for field in fields if field.name not in lists]
-        numbers = [name for name in lists if arrow.is_number(self._types[name].value_type)]
+        numbers = [name for name in lists if arrow.is_of(self._types[name].value_type, "number")]
         first = _first_rows(file, numbers)
         self._cells: list[tuple[str, int | None]] = [(name, None) for name in scalars]
         for name in numbers:
@@ -78,7 +78,8 @@ class ParquetTable(ColumnTable):
             self._cells += [(name, element) for element in range(length)]
         self._widths = Counter(name for name, element in self._cells if element is not None)
         super().__init__(path, [name if element is None else f"{name}[{element}]" for name, element in self._cells])
-        labels = [name for name in lists if is_label(f"{name}[0]") and arrow.is_text(self._types[name].value_type)]
+        said = (name for name in lists if is_label(f"{name}[0]"))
+        labels = [name for name in said if arrow.is_of(self._types[name].value_type, "text")]
         named = {name: list(map(str, next(filter(None, rows), []))) for name, rows in _first_rows(file, labels).items()}
         self._joints = {name: joints for name, joints in named.items() if joints}
         cells = {f"{name}[{i}]": joint for name, joints in self._joints.items() for i, joint in enumerate(joints)}
@@ -192,7 +193,7 @@ class ParquetTable(ColumnTable):
     def _stamps(self, time: TimeColumn) -> tuple[type, str | None]:
         """Return the type of number that stamps are read as, and their unit."""
         kind = self._types[self._cells[time.cells[0]][0]]
-        has_unit = arrow.has_unit(kind)
+        has_unit = arrow.is_of(kind, "stamp")
         number = np.int64 if len(time.cells) > 1 or has_unit or pa.types.is_integer(kind) else np.float64
         return number, str(kind.unit) if has_unit else time.unit
 
@@ -259,7 +260,8 @@ class ParquetTable(ColumnTable):
         """Return the numbers of one column of a batch: (m,), or (m, width) for lists; NaN where there is none."""
         width = self._widths[column]
         if width == 0:
-            if not (arrow.is_number(array.type) or arrow.has_unit(array.type) or pa.types.is_boolean(array.type)):
+            kind = array.type
+            if not (arrow.is_of(kind, "number") or arrow.is_of(kind, "stamp") or pa.types.is_boolean(kind)):
                 raise InputError(
                     f"{self.path}: {column} holds {array.type}; expected numbers; name another column with --map"
                 )

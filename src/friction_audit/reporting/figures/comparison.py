@@ -30,7 +30,8 @@ LOST: dict[str, Any] = {"color": theme.BORDER, "marker": "x", "ls": ""}  # where
 
 def _draw_energies(comparison: Comparison) -> Figure:
     """Draw the net energies of all methods over time, in one panel as in the paper."""
-    rows, figure = [row for row in comparison.rows if row.role == PAPER], parts.new_figure(theme.COLUMN_IN, 2.9)
+    rows = [row for row in comparison.rows if row.role == PAPER]
+    figure = Figure(figsize=(theme.COLUMN_IN, 2.9), layout="constrained")
     axes = figure.subplots()
     parts.mark_zero(axes)
     for row in rows:
@@ -110,17 +111,17 @@ def _draw_sweeps(axes: Axes, sweeps: Sequence[Curve]) -> None:
     if logarithmic:
         axes.set_xscale("log")
     for number, sweep in enumerate(sweeps):
-        held = [point for point in sweep.points if point.stable]
+        held = [point for point in sweep.points if not point.losses]
         look: theme.Look = {"marker": MARKERS[number], "alpha": SHADES[number], "color": LOOKS[sweep.method][0]}
         slopes = [MILLI * point.interval("energy_slope_w").value for point in held]
         axes.plot([one.value for one in held], slopes, ms=2.6, mew=0, lw=0.8, zorder=3, label=sweep.name, **look)
         for neighbour, lost in (*pairwise(sweep.points), *pairwise(reversed(sweep.points))):
-            if neighbour.stable and not lost.stable:
+            if lost.losses and not neighbour.losses:
                 slope = MILLI * neighbour.interval("energy_slope_w").value
                 axes.plot(lost.value, slope, ms=3.5, mew=0.8, zorder=4, **LOST)
-    if not any(sweep.points[-1].stable for sweep in sweeps):
+    if all(sweep.points[-1].losses for sweep in sweeps):
         # From the first value on from which every loop is always lost.
-        ends = [list(takewhile(lambda point: not point.stable, reversed(sweep.points))) for sweep in sweeps]
+        ends = [list(takewhile(lambda point: point.losses, reversed(sweep.points))) for sweep in sweeps]
         start = max(lost[-1].value for lost in ends)
         axes.axvspan(start, max(values), facecolor=theme.SHADE, edgecolor="none", zorder=0)
         middle = (start * max(values)) ** 0.5 if logarithmic else 0.5 * (start + max(values))
@@ -143,7 +144,7 @@ def _draw_summary(comparison: Comparison) -> Figure:
     """Draw the setting of the paper's order and the best one of every method, with 95 % intervals."""
     rows = [row for row in comparison.rows if row.role in SHIFTS]
     labels = list(dict.fromkeys(row.label for row in rows))
-    figure = parts.new_figure(theme.COLUMN_IN, 0.9 + 0.27 * len(labels))
+    figure = Figure(figsize=(theme.COLUMN_IN, 0.9 + 0.27 * len(labels)), layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True)
     for row in rows:
         alone = sum(other.label == row.label for other in rows) == 1

@@ -228,7 +228,7 @@ def draw_changes(arm: ArmDrift, numbers: parts.Numbers = None) -> Figure:
     """Draw one joint at column width, or every joint on a sheet, a line for each; Coulomb next to viscous."""
     joints, note = parts.choose(arm.joints, numbers, partial(DRIFT.has, arm), DRIFT.lacks)
     width = theme.COLUMN_IN if isinstance(numbers, int) else theme.SHEET_IN
-    figure = parts.new_figure(width, 0.85 + max(0.24 * len(joints), 0.6))
+    figure = Figure(figsize=(width, 0.85 + max(0.24 * len(joints), 0.6)), layout="constrained")
     both = figure.subplots(1, 2, sharey=True)
     for k, (axes, title) in enumerate(zip(both, TITLES.values(), strict=True)):
         parts.label_panel(axes, title)

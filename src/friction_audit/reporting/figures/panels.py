@@ -106,11 +106,6 @@ def joint_title(joint: int, name: str) -> str:
     return f"joint {joint_label(joint, shortened(printable(name), SHORTEST_NAME))}"
 
 
-def new_figure(width_in: float, height_in: float) -> Figure:
-    """Return an empty figure that is unknown to pyplot and needs no screen."""
-    return Figure(figsize=(width_in, height_in), layout="constrained")
-
-
 def grid(
     heights_in: Sequence[float], across: int, width_in: float, head_in: float, sharex: Any = False, sharey: Any = False
 ) -> tuple[Figure, list[Axes]]:
@@ -118,7 +113,7 @@ def grid(
     count = len(heights_in)
     across = min(across, count)
     rows = [max(heights_in[k : k + across]) for k in range(0, count, across)]
-    figure = new_figure(width_in, head_in + sum(rows))
+    figure = Figure(figsize=(width_in, head_in + sum(rows)), layout="constrained")
     ratios: Look = {"height_ratios": rows}
     panels = figure.subplots(len(rows), across, squeeze=False, sharex=sharex, sharey=sharey, gridspec_kw=ratios).ravel()
     for k in range(count, len(panels)):

@@ -71,7 +71,7 @@ def _draw_loop(course: Course, title: str, axes: Axes) -> None:
 @theme.figure_style(mathematics=True)
 def _column(height_in: float, *draws: Callable[[Axes], None], ratios: Sequence[float] | None = None) -> Figure:
     """Return panels over time below each other, the time below the last one."""
-    figure = parts.new_figure(theme.COLUMN_IN, height_in)
+    figure = Figure(figsize=(theme.COLUMN_IN, height_in), layout="constrained")
     panels = figure.subplots(len(draws), 1, squeeze=False, height_ratios=ratios).ravel()
     for axes, draw in zip(panels, draws, strict=True):
         draw(axes)
@@ -180,7 +180,7 @@ def draw_compensated_loop(course: Course, without: Course) -> Figure:
 @theme.figure_style(mathematics=True)
 def draw_whole_arm(courses: Sequence[Course]) -> Figure:
     """Draw a row for every joint: velocity and torque, net energy, both coefficients (Fig. 12)."""
-    figure = parts.new_figure(theme.SHEET_IN, 0.9 + 0.92 * len(courses))
+    figure = Figure(figsize=(theme.SHEET_IN, 0.9 + 0.92 * len(courses)), layout="constrained")
     rows = figure.subplots(len(courses), 3, squeeze=False, sharex=True)
     for number, (row, course) in enumerate(zip(rows, courses, strict=True), start=1):
         t, (left, middle, right) = course.t, row

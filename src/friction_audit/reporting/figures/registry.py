@@ -95,11 +95,6 @@ def figures_of(*results: str) -> tuple[FigureKind, ...]:
     return tuple(figure for figure in FIGURES if figure.result in results)
 
 
-def figure_names(*results: str) -> tuple[str, ...]:
-    """Return the names of the kinds of figures of some results."""
-    return tuple(figure.name for figure in figures_of(*results))
-
-
 def draw_result(result: Any, of: str, kind: str | None, joint: int | None, axes: "Axes | None") -> "Figure | Axes":
     """Draw a kind of figure of a result (None: the first of one panel), or one joint of it into axes."""
     own = {figure.name: figure for figure in figures_of(of)}

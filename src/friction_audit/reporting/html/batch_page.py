@@ -46,7 +46,8 @@ def write_page(summary: tables.BatchSummary, drawn: Mapping[str, html.Figure]) -
     lead = html.Text(("These files gave no session. They do not affect the others.",))
     files = tables.FAILED.people(summary.failed, caption="Files that gave no session")
     failed = html.Section("failed", "Files that failed", (lead, files))
-    advice = html.noted([phrases.TO_DO] if summary.report.drift else [])
+    advice = html.Text([phrases.TO_DO] if summary.report.drift else [], listed=True, tone="unsure")
+    exceeded = html.Text(limits, listed=True, tone="alert")
     pictures = _pictures(arms, drawn)
     most = max(1, MOST_CELLS // max(1, sum(len(phrases.UNITS) * max(len(arm.joints), 1) for arm in arms)))
     facts = {
@@ -54,7 +55,7 @@ def write_page(summary: tables.BatchSummary, drawn: Mapping[str, html.Figure]) -
         "Recorded (UTC)": phrases.span_of(summary.sessions), "Files that failed": str(len(summary.failed)),
     }  # fmt: skip
     sections = (
-        html.Section("verdicts", "Verdicts", (verdicts, advice, html.noted(limits, "alert"))),
+        html.Section("verdicts", "Verdicts", (verdicts, advice, exceeded)),
         *(_arm_section(arm, f"arm-{k}", pictures.get(k, ()), most) for k, arm in enumerate(arms, start=1)),
         *([failed] if summary.failed else ()),
         *html.closing_sections(WORDS, summary.settings, summary.command),
@@ -108,7 +109,8 @@ def _arm_section(arm: ArmDrift, anchor: str, figures: tuple[html.Figure, ...], m
         html.Section(f"{anchor}-diagnosis", "What the model misses", (_diagnosed(arm),)),
         html.Section(f"{anchor}-sessions", "Sessions", tuple(_session_tables(arm, most))),
     )
-    parts = (html.Text((f"{phrases.sessions_text(arm)}.",)), html.noted(arm.warnings))
+    noted = html.Text(arm.warnings, listed=True, tone="unsure")
+    parts = (html.Text((f"{phrases.sessions_text(arm)}.",)), noted)
     return html.Section(anchor, arm.robot, parts, sections)
 
 

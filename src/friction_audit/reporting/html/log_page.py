@@ -83,7 +83,7 @@ def log_page(report: made.LogReport, *, figures: bool = True) -> html.Page:
     log, source = report.estimate.log, report.estimate.log.source
     answered = [one for one in report.joints if not one.friction.reason or one.answer]
     warnings = notice_lines(made.report_notices(report))
-    listed = html.noted(warnings) if warnings else html.Text(("There are none.",))
+    listed = html.Text(warnings or ("There are none.",), listed=bool(warnings), tone="unsure" if warnings else "")
     joints = html.Section("joints", "Joints", sections=[_joint(report, one) for one in answered], on_paper=False)
     known = any(not one.friction.reason for one in report.joints)
     facts = {
@@ -113,7 +113,7 @@ def _answer(report: made.LogReport, answered: list[made.JointReport], drawn: Dra
     # Warnings about the replay stand in its section.
     joints = [one.friction for one in report.joints]
     _, physics = physics_of(estimate_notices(report.estimate), joints)
-    yield html.noted([line.removeprefix(f"{MARK} ") for line in physics])
+    yield html.Text([line.removeprefix(f"{MARK} ") for line in physics], listed=True, tone="unsure")
     if regressed := [one.joint for one in joints if one.method != "energy" and not one.reason]:
         text = f"From torque regression, as too few energy cycles count: {joints_label(regressed)}."
         yield html.Text(lines=(text,), tone="unsure")
@@ -131,7 +131,8 @@ def _joint(report: made.LogReport, one: made.JointReport) -> html.Section:
     pairs = {column.head(unit): table.text(column, row) for table, row in filled for column in table.columns}
     own = list(dict.fromkeys(notice.message for notice in made.report_notices(report) if notice.joint == one.joint))
     terms = html.Terms([(name, in_unit(words.plain_names(text), unit)) for name, text in pairs.items()])
-    parts, note = (terms, *_effects(report, one), html.noted(own)), in_unit(made.joint_words(one), unit)
+    parts = (terms, *_effects(report, one), html.Text(own, listed=True, tone="unsure"))
+    note = in_unit(made.joint_words(one), unit)
     return html.Section(f"joint-{one.joint}", f"Joint {label}", parts, folded=True, note=note)
 
 
@@ -170,7 +171,7 @@ def _compensator(report: made.LogReport) -> Iterator[html.Part]:
     found = report.replay.replay
     compensator = f"Compensator: {in_unit(describe_compensator(found.joints), report.unit)}."
     yield html.Text((compensator, f"Assumption {found.counterfactual.name}: {found.counterfactual.assumes}."))
-    yield html.noted(notice_lines(notices(found.warnings)))
+    yield html.Text(notice_lines(notices(found.warnings)), listed=True, tone="unsure")
 
 
 def _missing(report: made.LogReport) -> Iterator[html.Part]:

@@ -90,11 +90,6 @@ ON_A_SHEET = 8  # joints of one figure
 SETTING = Record(Column("setting", str, get="0", code=True, on="p"), Column("value", str, get="1", code=True, on="p"))
 
 
-def noted(lines: Sequence[str], tone: Tone = "unsure") -> Text:
-    """Return sentences as the points of a list."""
-    return Text(lines, listed=True, tone=tone)
-
-
 def sheets_of(joints: Sequence[Any]) -> Iterator[tuple[Sequence[Any], str]]:
     """Yield the joints of each sheet of a figure, and which they are where there are several sheets, for its title."""
     for first in range(0, len(joints), ON_A_SHEET):
