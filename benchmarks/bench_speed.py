@@ -35,9 +35,9 @@ def page(arguments: argparse.Namespace) -> Iterator[str]:
     )
     yield (
         "A first pass reads the clock; a second one checks, proves the sign by 50 Hz means, and estimates. A mended "
-        "fault, inertia of the model, `--thresholds auto` and a sign that the first block hides add passes. Zero-phase "
-        "filters run over blocks that overlap until 1e-18 of their state is left. Batched stamps, a slow bus and "
-        "damaged row groups need all in memory."
+        "fault, inertia of the model, `--thresholds auto` and a sign that the first block hides add passes. Blocks of "
+        "the zero-phase filters overlap until 1e-18 of the state is left. Batched stamps, a slow bus and damaged row "
+        "groups need all in memory."
     )
     yield table("bench_parquet", "--hours", hours, "--runs", runs)
     yield "## Start of the program"
