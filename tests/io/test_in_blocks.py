@@ -173,8 +173,7 @@ def put(names: list[str], value: Any, rows: Any = slice(None)) -> Change:
     return change
 
 
-def with_repeats(frame: pd.DataFrame) -> pd.DataFrame:
-    """Repeat rows, as a logger does that is faster than the robot."""
+def with_repeats(frame: pd.DataFrame) -> pd.DataFrame:  # as of a logger that is faster than the robot
     moving = frame.index[np.flatnonzero(np.abs(frame["dq_1"]) > 0.1)[100::500]]
     frame = frame.loc[frame.index.repeat(1 + frame.index.isin(moving))].reset_index(drop=True)
     return frame.assign(time=np.arange(len(frame)) * 1e-3)
