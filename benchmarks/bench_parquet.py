@@ -1,6 +1,6 @@
-"""`friction-audit estimate` on one hour of a seven-joint arm at 1 kHz in Parquet, beside pyarrow's bare read.
+"""`friction-audit estimate` on one hour of a seven-joint arm at 1 kHz in Parquet or CSV, and pyarrow's bare read.
 
-    python -m benchmarks.bench_parquet [--runs 5] [--hours 1]
+    python -m benchmarks.bench_parquet [--runs 5] [--hours 1] [--csv]
 
 Every run is a process of its own, imports included. The programs compared take turns, and medians are compared.
 """
@@ -34,10 +34,10 @@ TOLERANCE = 0.05
 
 GOAL_MEMORY_MB = 400
 COMMAND = "**`friction-audit estimate`**"
-BARE = """
-import sys, pyarrow.parquet
-pyarrow.parquet.read_table(sys.argv[1], columns=sys.argv[2:])
-"""
+BARE = {
+    ".parquet": "import sys, pyarrow.parquet; pyarrow.parquet.read_table(sys.argv[1], columns=sys.argv[2:])",
+    ".csv": "import sys, pyarrow.csv; pyarrow.csv.read_csv(sys.argv[1])",
+}
 
 
 @dataclass(frozen=True)
@@ -64,9 +64,21 @@ CASES = (
 
 def write_apart(path: Path, case: Case, hours: float) -> None:
     """Write a log in a process of its own: the peak memory of a child starts from that of its parent."""
-    writer = multiprocessing.get_context("spawn").Process(target=write_log, args=(path, case, hours))
+    write = write_csv if path.suffix == ".csv" else write_log
+    writer = multiprocessing.get_context("spawn").Process(target=write, args=(path, case, hours))
     writer.start()
     writer.join()
+
+
+def write_csv(path: Path, case: Case, hours: float) -> None:
+    """Write the same log as a text table."""
+    import pyarrow.csv  # noqa: PLC0415
+    import pyarrow.parquet as pq  # noqa: PLC0415
+
+    write_log(path.with_suffix(".parquet"), case, hours)
+    with pq.ParquetFile(path.with_suffix(".parquet")) as log, pyarrow.csv.CSVWriter(path, log.schema_arrow) as writer:
+        for batch in log.iter_batches():
+            writer.write_batch(batch)
 
 
 def write_log(path: Path, case: Case, hours: float, seed: int = 1) -> None:
@@ -119,10 +131,8 @@ def check_estimates(command: list[str]) -> None:
 def compare(case: Case, path: Path, hours: float, runs: int) -> Iterator[str]:
     """Run the programs in turns; yield rows of the table."""
     whole = [sys.executable, "-m", "friction_audit", "estimate", str(path), *case.options]
-    programs = {
-        "pyarrow `read_table`": [sys.executable, "-c", BARE, str(path), *case.columns],
-        COMMAND: whole,
-    }
+    bare_read = f"pyarrow `{'read_csv' if path.suffix == '.csv' else 'read_table'}`"
+    programs = {bare_read: [sys.executable, "-c", BARE[path.suffix], str(path), *case.columns], COMMAND: whole}
     check_estimates(whole)
     taken: dict[str, list[Run]] = {name: [] for name in programs}
     for _ in range(runs):
@@ -145,13 +155,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--runs", type=int, default=5)
     parser.add_argument("--hours", type=float, default=1.0)
+    parser.add_argument("--csv", action="store_true", help="the first log alone, as a text table")
     arguments = parser.parse_args()
-    print(f"{arguments.hours:g} h, seven joints, 1 kHz, zstd; medians of {arguments.runs} runs in turns\n")
+    form, cases = ("CSV", CASES[:1]) if arguments.csv else ("zstd", CASES)
+    print(f"{arguments.hours:g} h, seven joints, 1 kHz, {form}; medians of {arguments.runs} runs in turns\n")
     print("| log | process | wall [s] | times pyarrow | peak [MB] | peak / arrays |")
     print("|---|---|---:|---:|---:|---:|")
-    for case in CASES:
+    for case in cases:
         with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "hour.parquet"
+            path = Path(folder) / ("hour.csv" if arguments.csv else "hour.parquet")
             write_apart(path, case, arguments.hours)
             for row in compare(case, path, arguments.hours, arguments.runs):
                 print(row, flush=True)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import given, settings, strategies as st
 
 from friction_audit.compensation.settings import ReplaySettings
 from friction_audit.io.readers import ReadOptions, read_log
@@ -165,8 +165,6 @@ def changed(names: list[str], factor: float) -> Change:
 
 
 def put(names: list[str], value: Any, rows: Any = slice(None)) -> Change:
-    """Return what writes a value into some columns of some rows, given by number."""
-
     def change(frame: pd.DataFrame) -> pd.DataFrame:
         frame = frame.copy()
         frame.loc[frame.index[rows], names] = value
@@ -175,8 +173,7 @@ def put(names: list[str], value: Any, rows: Any = slice(None)) -> Change:
     return change
 
 
-def with_repeats(frame: pd.DataFrame) -> pd.DataFrame:
-    """Repeat rows, as a logger does that is faster than the robot."""
+def with_repeats(frame: pd.DataFrame) -> pd.DataFrame:  # as of a logger that is faster than the robot
     moving = frame.index[np.flatnonzero(np.abs(frame["dq_1"]) > 0.1)[100::500]]
     frame = frame.loc[frame.index.repeat(1 + frame.index.isin(moving))].reset_index(drop=True)
     return frame.assign(time=np.arange(len(frame)) * 1e-3)
@@ -315,7 +312,6 @@ FORMS = ("csv", "csv-rostopic", "npz", *BAGS)
 
 @pytest.fixture(scope="module")
 def log() -> JointLog:
-    """Return a log of seven joints with a gap of 0.3 s."""
     arrays = {name: np.delete(array, slice(3000, 3300), axis=0) for name, array in motion(6000, 7).items()}
     arrays["tau_J"] += 0.02 * np.random.default_rng(0).standard_normal(arrays["q"].shape)
     names = tuple(f"panda_joint{j}" for j in range(1, 8))
@@ -338,11 +334,9 @@ def assert_in_blocks(path: Path, blocks: int) -> None:
     assert len(list(assert_same_log(path, {}, settings, clock_windows=0).blocks())) >= blocks
 
 
-@pytest.mark.parametrize(("dialect", "rows"), [*((dialect, 333) for dialect in FORMS), ("mcap", 3001), ("csv", 3001)])
-def test_blocks_are_the_whole(
-    log: JointLog, tmp_path: Path, dialect: str, rows: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    cut_into(rows, monkeypatch)
+@pytest.mark.parametrize("dialect", FORMS)
+def test_blocks_are_the_whole(log: JointLog, tmp_path: Path, dialect: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    cut_into(333, monkeypatch)
     shorter = log.take_window(2.0, 4.0) if dialect == "mcap-json" else log  # decoded one by one
     path = tmp_path / f"run{next(one.suffix for one in WRITERS if one.name == dialect)}"
     write_log(shorter, path, dialect=dialect)
@@ -350,14 +344,23 @@ def test_blocks_are_the_whole(
 
 
 @pytest.mark.parametrize("order", ["C", "F"])
-def test_an_archive_that_is_not_compressed(
-    log: JointLog, tmp_path: Path, order: Any, monkeypatch: pytest.MonkeyPatch
+@given(rows=st.integers(60, 3001), first=st.integers(0, 5600), count=st.integers(1, 400))
+@settings(max_examples=3, deadline=None, derandomize=True)
+def test_cycles_are_the_same_wherever_blocks_and_gaps_begin(
+    log: JointLog, tmp_path_factory: pytest.TempPathFactory, order: Any, rows: int, first: int, count: int
 ) -> None:
-    cut_into(1000, monkeypatch)
-    arrays = {name: np.asarray(array, order=order) for name, array in log.channels().items()}
-    np.savez(tmp_path / "run.npz", time=log.t, joint_names=np.array(log.joint_names), **arrays)  # type: ignore[arg-type]
-    assert_in_blocks(tmp_path / "run.npz", blocks=5)
-    np.testing.assert_array_equal(read_log(tmp_path / "run.npz").dq, log.dq)
+    path, lost = tmp_path_factory.mktemp("lost") / "run.npz", slice(first, first + count)
+    arrays = {name: np.asarray(np.delete(array, lost, axis=0), order=order) for name, array in log.channels().items()}
+    np.savez(path, time=np.delete(log.t, lost), **arrays)  # type: ignore[arg-type]
+    how = AuditSettings(torque=TorqueSettings(gravity="removed"), cycles=CycleSettings(thresholds="auto"))
+    with pytest.MonkeyPatch.context() as patch:
+        cut_into(rows, patch)
+        cut = read_log(path, ReadOptions(in_blocks=True), while_read(how))
+        assert isinstance(cut, LogInBlocks)
+        found, expected = (estimate_log(one, how).cycles for one in (cut, read_log(path)))
+    assert_same(found.start.tolist(), expected.start.tolist())
+    for name, sums in asdict(expected.sums).items():
+        np.testing.assert_allclose(getattr(found.sums, name), sums, rtol=1e-9, atol=1e-12)
 
 
 @pytest.mark.parametrize("fault", ["word", "blank line", "cut", "libfranka"])
