@@ -90,7 +90,7 @@ class Dictionary:
     withheld: dict[str, list[Nonlinear]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """What links are fitted to at first."""
+        """Fit links to the whole torque, until ``rebuild`` knows other effects."""
         self.response = self.problem.y
 
     @cached_property
