@@ -75,7 +75,7 @@ def _merged(motion: int, torque: int, rate: int) -> Way:
     """Motion and torque that are sampled every so many milliseconds, the last of each at every row."""
 
     def make(columns: Columns, t: Array, rng: np.random.Generator) -> tuple[Array, Columns]:
-        at, found = t[10::rate], {}
+        at, found = t[10::rate], Columns()
         for every, names in ((motion, _motion(columns)), (torque, _torque(columns))):
             kept = _irregular(len(t), every, rng) if every > 1 else np.arange(len(t))
             found |= _read({k: columns[k][kept] for k in names}, t[kept], at, names, "held")
