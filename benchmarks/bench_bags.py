@@ -1,7 +1,7 @@
 # ruff: noqa: PLC0415  # what a method imports counts as its cost
 """How fast joint states are read from bags, beside the libraries that people use.
 
-    python benchmarks/bench_bags.py [--messages 200000] [--repeat 3]
+    python -m benchmarks.bench_bags [--messages 200000] [--repeat 3]
 
 The files are written by the libraries' own writers into a temporary folder. Every method reads them in a process of its
 own, which includes its imports, of modules that are compiled as after an installation; all must find the values that
@@ -22,15 +22,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from processes import INSTALLED  # type: ignore[import-not-found]  # the script next to this
 from numpy.typing import NDArray
+
+from benchmarks.processes import INSTALLED, MEGABYTE
 
 JOINTS = 7
 NAMES = [f"panda_joint{number}" for number in range(1, JOINTS + 1)]
 FIELDS = ("position", "velocity", "effort")
 START_NS = 1_700_000_000_000_000_000
 STEP_NS = 1_000_000
-MEGABYTE = 1e6
 
 Samples = NDArray[np.float64]
 
@@ -200,7 +200,8 @@ def measure(method: str, path: Path, messages: int) -> dict[str, Any]:
 
 def measure_apart(method: str, path: Path, messages: int, repeat: int) -> dict[str, Any]:
     """Read a file in fresh processes; returns the run of median time."""
-    command = [sys.executable, __file__, "--child", method, "--path", str(path), "--messages", str(messages)]
+    command = [sys.executable, "-m", "benchmarks.bench_bags", "--child", method, "--path", str(path)]
+    command += ["--messages", str(messages)]
     turns = range(repeat + 1)  # the first one compiles the modules
     outputs = [subprocess.run(command, check=True, capture_output=True, env=INSTALLED).stdout for _ in turns]
     runs: list[dict[str, Any]] = [json.loads(output) for output in outputs[1:]]

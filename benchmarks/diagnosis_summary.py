@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import binom
 
+from benchmarks import resampled
 from benchmarks.answers import (
     CLEAR,
     UNANSWERED,
@@ -37,7 +38,7 @@ from friction_audit.effects.registry import effects
 CATALOGUE = {effect.name for effect in effects()}
 EFFECT_KINDS = ("effects", "on_arms", "pairs")
 CLEAN = ("none", "arms", "smoothed", "coarse", "stranger_none")
-ROW_KINDS = (*CLEAN, "effects", "on_arms", "pairs", "outside", "stranger", "real")
+ROW_KINDS = (*CLEAN, "effects", "on_arms", "pairs", "outside", "stranger", "resampled", "real")
 Tables = dict[str, list[Row]]
 Figure = tuple[str, str, str, str, str]
 """What is measured, before, goal, measured with its 95 % interval, number."""
@@ -46,6 +47,7 @@ Figure = tuple[str, str, str, str, str]
 def load(folder: Path) -> Tables:
     """All tables of a folder; ``time`` holds lines."""
     tables: Tables = {kind: list(read(folder / f"{kind}.csv")) for kind in (*ROW_KINDS, "limits", "separations")}
+    tables["resampled"] = [resampled.judged(row) for row in tables["resampled"]]
     time = folder / "time.md"
     tables["time"] = [{"text": time.read_text()}] if time.exists() else []
     return tables
@@ -133,6 +135,19 @@ def pairs_and_outside(tables: Tables) -> list[Figure]:
         figure("second generator, outside: `unexplained` [%]", "", "", map(unexplained, other)),
         figure("a name [%]", "27", "", map(named, other)),
     ]
+
+
+def resampled_logs(tables: Tables) -> list[Figure]:
+    """Logs that were interpolated, held, filtered or differentiated before they are read."""
+    rows = [row for row in answered(tables["resampled"]) if row["way"] != "as recorded"]
+    nothing, hidden = ([row for row in rows if bool(truth_of(row)) is some] for some in (False, True))
+    return [
+        figure("nothing hidden: a name (but `time_delay` where the torque alone was filtered) [%]", "", "",
+               map(named, nothing), 1),
+        figure("`unexplained` [%]", "", "", map(unexplained, nothing), 1),
+        figure("one effect: in the answer [%]", "", "", map(held, hidden)),
+        figure("only wrong names [%]", "", "", map(misnamed, hidden)),
+    ]  # fmt: skip
 
 
 def sizes(tables: Tables) -> list[Figure]:
@@ -230,10 +245,11 @@ def mistakes(tables: Tables) -> str:
         for row in tables[kind]:
             what = "" if row["verdict"] in {"", "error"} else mistake(kind, row, visible)
             if what:
-                place = row.get("log") or f"{row.get('scenario') or row.get('motion')} {row.get('partial') or ''}"
-                sets = row["sets"].replace("|", " or ")
-                line = (kind, what, row["truth"] or "-", row["seed"], f"{place} {row.get('size') or ''}".strip())
-                lines.append((*line, row["joint"], row["verdict"], sets, row["negligible"]))
+                place = " ".join(
+                    row[name] for name in ("log", "scenario", "motion", "partial", "size", "way") if row.get(name)
+                )
+                line = (kind, what, row["truth"] or "-", row["seed"], place, row["joint"], row["verdict"])
+                lines.append((*line, row["sets"].replace("|", " or "), row["negligible"]))
     head = ("kind", "what", "truth", "seed", "log and strength", "joint", "verdict", "names", "negligible")
     return table(head, sorted(lines))
 
@@ -241,9 +257,9 @@ def mistakes(tables: Tables) -> str:
 def mistake(kind: str, row: Row, visible: set[tuple[str, str]]) -> str:
     """What is wrong in an answer; empty where nothing is."""
     shown = kind == "real" and row["verdict"] not in UNANSWERED and row["truth"] not in row["untestable"].split(";")
-    needed = shown or float(row.get("partial") or 0.0) >= CLEAR
+    needed = shown or kind == "resampled" or float(row.get("partial") or 0.0) >= CLEAR
     outside = kind == "outside" or row["truth"] in OUTSIDE
-    plain = kind in CLEAN or row["truth"] in RECORDED or not hidden_here(row)
+    plain = kind in CLEAN or row["truth"] in ("none", *RECORDED) or not hidden_here(row)
     looked_for = bool(truth_of(row)) and not plain and not outside
     needed_here = looked_for and (needed or (row["truth"], row["seed"]) in visible)
     found = {
@@ -293,6 +309,7 @@ def page(tables: Tables) -> str:
         "Nothing hidden": clean,
         "One effect": one_effect,
         "Two effects, and outside the catalogue": pairs_and_outside,
+        "Resampled or filtered logs": resampled_logs,
         "Size": sizes,
         "Measured logs": measured,
     }

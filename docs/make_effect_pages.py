@@ -38,9 +38,10 @@ def parameter_section(hidden: type[HiddenEffect]) -> str:
 
 
 def separation(effect: Effect) -> str:
-    """Return what separates an effect from those that it names."""
+    """Return what separates an effect from those that it names, and what in a recording does the same."""
     rows = [f"- [{name}]({name}.md): {effect.separate[name]}" for name in NAMES if name in effect.separate]
-    return "\n".join(["Separated from", "", *rows] if rows else [])
+    lines = ["Separated from", "", *rows] if rows else []
+    return "\n".join([*lines, "", f"{effect.recorder[:1].upper()}{effect.recorder[1:]}."] if effect.recorder else lines)
 
 
 def index(text: str) -> str:

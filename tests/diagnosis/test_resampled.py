@@ -12,12 +12,12 @@ from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import AuditSettings, diagnose_log
 
-CLEAN = {case[1]: case for case in CASES if case[0] == "none"}
+SEEDS = {scenario: 130_000 + seed for truth, scenario, seed, _ in CASES if truth == "none"}
 
 
 @cache
 def signals(scenario: str) -> tuple[Float, Columns]:
-    return recorded(*CLEAN[scenario])
+    return recorded("none", scenario, SEEDS[scenario], 1.0)
 
 
 @pytest.mark.parametrize(
@@ -31,6 +31,6 @@ def signals(scenario: str) -> tuple[Float, Columns]:
     ],
 )
 def test_nothing_is_missing_in_a_clean_joint_whose_log_was_resampled(scenario: str, way: str) -> None:
-    log = log_by(way, *signals(scenario), CLEAN[scenario][2])
+    log = log_by(way, *signals(scenario), SEEDS[scenario])
     (found,) = diagnose_log(log, AuditSettings(), DiagnosisSettings()).discrepancy.joints
     assert (found.verdict, found.effects) == ("adequate", ())

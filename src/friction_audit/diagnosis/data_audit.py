@@ -17,7 +17,8 @@ MOST_DELAY_S, MOST_DELAY_STEPS = 0.02, 2.0  # of dq after q: larger than any fil
 RESTING_RAD = 0.05  # a joint without a cycle whose position stays within this does not move, and velocities are noise
 # A resolution is found if this share of the changes are whole multiples of the smallest, to this share of it.
 MOST_CHANGES, WHOLE = 0.9, 0.01
-MOST_OF_ITS_OWN, NEAR = 0.05, 5  # share of the changes of a velocity; samples that smooth one
+# Share of the changes of a velocity, of one that is differences of positions; samples on either side that smooth one.
+MOST_OF_ITS_OWN, NEAR = 0.05, 5
 DEAD = "channel is dead; check the sensor and the bus, or choose another column with --map"
 
 
@@ -36,8 +37,8 @@ RULES = {
     "clock_jitter": _Rule(0.5, "fault", "the time step varies by {value:.0%}"),
     "holes": _Rule(0.1, "limit", "gaps take {value:.0%} of the time"),
     "stale": _Rule(
-        0.3, "limit", "{value:.0%} of the samples are duplicates, which are left out: {rate:.0f} samples per second "
-        "show the motion"),
+        0.3, "limit", "{value:.0%} of the samples repeat the one before and are left out: {rate:.0f} per second show "
+        "the motion"),
     "torque_constant": _Rule(
         0.0, "fault", f"the torque reads {{reads}} N m in all samples: the torque {DEAD} {{channel}}=..."),
     "dq_constant": _Rule(
@@ -133,6 +134,7 @@ def own_velocity(log: JointLog) -> JointLog:
         left = change - design @ np.linalg.lstsq(design, change, rcond=None)[0]
         if np.sum(left**2) > MOST_OF_ITS_OWN * np.sum(change**2):
             return log
+    # Where no position changes, the sample is a repeated one unless all move by less than two of their smallest steps.
     apart = np.clip(np.arange(n)[:, None] + [-NEAR, NEAR], 0, n - 1)
     way = np.abs(np.diff(log.q[apart], axis=1)[:, 0] / np.diff(log.t[apart], axis=1))[1:] * step
     size = np.min(np.abs(slope * step), axis=0, where=slope != 0, initial=np.inf)

@@ -74,7 +74,8 @@ def prepare(
     """
     # With repeated samples effects_stiction_16001 and effects_time_delay_16001 are adequate; with stamps as they are,
     # those and stranger_time_delay_1 and stranger_joint_elasticity_1.
-    choice, new = interaction.choice, fresh_samples(log := own_velocity(log))
+    choice, log = interaction.choice, own_velocity(log)
+    new = fresh_samples(log)
     fresh = slice(None) if new.all() else new  # views, no copies
     t = moments_of_samples(log.t[fresh], log.q[fresh], log.dq[fresh])
     if np.any(belated := belated_samples(t, log.q[fresh], log.dq[fresh])):

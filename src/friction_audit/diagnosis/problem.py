@@ -38,8 +38,8 @@ SAMPLE_SD = 0.29  # of a sample, the standard deviation of a delay evenly spread
 REVERSAL_S = 0.05  # time over which a wrong formula of a reversal fades
 LAGS_S = (0.03, 0.1, 0.3, 1.0, 3.0)  # of the velocity behind a first-order filter
 RINGING_HZ, DAMPING_RATIOS = np.geomspace(1.0, 12.0, 8), (0.05, 0.2)  # of what the acceleration excites
-# Of the corner, up to which frequency a response is looked for: above, one that follows the noise of the acceleration
-# takes that out of the residual (resampled: none 130002 linear).
+# Share of the corner up to which responses ring: a faster one follows the noise of the acceleration and takes it out of
+# the residual (resampled: none 130002 linear).
 KNOWN_SHARE = 0.5
 MODEL_ERROR = {"reversal": 0.04, "inertia": 0.01}  # of Coulomb friction, of the inertial torque
 

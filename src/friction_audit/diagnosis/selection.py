@@ -108,18 +108,18 @@ class Search:
     def scores(self, active: Sequence[Block]) -> dict[str, Score]:
         """Every effect that is not active, by name."""
         members = sorted(map(id, active))
-        if (self.training.gram.version, *members) not in self._scores:
-            found = self._integrated(active)
+        if (found := self._scores.get((self.training.gram.version, *members))) is None:
+            found = self._integrated(active)  # which may add blocks: the version is another one then
             self._scores[self.training.gram.version, *members] = found
-        return self._scores[self.training.gram.version, *members]
+        return found
 
     def _integrated(self, active: Sequence[Block]) -> dict[str, Score]:
         gram = self.training.gram
         blocks, names = gram.blocks, gram.names
         gains, coefficients = self.training.gain(active)
         factor, found = occam(gains, gram.widths.astype(float)), {}
-        pushes = np.where(coefficients[:, 0] > 0.0, factor, 0.0)
-        if worth := [name for name in self.withheld if pushes[names == name].max(initial=0.0) >= WORTH]:
+        signed = np.where(coefficients[:, 0] > 0.0, factor, 0.0)
+        if worth := [name for name in self.withheld if signed[names == name].max(initial=0.0) >= WORTH]:
             gram.add([block for name in worth for block in self.complete(name)])
             return self._integrated(active)
         possible, prior = gram.possible(coefficients), np.array([block.log_prior for block in blocks])

@@ -129,6 +129,8 @@ TIME_DELAY = TimeDelay(
     forward="delay",
     not_identifiable=reversals,
     record="reverse sharply at two or more clearly different speeds",
+    recorder="a low-pass filter in the recorder or the torque's electronics does the same: filter q and dq alike, or "
+    "record the torque unfiltered",
     part_of=("backlash", "joint_elasticity"),  # pairs_joint_elasticity+friction_step_90018
     separate={
         "backlash": "reverse sharply with and without a load: a gap opens where the load changes its sign",

@@ -68,6 +68,7 @@ class Effect:
     forward: Forward = "instant"
     record: str = ""  # the motion on which it shows itself best
     separate: Mapping[str, str] = field(default_factory=dict)  # motions by easily confused effects; a pair stands once
+    recorder: str = ""  # what in the recording makes the same torque, and what to do
     jumps: tuple[str, ...] = ()  # nonlinear parameters at whose value its torque jumps
     indistinguishable: tuple[str, ...] = ()  # effects that no motion of this kind separates from it
     part_of: tuple[str, ...] = ()  # effects that it may be a part of where they are found too

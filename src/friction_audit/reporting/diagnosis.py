@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from friction_audit.diagnosis.result import JointDiagnosis
-from friction_audit.effects.registry import motion_to_decide
+from friction_audit.effects.registry import effect_of, motion_to_decide
 from friction_audit.io.writers.tables import TidyTable
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Diagnosis
@@ -138,6 +138,8 @@ def _details(joint: JointDiagnosis, *, verbose: bool) -> Iterator[str]:
         texts = ("; ".join(filter(None, (numbers, where))), numbers, short)
         head = f"{effect.name} ({effect.label}): "
         yield head + next(one for one in texts if verbose or len(head + one) <= LONGEST or one is short)
+        if recorder := effect_of(effect.name).recorder:
+            yield f"{effect.name}: {recorder}"
     if joint.negligible:
         yield f"negligible: {words.negligible_words(joint)}"
     if joint.checks:

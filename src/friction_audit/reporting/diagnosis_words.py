@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from friction_audit.diagnosis.result import CONTACT_EVENT, JointDiagnosis, NamedEffect, Profile, ResidualCheck
+from friction_audit.diagnosis.samples import LOWEST_CORNER_HZ
 from friction_audit.effects.joint_model import ArmModel
 from friction_audit.effects.registry import NAMES, motion_between, terms
 from friction_audit.effects.slow import UNFELT_PER_K
@@ -56,10 +57,13 @@ def joint_message(joint: JointDiagnosis) -> str:
     """Return the answer for a joint in a sentence: cause, size, what to do; tables and details have the rest."""
     if joint.reason:
         return joint.reason
+    lost, corner_hz = "", np.inf if joint.traces is None else joint.traces.corner_hz
+    if corner_hz <= LOWEST_CORNER_HZ:
+        lost = f"; what is faster than {corner_hz:.2g} Hz is lost in the noise of the acceleration"
     if joint.verdict == "adequate":
         small = "negligible effects apart, no effect" if joint.negligible else "no effect"
-        band = "" if joint.traces is None else f" below {joint.traces.corner_hz:.2g} Hz"
-        return f"{small}{band} exceeds the detection limit of {joint.detection_limit_nm:.2g} N m RMS"
+        band = "" if joint.traces is None else f" below {corner_hz:.2g} Hz"
+        return f"{small}{band} exceeds the detection limit of {joint.detection_limit_nm:.2g} N m RMS{lost}"
     gap, unknown, parts = joint.gap, joint.verdict == "unexplained", []
     if unknown:
         size = "" if gap is None else f" ({gap.after:.2g} N m RMS, noise floor {gap.floor:.2g} N m)"
@@ -71,7 +75,7 @@ def joint_message(joint: JointDiagnosis) -> str:
         parts.append(f"{count_of(contacts, 'contact')} left out")
     if joint.added or not unknown:
         parts.append(_missing(joint) if joint.added else "no other effect is missing")
-    return "; ".join((*parts, _todo(joint)))
+    return "; ".join((*parts, _todo(joint))) + lost
 
 
 def _missing(joint: JointDiagnosis) -> str:
@@ -119,7 +123,7 @@ def _check(code: str, along: str, same: Sequence[ResidualCheck], joint: JointDia
         span, _, direction = where.partition(", ")
         return f"a curve {span} ({direction})" if where else f"a curve over {AXES.get(along, along)}"
     if code == "response":
-        return f"a linear response to {along}"
+        return f"a linear response to {along} (a filter, a spring)"
     return "friction that varies from cycle to cycle" if code == "scatter" else f"{along} that changes within the log"
 
 

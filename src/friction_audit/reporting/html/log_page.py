@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from friction_audit.effects.registry import motion_to_decide
+from friction_audit.effects.registry import effect_of, motion_to_decide
 from friction_audit.parallel import in_processes, workers_for
 from friction_audit.reporting import diagnosis_tables as tables, diagnosis_words as words, report as made
 from friction_audit.reporting.documents import write_document
@@ -145,6 +145,8 @@ def _effects(report: made.LogReport, one: made.JointReport) -> Iterator[html.Par
     unsure = [row for row in rows if row.effect.alternatives]
     separate = [f"{row.names}: {motion_to_decide(row.effect.name, row.effect.alternatives)}." for row in unsure]
     yield html.Text([f"To separate {words.plain_names(line)}".replace(" or ", " from ", 1) for line in separate])
+    recorders = {row.effect.label: effect_of(row.effect.name).recorder for row in rows}
+    yield html.Text([f"{label}: {text}." for label, text in recorders.items() if text])
     competing = [(row, other) for row in rows for other in row.effect.evidence]
     caption = f"Effects competing with those of {joint}: from 6 on the evidence against them is strong"
     yield tables.COMPETITOR.people(competing, caption=caption, unit=unit, folded=True).filled(without="joint")
