@@ -306,6 +306,13 @@ def test_a_long_log_is_judged_by_stretches_that_are_spread_over_it(
         assert own.coulomb.value == pytest.approx(same_joint.coulomb.value, rel=1e-9, nan_ok=True)
 
 
+def test_files_that_are_joined_are_not_read_in_blocks(frame: pd.DataFrame, tmp_path: Path) -> None:
+    torque = written(frame, tmp_path, "tau_interaction").rename(tmp_path / "torque.parquet")
+    path = written(frame, tmp_path, "q", "dq")
+    one, other = (read_log(path, ReadOptions(join=(str(torque),), in_blocks=is_so)) for is_so in (False, True))
+    np.testing.assert_array_equal(one.tau_interaction, other.tau_interaction)
+
+
 BAGS = ("mcap", "mcap-json", "mcap-franka-robot-state", "rosbag1-joint-state", "rosbag2-sqlite3")
 FORMS = ("csv", "csv-rostopic", "npz", *BAGS)
 

@@ -26,7 +26,8 @@ SAME: dict[str, str | bytes] = {
     "no line feed after what is not read": FRAME.assign(note="fine").to_csv(index=False).rstrip("\n"),
     "comments": "# a comment\n\n" * 100_000 + PLAIN,
     "lines about the recording": "Robot: KUKA, LBR\nDate;2024-05-01\n\n" + PLAIN,
-    "comments at the end": PLAIN + "# stopped by hand\n# operator: X\n",
+    "comments at the end": PLAIN + "# stopped by hand\n# operator: X\n" + "\n# end\n" * 20,
+    "a comment below the header": "\n".join([HEAD, "# the arm begins", *LINES]) + "\n",
 }
 
 

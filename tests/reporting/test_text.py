@@ -155,9 +155,14 @@ def test_sessions_that_do_not_fit_are_named_with_the_fault_of_their_torque() -> 
     fault = Caution(code="sign_disagrees", joint=2, numbers={"verdict": "falls", "torque": -0.3, "error": 0.1})
     sessions = list(arm.sessions)
     sessions[3] = replace(sessions[3], codes=("sign_disagrees",), warnings=(fault,))
-    odd = replace(arm, joints=(first, second, *arm.joints[2:]), sessions=tuple(sessions))
+    found = arm.joints[2].coefficients[0]
+    unsure = replace(found.values[5], low=found.values[5].low - 1.0, high=found.values[5].high + 1.0)
+    found = replace(found, values=(*found.values[:5], unsure, *found.values[6:]))
+    third = replace(arm.joints[2], coefficients=(found, *arm.joints[2].coefficients[1:]))
+    odd = replace(arm, joints=(first, second, third, *arm.joints[3:]), sessions=tuple(sessions))
     lines = batch_lines(batch_by_hand.batch(odd))
     assert row(lines, "does not fit: session 4 (").endswith("joints 1 and 2: exchanged columns, another sign or unit?")
+    assert row(lines, f"does not fit: session {found.sessions[5] + 1} (").endswith(": joint 3")  # a wide interval
     assert sentence_of(fault) in row(lines, "only in session 4 (")
     assert not any(line.startswith(("does not fit", "only in")) for line in batch_lines(batch_by_hand.batch(arm)))
 

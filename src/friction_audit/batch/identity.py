@@ -29,7 +29,6 @@ class Fault:
     message: str  # why; printed after the name of the log
     topic: str = ""  # which arm, as in ``Session``
     lasting: bool = True  # True if the log itself is to blame: the same log with the same settings will fail again
-    detail: str = ""  # where in the program it happened, if the program is to blame
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

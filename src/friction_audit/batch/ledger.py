@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 RESULTS_VERSION = 16  # raised with every change after which the same log gives other numbers: ledgers compute anew
 APPLICATION_ID = 0x46414C47  # "FALG" in the head of the file: an SQLite database without it is not a ledger
-SCHEMA_VERSION = 6  # in user_version; raised with every change below
+SCHEMA_VERSION = 7  # in user_version; raised with every change below
 # What came of an arm of a log, a session or a fault, is kept whole as JSON, which alone is read back; the other columns
 # are for people who open the file. A log that could not be read has its place as its hash.
 TABLES = (

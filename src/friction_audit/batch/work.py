@@ -2,7 +2,6 @@
 
 import math
 import socket
-import traceback
 from collections.abc import Mapping
 from contextlib import nullcontext, suppress
 from dataclasses import replace
@@ -83,7 +82,7 @@ def _arms(settings: BatchSettings, path: Path, topic: str = "") -> Worked:
         fault = Fault(message="not enough memory to work on it; use fewer workers", topic=topic, lasting=False)
     except Exception as error:  # noqa: BLE001 - a bug that one log shows must not cost the others
         message = f"a bug of friction-audit, please report it: {type(error).__name__}: {error}"
-        fault = Fault(message=message, topic=topic, lasting=False, detail=traceback.format_exc())
+        fault = Fault(message=message, topic=topic, lasting=False)
     with suppress(OSError):
         return Worked(sha256=sha256_of(path), faults=(fault,))
     return Worked(sha256="", faults=(replace(fault, lasting=False),))  # a log that cannot even be read

@@ -1,7 +1,6 @@
-"""Options of a command: its help under headings, without loading rich; values from a file, and written to one."""
+"""Options of a command: its help under headings, without loading rich; values from a file."""
 
 import inspect
-import json
 import shlex
 from collections.abc import Callable, Collection
 from dataclasses import Field, dataclass, fields, is_dataclass
@@ -99,14 +98,11 @@ def show_every_option(context: typer.Context, wanted: bool) -> None:
 
 
 def with_option_groups(command: Callable[..., None]) -> Callable[..., None]:
-    """Return the command as Typer wants it: every dataclass parameter replaced by its fields, --dump-config served."""
+    """Return the command as Typer wants it: every dataclass parameter replaced by its fields."""
     parameters = inspect.signature(command).parameters.values()
     flat = [one for p in parameters if p.name != CONTEXT for one in _flat(p.name, p.annotation, p.default)]
 
     def run(context: typer.Context, **values: Any) -> None:  # noqa: ANN401 - any option
-        if values.get("dump_config"):
-            say(dump_config(context), nl=False)
-            return
         choices = [one.name.removesuffix("_hz") for one in fields(TorqueSettings)]
         given = GIVEN.set(command_line(context, leave_out=choices) if "gravity" in values else "")
         values[CONTEXT] = context
@@ -140,8 +136,7 @@ def _filled(name: str, annotation: Any, values: dict[str, Any]) -> Any:  # noqa:
     return values[name]
 
 
-NOT_IN_FILES = ("config", "dump_config", "help", "help_all")
-NOT_DUMPED = ("json", "overwrite", "quiet")  # of one call, and not of a set of settings
+NOT_IN_FILES = ("config", "help", "help_all")
 LONGEST_KEY = 40  # characters of an unknown key that a message names
 
 
@@ -195,20 +190,3 @@ def _as_given(value: Any, *, several: bool) -> Any:  # noqa: ANN401 - any TOML v
     if isinstance(value, list):
         return ",".join(map(str, value))
     return value if isinstance(value, bool) else str(value)
-
-
-def dump_config(context: typer.Context) -> str:
-    """Return the options in force as TOML, of which JSON writes text, lists and booleans; as comments those without."""
-    lines = []
-    for key, parameter in _options(context).items():
-        value = context.params.get(parameter.name)
-        if key in NOT_DUMPED:
-            continue
-        if value is None or value in ([], ()):
-            lines.append(f"# {key} =\n")
-            continue
-        shown = [str(item) for item in value] if isinstance(value, list | tuple) else value
-        number = isinstance(value, int | float) and not isinstance(value, bool)
-        text = repr(value) if number else json.dumps(shown, ensure_ascii=False, default=str)
-        lines.append(f"{key} = {text}\n")
-    return "".join(lines)

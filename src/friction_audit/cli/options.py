@@ -164,7 +164,6 @@ class GeneralOptions:
         'Values for any option, e.g. drive = "robot"; the command line has priority.', metavar="FILE.toml",
         callback=load_config, is_eager=True, panel=panel.GENERAL,
     )  # fmt: skip
-    dump_config: bool = flag("Print the options in force as TOML and stop.", "--dump-config", panel=panel.GENERAL)
 
     @property
     def voice(self) -> Voice:

@@ -100,8 +100,7 @@ def pack(compensators: Sequence[Compensator | None], rate: float) -> NDArray[np.
         }
         if compensator is not None:
             values |= {name: getattr(compensator, name) for name in SHARED}
-        if compensator is not None and compensator is not energy:
-            for name, _ in OWN[type(compensator)]:
+            for name, _ in () if compensator is energy else OWN[type(compensator)]:
                 record[compensator.name][name] = getattr(compensator, name)
         for name, value in values.items():
             record[name] = value

@@ -23,7 +23,7 @@ from friction_audit.reporting.table import INTERVAL, Column, Document, Record, j
 
 ODD_TORQUE = ("gravity_error", "torque_offset", "sign_disagrees")  # cautions of one joint about how its torque was made
 RARE = 0.25  # share of the sessions
-WIDE = 10.0  # usual intervals that one is wide of a session that does not fit
+WIDE = 10.0  # usual intervals, from which on one does not fit
 MOST_NAMED = 8  # sessions that a line names; more are counted
 
 
@@ -327,19 +327,21 @@ def _arm_lines(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
 
 
 def _odd_lines(arm: ArmDrift) -> Iterator[str]:
-    """Name each session with joints that do not fit, or with a torque whose fault few others have, and what it is."""
-    isolated = {(index, joint.joint) for joint in arm.joints for one in joint.coefficients for index in one.isolated}
-    for joint in arm.joints:  # or far less certain than others: the torque of another joint is noise
-        for one in joint.coefficients[:1]:
-            widths = [value.high - value.low for value in one.values]
-            usual = WIDE * median(widths or [0.0])
-            isolated |= {(k, joint.joint) for k, width in zip(one.sessions, widths, strict=True) if width > usual}
+    """Name each session with joints that do not fit, or with a torque whose fault few others have, and what it is.
+
+    The torque of another joint is noise to a joint: its coefficient may be near the others, but its interval is wide.
+    """
+    odd = {(k, joint.joint) for joint in arm.joints for one in joint.coefficients for k in one.isolated}
+    for joint, first in ((joint, joint.coefficients[0]) for joint in arm.joints if joint.coefficients):
+        widths = [value.high - value.low for value in first.values]
+        usual = median(widths or [0.0])
+        odd |= {(k, joint.joint) for k, own in zip(first.sessions, widths, strict=True) if own > WIDE * usual}
     often = Counter(code for index in arm.compared for code in set(arm.sessions[index].codes))
     rare = {code for code in ODD_TORQUE if often[code] <= RARE * len(arm.compared)}
     for index in arm.compared:
         session, which = arm.sessions[index], words.format_date(arm.sessions[index].start_s)
         name = f"session {index + 1} ({PurePath(session.path).name if session.start_s is None else which})"
-        if apart := sorted(joint for place, joint in isolated if place == index):
+        if apart := sorted(joint for place, joint in odd if place == index):
             columns = ": exchanged columns, another sign or unit?" if apart[1:] else ""
             which = f"joint{'s' * (len(apart) > 1)} {words.enumerate_words(apart)}"
             yield f"does not fit: {name}: {which}{columns}"

@@ -69,9 +69,7 @@ class Arm:
                 if joint >= 0:
                     torque[rows, joint] = own[1] * down[body][0] - own[0] * down[body][1]
                     own = _turned(own, cosine[joint], sine[joint])
-                moment[parent] = [
-                    one + more for one, more in zip(moment[parent], _times(turns[body].T, own), strict=True)
-                ]
+                moment[parent] = [*map(add, moment[parent], _times(turns[body].T, own))]
         return self.from_model(torque)
 
     def inverse_dynamics(self, q: Float, dq: Float, ddq: Float) -> Float:

@@ -33,11 +33,9 @@ class Stretches:
 
     def __init__(self, recording: Recording) -> None:
         rows, joints = recording.rows, len(recording.joint_names)
-        length = min(_LENGTH, rows)
-        starts = np.unique(np.linspace(0, rows - length, _STRETCHES).astype(np.int64))
-        if rows <= _STRETCHES * _LENGTH:
-            starts, length = np.zeros(1, np.int64), rows
-        self._places, self._shape = (starts[:, None] + np.arange(length)).ravel(), (len(starts), length, joints)
+        count, length = (_STRETCHES, _LENGTH) if rows > _STRETCHES * _LENGTH else (1, rows)
+        starts = np.linspace(0, rows - length, count).astype(np.int64)
+        self._places, self._shape = (starts[:, None] + np.arange(length)).ravel(), (count, length, joints)
         names = (name for name in recording.channels if name != "temperature")
         self._picked = {name: Picked(self._places, joints) for name in names}
 
@@ -56,29 +54,25 @@ def interpolate_held(recording: Recording, near: Stretches, step_s: float) -> Re
     if any(finding.code == "slow_state" for finding in recording.findings):  # all channels are held together
         return recording
     moving = np.abs(near.of("dq")) > MOVING_RAD_S
-    names = [
-        name for name in ("q", "dq", *TORQUE_CHANNELS, "gravity", "tau_compensation") if name in recording.channels
-    ]
-    found = {}
-    for name in names:
+    found, findings = {}, []
+    for name in (name for name in _TIMED if name in recording.channels):
         values = near.of(name)
         periods = [_period(values[..., j], moving[..., j]) for j in range(values.shape[2])]
-        if any(periods) and recording.mapping.get(name) != DERIVATIVE:
-            found[name] = periods
-    if not found:
-        return recording
-    if recording.blocks is not None:
-        raise WholeLogError
-    findings = []
-    for name, periods in found.items():
-        held = [joint for joint, period in enumerate(periods) if period]
-        period_s = step_s * float(np.median([periods[joint] for joint in held]))
-        of = "" if len(held) == len(periods) else " of " + ", ".join(recording.joint_names[joint] for joint in held)
+        if not any(periods) or recording.mapping.get(name) == DERIVATIVE:
+            continue
+        found[name] = periods
+        period_s = step_s * float(np.median([period for period in periods if period]))
+        held = [joint for joint, period in zip(recording.joint_names, periods, strict=True) if period]
+        of = "" if all(periods) else f" of {', '.join(held)}"
         message = (
             f"{name} ({recording.mapping.get(name, name)}){of} changes only every {1e3 * period_s:.3g} ms (held values "
             f"of a slower topic), {500 * period_s:.2g} ms late on average; it is interpolated between its updates"
         )
         findings.append(Finding("held_values", message, amount=period_s))
+    if not found:
+        return recording
+    if recording.blocks is not None:
+        raise WholeLogError
     return recording.mended(partial(_interpolated, periods=found)).with_findings(*findings)
 
 

@@ -71,7 +71,9 @@ def read_log(path: str | Path, options: ReadOptions = _DEFAULT, listen: Listen =
 def _read_log(path: str | Path, options: ReadOptions, listen: Listen) -> JointLog:
     files = [(file := Path(name), _stamp(file), choose_reader(file)) for name in (path, *options.join)]
     at, parts, asked = files[0], list[tuple[Path, Recording]](), _asked(options)
-    own, arm = replace(asked, partial=bool(options.join)), (options.topic or "").partition("#")[2]
+    # Files can be joined in memory alone.
+    own = replace(asked, partial=bool(options.join), in_blocks=asked.in_blocks and not options.join)
+    arm = (options.topic or "").partition("#")[2]
     with ThreadPoolExecutor(max_workers=1, thread_name_prefix="sha256") as pool:
         # hashlib gives the lock away: this costs no time on a second core.
         digests = [pool.submit(sha256_of, file) for file, *_ in files] if options.hashed else []

@@ -14,7 +14,7 @@ from friction_audit.errors import InputError
 from friction_audit.io.readers.channel_names import is_label, labels_of
 from friction_audit.io.readers.clocks import TimeColumn, stamps_of, to_clock
 from friction_audit.io.readers.columns import ColumnMap
-from friction_audit.io.readers.csv_lines import COMMENT, Dialect, recognises, sniff_csv, split_line, value_of
+from friction_audit.io.readers.csv_lines import Dialect, is_row, recognises, sniff_csv, split_line, value_of
 from friction_audit.io.readers.reader import BY_NUMBER, IN_BLOCKS_BYTES, ReadOptions, Topic, refuse_too_large
 from friction_audit.io.readers.table import Part, Table, part_in_blocks, read_table
 from friction_audit.io.recording import Recording, WholeLogError
@@ -151,8 +151,7 @@ class CsvTable(Table):
             text = raw.strip("\r")
             if "\r" in text:
                 raise InputError(f"{self.path}: line {number} has a carriage return within; expected none; repair it")
-            is_row = text.strip() and not COMMENT.match(text.encode())
-            fields = split_line(text, dialect.separator) if is_row else ()
+            fields = split_line(text, dialect.separator) if is_row(text) else ()
             if fields and len(fields) != dialect.width:
                 raise InputError(
                     f"{self.path}: line {number} has {len(fields)} fields; expected {dialect.width}; repair the line"

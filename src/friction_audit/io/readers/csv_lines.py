@@ -56,7 +56,7 @@ class _Unpacked(io.RawIOBase):
         return size
 
 
-COMMENT = re.compile(rb"#+|//+|%(?=[%\s])%*")  # %time begins the header of rostopic echo -p
+_COMMENT = re.compile(r"#+|//+|%(?=[%\s])%*")  # %time begins the header of rostopic echo -p
 _FEWEST_LINES = 4
 _LOOK = 20
 _UNIT = re.compile(r"[\[(]?\s*([a-zA-Z°µ%-][\w°µ%*/^.· -]{0,11}?)?\s*[\])]?")  # a cell of a line of units, or nothing
@@ -110,7 +110,8 @@ class Dialect:
         text = block.rstrip(b"\0")
         body = text.rstrip(b"\r\n")
         before, newline, last = body.rpartition(b"\n")
-        fields = split_line(last.decode(errors="replace"), self.separator)
+        text_of_last = last.decode(errors="replace")
+        fields = split_line(text_of_last, self.separator)
         is_short, found = True, f"{len(fields)} of {self.width} fields"
         if len(fields) == self.width:
             wrong = next((fields[c] for c in kinds if value_of(fields[c], kinds[c], self.decimal) is None), None)
@@ -120,11 +121,16 @@ class Dialect:
                 ends = [len(text.strip().rpartition(self.separator)[2]) for text in lines]
                 is_short = len(fields[-1]) < min(ends, default=0)
                 found = f"it has no line feed, and {fields[-1].strip()} may lack digits"
-        if not found or not last.strip() or COMMENT.match(last):
+        if not found or not is_row(text_of_last):
             return body + b"\n", None
         number = line + before.count(b"\n") + len(newline)
         message = f"line {number}, the last one, {'is' if is_short else 'may be'} cut short ({found}); it is left out"
         return before + newline, Finding("truncated", message, amount=1.0, damaged=is_short)
+
+
+def is_row(line: str) -> bool:
+    """Return True for a line that is neither blank nor a comment, which may also stand between rows and at the end."""
+    return bool(line.strip()) and not _COMMENT.match(line)
 
 
 def value_of(field: str, kind: Any, decimal: str) -> Any:  # noqa: ANN401
@@ -158,7 +164,7 @@ def sniff_csv(path: Path) -> Dialect:
     with open_table(path) as stream:
         _refuse_no_text(path, stream.peek(_HEAD_BYTES))
         # The last of the comments and blank lines at the start: numpy.savetxt writes its header as a comment.
-        while COMMENT.match(line := stream.readline(_HEAD_BYTES)) or (line and not line.strip()):
+        while (line := stream.readline(_HEAD_BYTES)) and not is_row(_decoded(line)):
             skipped, begin, last = skipped + bool(last), begin + len(last), line
         head = last + line + stream.read(_HEAD_BYTES)
         while head.count(b"\n") < _FEWEST_LINES and len(head) < _LONGEST_HEAD and (more := stream.read(_HEAD_BYTES)):
@@ -170,7 +176,7 @@ def sniff_csv(path: Path) -> Dialect:
     if begin + len(head) < size and len(lines) > 1:
         del lines[-1]  # which may end in the middle
     texts = [_decoded(line).strip("\r\n") for line in lines]
-    start = next((i for i, text in enumerate(texts) if text.strip() and not COMMENT.match(text.encode())), None)
+    start = next((i for i, text in enumerate(texts) if is_row(text)), None)
     if start is None:
         raise InputError(f"{path}: all lines are blank or comments; expected a table with a header")
     start = _below_prologue(texts, start)
@@ -178,14 +184,14 @@ def sniff_csv(path: Path) -> Dialect:
     fields = split_line(texts[start], separator)
     has_header = any(value_of(field, float, "." if separator == "," else ",") is None for field in fields)
     first, header = start + has_header, texts[start - (not has_header)] if has_header or start else ""
-    mark = COMMENT.match(header.encode())
+    mark = _COMMENT.match(header)
     names = split_line(header[mark.end() :] if mark else header, separator)
     if not has_header:
         has_header = mark is not None and len(names) == len(fields)
         names = names if has_header else tuple(f"#{column}" for column in range(1, len(fields) + 1))
     named = _with_units(names, texts[first : first + 1], separator) if has_header else None
     names, first = (named or names), first + (named is not None)
-    rows = tuple(split_line(text, separator) for text in texts[first : first + _LOOK] if text.strip())
+    rows = tuple(split_line(text, separator) for text in texts[first : first + _LOOK] if is_row(text))
     if not rows:
         raise InputError(f"{path}: 0 samples: a header of {len(names)} columns and no rows; record the arm in motion")
     commas = (value_of(field, float, ",") for row in rows for field in row if "," in field and separator != ",")
@@ -212,7 +218,7 @@ def _decoded(line: bytes) -> str:
 
 def _below_prologue(texts: Sequence[str], start: int) -> int:
     """Return the line of the header below lines about the recording: the first that is as wide as the last lines."""
-    last = [text for text in texts[-_LOOK:] if text.strip()]
+    last = [text for text in texts[start:] if is_row(text)][-_LOOK:]
     is_blank = separator_of(texts[start]) == " " and len(last[-1].split()) > 1  # then a comma is the decimal sign
     separator = " " if is_blank else separator_of(last[-1])
     width = median_low(len(split_line(text, separator)) for text in last)

@@ -25,13 +25,12 @@ FIRST = "velocity-torque"  # stands next to the answer
 SECTION_OF = {"estimate": "friction", "replay": "compensator", "diagnosis": "diagnosis"}  # by the result that is drawn
 LOG_FIGURES = tuple(kind for kind in figures_of(*SECTION_OF) if kind.caption)
 PLACES = {kind: "verdicts" if kind.name == FIRST else SECTION_OF[kind.result] for kind in LOG_FIGURES}
-MOST_BYTES = 2_500_000  # figures of one page together
 CLOUD = 60  # dots in a panel from which on they are an image: text would be larger than the rest of the page
 COARSE_PT = 0.5  # invisible deviation of a drawn line
 
 
-Drawn = Mapping[str, list[html.Figure | str]]
-"""The figures of a page by section, in order; the titles alone of those that found no room."""
+Drawn = Mapping[str, list[html.Figure]]
+"""The figures of a page by section, in order."""
 WORDS = {
     "interaction torque": "F_m, the torque at the joint's torque sensor that drives the joint against friction and "
     "inertia.",
@@ -96,7 +95,7 @@ def log_page(report: made.LogReport, *, figures: bool = True) -> html.Page:
         html.Section("verdicts", "Friction and verdict", [*_answer(report, answered, drawn)]),
         joints,
         *(
-            html.Section(name, title, (*parts(report), *_pictures(drawn, name)), folded=known or name != "recording")
+            html.Section(name, title, (*parts(report), *drawn.get(name, ())), folded=known or name != "recording")
             for name, (title, parts) in topics.items()
         ),
         html.Section("warnings", "Warnings", (listed,), folded=True, note=str(len(warnings))),
@@ -121,7 +120,7 @@ def _answer(report: made.LogReport, answered: list[made.JointReport], drawn: Dra
     yield html.Text(without, tone="off" if answered else "unsure")
     if all(one.reason for one in joints):
         yield html.Text((RECORD,))
-    yield from _pictures(drawn, "verdicts")
+    yield from drawn.get("verdicts", ())
 
 
 def _joint(report: made.LogReport, one: made.JointReport) -> html.Section:
@@ -190,15 +189,6 @@ def _unanswered(report: made.LogReport, part: str) -> html.Text:
     return html.Text(why or ["No joint has an estimate."], tone="unsure")
 
 
-def _pictures(drawn: Drawn, section: str) -> Iterator[html.Part]:
-    """Yield the figures of a section, and the names of those that found no room."""
-    own = drawn.get(section, ())
-    yield from (one for one in own if isinstance(one, html.Figure))
-    if left_out := [one for one in own if isinstance(one, str)]:
-        more = "The command plot draws those of friction and compensator, diagnose those of missing effects"
-        yield html.Text((f"This page has no room for more figures. {more}: {'; '.join(left_out)}.",))
-
-
 def _recording(report: made.LogReport) -> Iterator[html.Part]:
     estimate, unit, log = report.estimate, report.unit, report.estimate.log
     summary, choice = summarize_log(log, estimate.interaction, estimate.cycles), estimate.interaction.choice
@@ -238,17 +228,15 @@ REPORT_FORMATS: Mapping[str, tuple[str, Callable[[made.LogReport], bytes]]] = {
 
 @lru_cache(maxsize=1)  # a page and its PDF have the same figures
 def draw_figures(report: made.LogReport) -> Drawn:
-    """Draw the figures sheet by sheet, all kinds of the first joints before those of the next, while there is room."""
+    """Draw the figures sheet by sheet, all kinds of the first joints before those of the next."""
     from friction_audit.reporting.figures.style import load_matplotlib
 
-    drawn: dict[str, list[html.Figure | str]] = defaultdict(list)
-    sheets, left = list(_sheets(report)), MOST_BYTES
+    drawn: dict[str, list[html.Figure]] = defaultdict(list)
+    sheets = list(_sheets(report))
     load_matplotlib(["svg", "png"] if sheets else [])  # once, and not by every copy
     work = in_processes(lambda k: _figure(report, *sheets[k]), len(sheets), workers_for(len(sheets)))
-    for kind, _, title in sheets:
-        figure = next(work) if left > 0 else None
-        left -= 0 if figure is None else len(figure.svg)
-        drawn[PLACES[kind]].append(title if figure is None or left < 0 else figure)
+    for (kind, _, _), figure in zip(sheets, work, strict=True):
+        drawn[PLACES[kind]].append(figure)
     return drawn
 
 
