@@ -56,11 +56,11 @@ def test_the_version_has_a_changelog_section() -> None:
 
 # Of src/ and tests/. A number goes up only with its reason in the same commit; it goes down with what is saved.
 SIZE = {
-    "lines": 43_300,
-    "files": 237,
+    "lines": 43_450,  # more than 43 300: what reads held values of slower topics, and the noise of both velocities
+    "files": 238,  # with io/checks/held.py
     "code lines of the longest function": 59,  # dynamics/transmission.py: one compiled loop, split it is 13 % slower
-    "per cent of functions of at most 3 code lines": 22,
-    "lines of tests": 23_950,
+    "per cent of functions of at most 3 code lines": 21,
+    "lines of tests": 24_000,
 }
 BLANK = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
 

@@ -18,10 +18,9 @@ from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.preprocessing.interaction import Caution
 from friction_audit.reporting import drift_words as phrases, words
 from friction_audit.reporting.drift_sessions import SESSION, SessionRow
-from friction_audit.reporting.notices import sentence_of
+from friction_audit.reporting.notices import ODD_TORQUE, sentence_of
 from friction_audit.reporting.table import INTERVAL, Column, Document, Record, joint_column
 
-ODD_TORQUE = ("gravity_error", "torque_offset", "sign_disagrees")  # cautions of one joint about how its torque was made
 RARE = 0.25  # share of the sessions
 WIDE = 10.0  # usual intervals, from which on one does not fit
 MOST_NAMED = 8  # sessions that a line names; more are counted
