@@ -235,3 +235,13 @@ def test_notices_of_the_same_words_share_a_line(seven: Estimate) -> None:
 ])  # fmt: skip
 def test_numbers_and_lists(shown: str, text: str) -> None:
     assert shown == text
+
+
+def test_what_noise_hides_and_what_a_recorder_does_is_said_where_the_answer_stands() -> None:
+    assert NAMED.traces is not None
+    assert "lost in the noise" not in "".join(diagnose_lines(diagnosis(NAMED)))
+    noisy = replace(NAMED, traces=replace(NAMED.traces, corner_hz=4.0), effects=(replace(STRIBECK, name="time_delay"),))
+    lines = "\n".join(diagnose_lines(diagnosis(noisy)))
+    assert "joint 1, what is faster than 4 Hz is lost in the noise of the acceleration" in lines
+    assert "time_delay: a low-pass filter in the recorder" in lines
+    assert "; what is faster than 4 Hz" in joint_message(replace(noisy, verdict="adequate", effects=()))

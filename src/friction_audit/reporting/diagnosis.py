@@ -140,6 +140,8 @@ def _details(joint: JointDiagnosis, *, verbose: bool) -> Iterator[str]:
         yield head + next(one for one in texts if verbose or len(head + one) <= LONGEST or one is short)
         if recorder := effect_of(effect.name).recorder:
             yield f"{effect.name}: {recorder}"
+    if joint.verdict != "adequate" and (lost := words.lost_in_noise(joint)):
+        yield lost
     if joint.negligible:
         yield f"negligible: {words.negligible_words(joint)}"
     if joint.checks:

@@ -57,13 +57,11 @@ def joint_message(joint: JointDiagnosis) -> str:
     """Return the answer for a joint in a sentence: cause, size, what to do; tables and details have the rest."""
     if joint.reason:
         return joint.reason
-    lost, corner_hz = "", np.inf if joint.traces is None else joint.traces.corner_hz
-    if corner_hz <= LOWEST_CORNER_HZ:
-        lost = f"; what is faster than {corner_hz:.2g} Hz is lost in the noise of the acceleration"
     if joint.verdict == "adequate":
         small = "negligible effects apart, no effect" if joint.negligible else "no effect"
-        band = "" if joint.traces is None else f" below {corner_hz:.2g} Hz"
-        return f"{small}{band} exceeds the detection limit of {joint.detection_limit_nm:.2g} N m RMS{lost}"
+        band = "" if joint.traces is None else f" below {joint.traces.corner_hz:.2g} Hz"
+        limit = f"{small}{band} exceeds the detection limit of {joint.detection_limit_nm:.2g} N m RMS"
+        return "; ".join(filter(None, (limit, lost_in_noise(joint))))
     gap, unknown, parts = joint.gap, joint.verdict == "unexplained", []
     if unknown:
         size = "" if gap is None else f" ({gap.after:.2g} N m RMS, noise floor {gap.floor:.2g} N m)"
@@ -75,7 +73,14 @@ def joint_message(joint: JointDiagnosis) -> str:
         parts.append(f"{count_of(contacts, 'contact')} left out")
     if joint.added or not unknown:
         parts.append(_missing(joint) if joint.added else "no other effect is missing")
-    return "; ".join((*parts, _todo(joint))) + lost
+    return "; ".join((*parts, _todo(joint)))
+
+
+def lost_in_noise(joint: JointDiagnosis) -> str:
+    """Return what the log cannot show where its noise asks for the lowest corner; empty elsewhere."""
+    if joint.traces is None or joint.traces.corner_hz > LOWEST_CORNER_HZ:
+        return ""
+    return f"what is faster than {joint.traces.corner_hz:.2g} Hz is lost in the noise of the acceleration"
 
 
 def _missing(joint: JointDiagnosis) -> str:

@@ -145,7 +145,10 @@ def _effects(report: made.LogReport, one: made.JointReport) -> Iterator[html.Par
     separate = [f"{row.names}: {motion_to_decide(row.effect.name, row.effect.alternatives)}." for row in unsure]
     yield html.Text([f"To separate {words.plain_names(line)}".replace(" or ", " from ", 1) for line in separate])
     recorders = {row.effect.label: effect_of(row.effect.name).recorder for row in rows}
-    yield html.Text([f"{label}: {text}." for label, text in recorders.items() if text])
+    lines = [f"{label}: {text}." for label, text in recorders.items() if text]
+    if one.discrepancy.verdict != "adequate" and (lost := words.lost_in_noise(one.discrepancy)):
+        lines.append(f"{lost[:1].upper()}{lost[1:]}.")
+    yield html.Text(lines)
     competing = [(row, other) for row in rows for other in row.effect.evidence]
     caption = f"Effects competing with those of {joint}: from 6 on the evidence against them is strong"
     yield tables.COMPETITOR.people(competing, caption=caption, unit=unit, folded=True).filled(without="joint")
