@@ -22,12 +22,7 @@ if TYPE_CHECKING:
 
 FLAGS = ("--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run")
 
-WITHOUT_LOOPS = (
-    "test_architecture.py",
-    "test_site.py",
-    "test_pages_in_browser.py",
-    "test_pages.py",
-)
+WITHOUT_LOOPS = ("test_architecture.py", "test_site.py", "test_pages_in_browser.py", "test_pages.py")
 """Files of long tests that compile no loops of the program; the last two read the same pages."""
 WITH_LOOPS = ("test_docs.py", "test_reproductions.py", "test_diagnose.py")
 """Files of long tests that compile most of them."""

@@ -3,15 +3,7 @@
 import numpy as np
 import pytest
 
-from benchmarks.hidden_effects.limits import (
-    PRICE,
-    held_by,
-    integral_time,
-    judged,
-    same_moments,
-    samples_of,
-    visible,
-)
+from benchmarks.hidden_effects.limits import PRICE, held_by, integral_time, judged, same_moments, samples_of, visible
 from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 from tests.effects.joint_data_by_hand import moved_joint, started_and_stopped

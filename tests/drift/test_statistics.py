@@ -6,12 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from friction_audit.drift.change_test import (
-    estimate_autocorrelation,
-    make_directions,
-    step_down,
-    studentise,
-)
+from friction_audit.drift.change_test import estimate_autocorrelation, make_directions, step_down, studentise
 from friction_audit.drift.regression import fit_model, residual_scatter
 from friction_audit.drift.session import Series, make_series
 from friction_audit.joint_log import Float

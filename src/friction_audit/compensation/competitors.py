@@ -21,14 +21,7 @@ from typing import Any, Self, get_args
 
 import numpy as np
 
-from friction_audit.compensation.law import (
-    FINITE,
-    EnergyCompensator,
-    Law,
-    positive,
-    soft_sign,
-    within,
-)
+from friction_audit.compensation.law import FINITE, EnergyCompensator, Law, positive, soft_sign, within
 from friction_audit.compiled import Record, compiled
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.errors import UsageError

@@ -67,11 +67,7 @@ def sign_cautions(log: JointLog, balance: Balance, settings: TorqueSettings, *, 
 
 
 def gravity_cautions(
-    log: JointLog,
-    coarse: CoarseLog,
-    balance: Balance,
-    columns: list[int],
-    direction: Float | None,
+    log: JointLog, coarse: CoarseLog, balance: Balance, columns: list[int], direction: Float | None
 ) -> tuple[Caution, ...]:
     """Say on which joints gravity or an offset is left in the torque, unless gravity is declared to be inside.
 

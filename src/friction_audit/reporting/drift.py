@@ -174,11 +174,7 @@ COEFFICIENT = Record(
 
 
 # A joint, and of its sessions that were diagnosed the verdicts and effects, with how often each was given.
-DIAGNOSED = Record(
-    joint_column("0"),
-    Column("verdicts", str, get="1", on="p"),
-    Column("effects", str, get="2", on="p"),
-)
+DIAGNOSED = Record(joint_column("0"), Column("verdicts", str, get="1", on="p"), Column("effects", str, get="2", on="p"))
 
 
 def _side(side: str) -> Column:
