@@ -4,10 +4,11 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from friction_audit.effects.joint_data import SIGMA_PER_MEDIAN, JointData
 from friction_audit.joint_log import DERIVATIVE, Float, JointLog, median_step, step_places
-from friction_audit.preprocessing.even_grid import fresh_samples, gaps
+from friction_audit.preprocessing.even_grid import belated_samples, fresh_samples, gaps, moments_of_samples
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.sign import SIGNIFICANT
 from friction_audit.preprocessing.torque_source import CHANNELS
@@ -118,6 +119,19 @@ def audit_clock(log: JointLog) -> tuple[DataFinding, ...]:
         judged("holes", float(steps[1][gaps(t)].sum()) / log.duration_s),
         judged("stale", float(np.mean(~fresh)), rate=1.0 / median_step(t)),
     )
+
+
+def timely_samples(log: JointLog) -> tuple[slice | NDArray[np.bool_], Float]:
+    """Return which samples are neither repeated nor belated, and their stamps."""
+    # With repeated samples effects_stiction_16001 and effects_time_delay_16001 are adequate; with stamps as they are,
+    # those and stranger_time_delay_1 and stranger_joint_elasticity_1.
+    new = fresh_samples(log)
+    fresh = slice(None) if new.all() else new  # views, no copies
+    t = moments_of_samples(log.t[fresh], log.q[fresh], log.dq[fresh])
+    if np.any(belated := belated_samples(t, log.q[fresh], log.dq[fresh])):
+        new[new] = ~belated
+        return new, t[~belated]
+    return fresh, t
 
 
 def own_velocity(log: JointLog) -> JointLog:

@@ -12,7 +12,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.data_audit import DataFinding, audit_clock, audit_data, own_velocity, resolution
+from friction_audit.diagnosis.data_audit import (
+    DataFinding,
+    audit_clock,
+    audit_data,
+    own_velocity,
+    resolution,
+    timely_samples,
+)
 from friction_audit.diagnosis.known_load import know_load, known_inertias
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.breakaway import find_breakaways, signed_rest
@@ -22,13 +29,7 @@ from friction_audit.friction.history import Coefficient, FrictionHistory
 from friction_audit.joint_log import DERIVATIVE, Float, JointLog, median_step
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.energy_cycles import KEPT, EnergyCycles
-from friction_audit.preprocessing.even_grid import (
-    MOVING_RAD_S,
-    LowPass,
-    belated_samples,
-    fresh_samples,
-    moments_of_samples,
-)
+from friction_audit.preprocessing.even_grid import MOVING_RAD_S, LowPass
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.sign import coarse_log
 from friction_audit.preprocessing.torque_source import CHANNELS
@@ -72,15 +73,8 @@ def prepare(
 
     The log is that which the interaction was made from, in the same window, with all its joints.
     """
-    # With repeated samples effects_stiction_16001 and effects_time_delay_16001 are adequate; with stamps as they are,
-    # those and stranger_time_delay_1 and stranger_joint_elasticity_1.
     choice, log = interaction.choice, own_velocity(log)
-    new = fresh_samples(log)
-    fresh = slice(None) if new.all() else new  # views, no copies
-    t = moments_of_samples(log.t[fresh], log.q[fresh], log.dq[fresh])
-    if np.any(belated := belated_samples(t, log.q[fresh], log.dq[fresh])):
-        new[new] = ~belated
-        fresh, t = new, t[~belated]
+    fresh, t = timely_samples(log)
     low_pass = LowPass.for_stamps(t)
     valid = low_pass.away_from_gaps(t)
     # Standard deviation of the slope of a low-passed signal over that of its white noise. [1/s]

@@ -6,11 +6,9 @@ from collections.abc import Sequence
 from math import pi
 from xml.sax.saxutils import quoteattr
 
-import numpy as np
-
 from friction_audit import __version__
 from friction_audit.effects.joint_model import FittedTerm
-from friction_audit.export.friction_law import SLOWEST, ExportedJoint, number
+from friction_audit.export.friction_law import ExportedJoint, number
 
 NO_IDENTIFIER = re.compile(r"\W|^(?=\d)")  # what USD refuses in the name of a prim
 NO_COMMENT = re.compile(r"[\x00-\x1f\\]")  # what ends a comment's line in C++ or continues it
@@ -188,8 +186,7 @@ def _values(joint: ExportedJoint) -> dict[str, object]:
     return {
         "joint": law.joint,
         "name": joint.name,
-        # At the onset of motion, with what Stribeck adds; a simulator wants no less than in motion.
-        "static": max(float(law.torque(np.array([SLOWEST]))[0]), coulomb),
+        "static": joint.static_nm,
         "coulomb": coulomb,
         "viscous": viscous,
         "damping": joint.damping,
