@@ -27,7 +27,7 @@ CHANGED = 0.005
 # most the root of the inverse, and below 0.4, the least of all links, from 6.25 on. Other effects in the model and the
 # nominal model of the link itself change that by less than a factor of two.
 TOO_LARGE = 12.5
-EVERY_OF_FIRST = 2  # so many of the first kind of a link are built first; the others where they are worth it
+EVERY_OF_FIRST = 2  # so many of the first kind of a link are built first; the others where these are promising
 ORDERS_SCANNED = 2
 STORED = np.float32  # of columns alone, a thousand of them; products add up in double precision
 

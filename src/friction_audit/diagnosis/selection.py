@@ -26,7 +26,7 @@ ROUNDS_OF_FOLDS = 2
 INDISTINGUISHABLE = 10.0
 # Evidence of the screened points of a link, of any size with the right sign, from which its others are built: of 174
 # joints with effects of all kinds, none has a link with 6 and more whose screened points have less than this.
-WORTH = 4.0
+SCREENED = 4.0
 LEAST_EVIDENCE = 2.0  # of a competing effect: less is hardly anything
 ALIKE = 0.7  # correlation of their torques given everything else, from which they are the same thing
 CLOSE = 40.0  # effects so near the best one are refined before one is chosen
@@ -119,8 +119,8 @@ class Search:
         gains, coefficients = self.training.gain(active)
         factor, found = occam(gains, gram.widths.astype(float)), {}
         signed = np.where(coefficients[:, 0] > 0.0, factor, 0.0)
-        if worth := [name for name in self.withheld if signed[names == name].max(initial=0.0) >= WORTH]:
-            gram.add([block for name in worth for block in self.complete(name)])
+        if promising := [name for name in self.withheld if signed[names == name].max(initial=0.0) >= SCREENED]:
+            gram.add([block for name in promising for block in self.complete(name)])
             return self._integrated(active)
         possible, prior = gram.possible(coefficients), np.array([block.log_prior for block in blocks])
         given = {a.name for a in active}

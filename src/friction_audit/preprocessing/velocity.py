@@ -241,6 +241,7 @@ def noise_of_both(slope: Float, logged: Float, valid: NDArray[np.bool_], step_s:
     if np.count_nonzero(whole) < FEWEST_SEGMENTS:
         return np.zeros(2)
     window = np.hanning(samples)
+    # As scipy.signal.csd, which takes 0.5 s to load.
     kept = (one[: len(whole) * samples].reshape(-1, samples)[whole] for one in (slope, logged))
     first, second = (np.fft.rfft((one - one.mean(axis=1, keepdims=True)) * window) for one in kept)
     hertz = np.fft.rfftfreq(samples, step_s)
