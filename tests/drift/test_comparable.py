@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from friction_audit.drift.analyse import analyse_arm
-from friction_audit.drift.covariates import choose_comparable
+from friction_audit.drift.covariates import choose_comparable, known_by
 from friction_audit.drift.report import DriftReport, DriftSettings, judge, parse_baseline, parse_limit
 from friction_audit.drift.session import Conditions, Session, put_in_order
 from friction_audit.errors import UsageError
@@ -49,6 +49,7 @@ def test_same_start_and_estimates_in_another_format_count_once() -> None:
     assert left_out([replace(session(i), start_s=FIRST_S) for i in range(4)]) == {}  # the start alone says nothing
     nameless = replace(session(1, known=False), path="run1.npz", sha256="more bytes")
     assert left_out([session(i, known=False) for i in range(3)] + [nameless]) == {2: "the same recording as run1.csv"}
+    assert set(known_by(session(1))) & set(known_by(nameless))  # one of the two has a start
 
 
 def test_most_without_a_start_are_ordered_by_name_few_are_left_out() -> None:

@@ -58,10 +58,10 @@ def known_by(session: Session) -> list[tuple[object, ...]]:
     """Return by what a recording is known in another file or format: content; estimates with start or duration."""
     keys: list[tuple[object, ...]] = [("content", session.sha256)]
     found = [c.value for joint in session.joints for c in joint.coefficients.values() if math.isfinite(c.value)]
+    if found:  # a copy may have lost the start, then by more digits
+        keys.append(("duration", round(session.duration_s, 3), *(float(f"{value:.6g}") for value in found)))
     if found and session.start_s is not None:
         keys.append(("start", round(session.start_s, 3), *(float(f"{value:.4g}") for value in found)))
-    elif found:  # without the start, by more digits
-        keys.append(("duration", round(session.duration_s, 3), *(float(f"{value:.6g}") for value in found)))
     return keys
 
 
