@@ -202,6 +202,18 @@ def test_rows_of_several_joints_are_never_read_as_one(tmp_path: Path, late_s: fl
 
 
 @pytest.mark.parametrize("suffix", ["csv", "parquet"])
+def test_rows_of_two_robots_are_refused_by_the_column_that_says_it(tmp_path: Path, suffix: str) -> None:
+    path, one = tmp_path / f"two.{suffix}", tidy_frame(SAMPLES)
+    for names, refusal in (
+        (("left", "left"), None),
+        (("left", "right"), "several robots: column Arm_ID holds left, right"),
+    ):
+        both = pd.concat([one.assign(Arm_ID=names[0])[::2], one.assign(Arm_ID=names[1])[1::2]]).sort_values("time")
+        both.to_csv(path, index=False) if suffix == "csv" else both.to_parquet(path)
+        refused(refusal, read_log, path) if refusal else read_log(path)
+
+
+@pytest.mark.parametrize("suffix", ["csv", "parquet"])
 def test_the_beginning_of_a_table_whose_joints_follow_each_other(
     tmp_path: Path, suffix: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
