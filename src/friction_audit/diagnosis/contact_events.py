@@ -8,13 +8,13 @@ the scale is estimated. Innovations of a contact are left out before the next on
 """
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.diagnosis.problem import RegressionProblem
 from friction_audit.diagnosis.samples import Index, NoiseModel
-from friction_audit.effects.slow import Contact
 from friction_audit.joint_log import Float
 
 Marks = NDArray[np.bool_]
@@ -35,6 +35,13 @@ MOST_CYCLES = 0.6  # share of the cycles with a contact: what is more frequent i
 MOST = 100  # moments that are looked at: what stands out more often is no event
 TINY = float(np.finfo(float).tiny)
 SIGMA_PER_MEDIAN, SIGMA_PER_NINTH_DECILE = 1.4826, 0.6080  # of the absolute value of a normal variable
+
+
+class Contact(NamedTuple):
+    """One stretch of time in which something touches the arm."""
+
+    start_s: float
+    stop_s: float
 
 
 class MatchedFilters:

@@ -116,7 +116,7 @@ PRESLIDING = Presliding(
         Parameter("bristle_damping_s", "s", "damping over stiffness", lower=0.0, upper=1.0),
     ),
     forward="bristle",
-    not_identifiable=reversals,
+    requires=reversals,
     record="reverse at least 20 times, over short and long ways",
     separate={
         "backlash": "reverse slowly with hardly any load: a gap gives no torque at all, then an impact",
