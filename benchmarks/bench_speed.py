@@ -35,8 +35,8 @@ def page(arguments: argparse.Namespace) -> Iterator[str]:
     )
     yield (
         "A log is read in blocks, twice: the clock, then checks, sign and estimate. A mended fault, inertia of the "
-        "model, `--thresholds auto` and an undecided sign add passes. Batched stamps, a slow bus and damaged row groups "
-        "need all in memory."
+        "model, `--thresholds auto` and an undecided sign add passes. Batched stamps, a slow bus and damaged row "
+        "groups need all in memory."
     )
     yield table("bench_parquet", "--hours", hours, "--runs", runs)
     yield "## Start of the program"
