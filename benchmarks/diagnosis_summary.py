@@ -305,9 +305,8 @@ def real(tables: Tables) -> str:
 
 
 def _shown(figures: Iterable[Figure]) -> str:
-    return table(
-        (HEAD[0], *HEAD[2:]), [(one[0], *one[2:]) for one in figures if one[3] != "-" and one[0] not in DETAILS]
-    )
+    rows = [(one[0], *one[3:]) for one in figures if one[3] != "-" and one[0] not in DETAILS]
+    return table((HEAD[0], *HEAD[3:]), rows)
 
 
 def separated(tables: Tables) -> str:
