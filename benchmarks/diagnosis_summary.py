@@ -51,6 +51,8 @@ DETAILS = frozenset(
         "resampled or filtered, nothing hidden: `unexplained` [%]",
         "residual over the noise floor, median",
         "parameters that the log does not identify [%]",
+        "of those whose log holds both [%]",
+        "real joints: same names and verdict, pairs of seeds 0, 1, 2 [%]",
         "the largest effect of the answer [%]",
         "in the answer, without those that the plain log has [%]",
     }
