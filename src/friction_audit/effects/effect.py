@@ -7,7 +7,7 @@ over the nonlinear parameters only. Effects whose formulas are alike share a mod
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -77,6 +77,8 @@ class Effect:
     # the array of ``cpp_table``, which the expression reads by ``between(table, place)``.
     in_cpp: Callable[[Sequence[float], str], str] = free
     cpp_table: Callable[[Sequence[float]], Float | None] = lambda _: None
+
+    memoryless: ClassVar[bool] = False  # True if it follows from the joint's own motion and load at the same instant
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return the torque per unit of each coefficient, shape (n, p), at the nonlinear parameters in order."""

@@ -27,6 +27,8 @@ class LoadDependentFriction(Effect):
     load.
     """
 
+    memoryless = True
+
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return sgn(dq) |load|^p and, where the power's direction counts, sgn(load) |load|^p as columns."""
         exponent, directed, static = values

@@ -60,6 +60,8 @@ class PositionDependentFriction(Effect):
     the position. A wave under a bell is a patch where the bell is narrower than the wave is long.
     """
 
+    memoryless = True
+
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield sgn(dq) exp(-((q - c) / w)^2 / 2) times cos and sin of k (q - c), two columns; equal bells are one."""
         wave = Wave(motion.q)
@@ -132,6 +134,8 @@ class TorqueRipple(Effect):
     alternative, Biometrika 74 (1987) 33.
     """
 
+    memoryless = True
+
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         wave = Wave(motion.q)
         yield from ((place, wave.of(order).T) for place, (order,) in enumerate(many))
@@ -185,6 +189,8 @@ class CableSpring(Effect):
     The free stretch makes it the slack of a cable; where it covers one end of the range, a tether that pulls at the
     other. A linear spring about another centre is one about this centre with a preload.
     """
+
+    memoryless = True
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return the stretch d = q - c less what is free of it, and its cube, and ones, as columns."""
@@ -250,6 +256,8 @@ class JointLimitStop(Effect):
     K. H. Hunt, F. R. E. Crossley, Coefficient of restitution interpreted as damping in vibroimpact, Journal of Applied
     Mechanics 42 (1975) 440: the torque grows with a power of the depth, and so does the damping; a plain damper too.
     """
+
+    memoryless = True
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return (depth / 0.1 rad)^n at the upper and the lower stop, dq while one is touched, that times the power."""
