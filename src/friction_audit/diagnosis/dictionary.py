@@ -197,9 +197,19 @@ class Dictionary:
                         nominals[place] = replace(baseline, **dict(zip(names, values, strict=True)))
                         again.append(place)
         grid = [shapes[k] for k in again]
-        for places, rows in effect.regressors_of(data, [nominals[k] for k in again], grid, self.problem.columns):
+        for places, rows in self._regressors(effect, [nominals[k] for k in again], grid):
             for k, columns in zip(places, rows.reshape(len(places), -1, rows.shape[-1]), strict=True):
                 yield again[k], columns
+
+    def _regressors(
+        self, effect: Effect, nominals: Sequence[Nominal], grid: Sequence[Nonlinear]
+    ) -> Iterator[tuple[Sequence[int], Float]]:
+        """Yield places and columns on the samples, from what an effect needs of the fine grid: half, without memory."""
+        if not effect.memoryless:
+            return effect.regressors_of(self.problem.data, nominals, grid, self.problem.columns)
+        (read, data, seen), nominal = self.problem.near, nominals[0]  # all have one
+        one = replace(nominal, torque=nominal.torque[read])
+        return effect.regressors_of(data, [one] * len(grid), grid, seen)
 
     def rebuild(self, baseline: Nominal, y: Float) -> None:
         """Build again what follows from the nominal model, better known; the response without other effects, (m,)."""
@@ -212,8 +222,8 @@ class Dictionary:
 
     def columns_at(self, block: Block, shape: Nonlinear, baseline: Nominal) -> Float:
         """Columns of a block's effect at another point, shape (p, m)."""
-        fine = block.effect.regressor(self.problem.data, baseline, shape)[:, block.there]
-        return self.problem.columns(fine)
+        _, columns = next(self._regressors(block.effect, [baseline], [shape]))
+        return columns.reshape(-1, columns.shape[-1])[block.there]
 
     def torques_at(self, block: Block, shapes: Sequence[Nonlinear], nominals: Sequence[Nominal]) -> Float:
         """Torques of an effect whose coefficient follows, each on its own nominal model, shape (k, m)."""
