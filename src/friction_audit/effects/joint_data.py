@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,9 +94,11 @@ class JointData:
     def at(self, places: NDArray[np.int64]) -> "JointData":
         """The joint by itself at some of its samples, of which the first two follow each other."""
         names = ("t", "q", "dq", "ddq", "torque", "temperature", "load", "cycle", "moving", "valid")
-        own = {name: None if (all_of := getattr(self, name)) is None else all_of[places] for name in names}
-        alone = dict.fromkeys(("others_dq", "others_ddq", "others_torque"), np.empty((len(places), 0)))
-        return replace(self, **own, **alone, logged_dq=None, rigid=None)
+        own: dict[str, Any] = {
+            name: None if (all_of := getattr(self, name)) is None else all_of[places] for name in names
+        }
+        own |= dict.fromkeys(("others_dq", "others_ddq", "others_torque"), np.empty((len(places), 0)))
+        return replace(self, **own, logged_dq=None, rigid=None)
 
     def motion(self, rest: Float | None = None) -> Motion:
         """The input of an effect's columns; ``rest`` is the torque of the nominal model, shape (n,)."""
