@@ -283,15 +283,11 @@ def complementary_mean(
     return np.asarray(logged + oaconvolve(apart, kernel / kernel.sum(), "valid"))
 
 
-def position_along(
-    q: Float, dq: Float, ddq: Float, valid: NDArray[np.bool_], step_s: float, crossover_hz: float
-) -> Float:
-    """Return the same mean of a position and of the integral of a velocity, shape (n,).
+def position_of(q: Float, dq: Float, ddq: Float, valid: NDArray[np.bool_], step_s: float, crossover_hz: float) -> Float:
+    """Return the same mean of a position and of the integral of a velocity, of the position alone over other samples.
 
-    A position that is noisier than the integral hides gaps and springs, whose columns are nonlinear in it, and makes a
-    relative of them (resampled: backlash 140003 was presliding). Where a sample is not valid the way is the position's.
+    Next to the noise of a position alone gaps and springs are presliding (resampled: backlash 140003).
     """
     way = 0.5 * step_s * (dq[1:] + dq[:-1]) - step_s**2 / 12.0 * np.diff(ddq)  # Euler-Maclaurin
-    way = np.where(valid[1:] & valid[:-1], way, np.diff(q))
-    along = q[0] + np.append(0.0, np.cumsum(way))
+    along = q[0] + np.append(0.0, np.cumsum(np.where(valid[1:] & valid[:-1], way, np.diff(q))))
     return complementary_mean(q, along, np.ones(len(q), bool), step_s, max(crossover_hz, LOWEST_CROSSOVER_HZ))
