@@ -172,6 +172,12 @@ class RegressionProblem:
         """Columns of the fine grid, shape (n, p), on the samples, shape (p, m)."""
         return np.ascontiguousarray(self.samples.of(fine).T)
 
+    @cached_property
+    def near(self) -> tuple[Index, JointData, Callable[[Float], Float]]:
+        """Where the filter reads the fine grid, the joint there, and what makes samples of its columns."""
+        read, samples = self.samples.near(len(self.data.t))
+        return read, self.data.at(read), lambda fine: np.ascontiguousarray(samples.of(fine).T)
+
     def without(self, dropped: NDArray[np.bool_]) -> "RegressionProblem":
         """The problem without some samples, shape (m,)."""
         kept = np.flatnonzero(~dropped)

@@ -29,7 +29,7 @@ from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.effects.transmission import MOTION_BELOW_HZ, motion_below
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
-from friction_audit.preprocessing.even_grid import filtered, kaiser_low_pass
+from friction_audit.preprocessing.even_grid import filtered, kaiser_low_pass, within
 from friction_audit.preprocessing.velocity import MEDIAN_OF_DENSITY, noise_density
 
 Index = NDArray[np.int64]
@@ -83,6 +83,14 @@ class Samples:
         if len(self.onsets.onset):
             out[:, self.breakaway] = self.onsets.of(rows.T).T
         return out[0] if columns.ndim == 1 else out.T
+
+    def near(self, n: int) -> tuple[Index, "Samples"]:
+        """Where the filter reads a fine grid of n samples, and what makes the samples of columns given there alone."""
+        half, last = len(self.kernel) // 2, self.onsets.samples
+        begins = np.append(np.maximum(self.fine - half, 0), last[:, 0])
+        read = within(begins, np.append(np.minimum(self.fine + half + 1, n), last[:, -1] + 1), n)
+        onsets = replace(self.onsets, samples=np.searchsorted(read, last))
+        return read, replace(self, every=1, place=np.searchsorted(read, self.fine), onsets=onsets)
 
 
 @lru_cache(maxsize=1)  # of a joint they are needed to count its cycles, then to build its problem

@@ -1,6 +1,6 @@
 """What one joint did and what drove it, on an even grid; measures for grids of effects; what a log lacks."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -89,6 +89,13 @@ class JointData:
     def way(self) -> Float:
         """Mean sign of the velocity over the cell of each sample, shape (n,)."""
         return mean_sign(self.t, self.dq, self.ddq)
+
+    def at(self, places: NDArray[np.int64]) -> "JointData":
+        """The joint by itself at some of its samples, of which the first two follow each other."""
+        names = ("t", "q", "dq", "ddq", "torque", "temperature", "load", "cycle", "moving", "valid")
+        own = {name: None if (all_of := getattr(self, name)) is None else all_of[places] for name in names}
+        alone = dict.fromkeys(("others_dq", "others_ddq", "others_torque"), np.empty((len(places), 0)))
+        return replace(self, **own, **alone, logged_dq=None, rigid=None)
 
     def motion(self, rest: Float | None = None) -> Motion:
         """The input of an effect's columns; ``rest`` is the torque of the nominal model, shape (n,)."""

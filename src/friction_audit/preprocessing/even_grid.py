@@ -217,8 +217,8 @@ class LowPass:
         t, position, lost = t[first:stop], position[first:stop], lost - first
         begins, ends = np.searchsorted(self.fine, t[np.stack([lost, lost + 1])], side="right")
         n = len(t)
-        near = _within(np.maximum(lost - HELD, 0), np.minimum(lost + HELD + 2, n), n)
-        inside = begins[0] + _within(begins - begins[0], ends - begins[0], ends[-1] - begins[0])
+        near = within(np.maximum(lost - HELD, 0), np.minimum(lost + HELD + 2, n), n)
+        inside = begins[0] + within(begins - begins[0], ends - begins[0], ends[-1] - begins[0])
         even[inside] = natural_spline(t[near], position[near], self.fine[inside])
 
     def away_from_gaps(self, t: Float) -> NDArray[np.bool_]:
@@ -236,7 +236,7 @@ class LowPass:
         return np.asarray(filtered(even[None], np.ascontiguousarray(kernel[::-1]), centre)[0])
 
 
-def _within(starts: NDArray[np.int64], stops: NDArray[np.int64], n: int) -> NDArray[np.int64]:
+def within(starts: NDArray[np.int64], stops: NDArray[np.int64], n: int) -> NDArray[np.int64]:
     """Places 0..n-1 within any of some ranges."""
     change = np.bincount(starts, minlength=n + 1) - np.bincount(stops, minlength=n + 1)
     return np.flatnonzero(np.cumsum(change[:n]))
