@@ -74,7 +74,7 @@ class Block:
 
     def possible(self, coefficients: Float) -> bool:
         """Whether signs and sizes are physically possible."""
-        return bool(self.effect.admissible(self.whole(coefficients), self.shape))
+        return bool(self.effect.possible(self.whole(coefficients), self.shape))
 
 
 @dataclass(eq=False)
@@ -261,8 +261,7 @@ class Dictionary:
 
     def bounds(self, block: Block) -> dict[str, tuple[float, float]]:
         """From where to where nonlinear parameters may be refined: the grid and half as much again."""
-        effect, data = block.effect, self.problem.data
-        tried = effect.grid(data) or effect.identifiable_part(data)
+        effect, tried = block.effect, block.effect.grid(self.problem.data)
         free = {parameter.name: parameter for parameter in effect.nonlinear if not parameter.whole}
         found = {}
         for name in (name for name in block.shape if name in free):
@@ -276,8 +275,6 @@ class Dictionary:
 
     def spacing(self, block: Block, name: str) -> float:
         """Distance of the closest point of the grid to the next one."""
-        effect, data = block.effect, self.problem.data
-        tried = effect.grid(data) or effect.identifiable_part(data)
-        values = np.unique([s[name] for s in tried if name in s])
+        values = np.unique([s[name] for s in block.effect.grid(self.problem.data) if name in s])
         away = np.abs(values - values[np.argmin(np.abs(values - block.shape[name]))]) if len(values) else values
         return float(away[away > 0].min()) if np.any(away > 0) else 0.2 * abs(block.shape[name]) + 1e-9

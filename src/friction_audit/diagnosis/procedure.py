@@ -163,7 +163,7 @@ def plausible(problem: RegressionProblem, nuisances: Sequence[Nuisance], baselin
 
 def _formula_error(block: Block) -> float:
     """Share of an effect's torque that its formula may get wrong."""
-    if block.effect.exact:
+    if block.effect.misses == "nothing":
         return 0.0
     return TRANSMISSION_ERROR if block.effect.transmits else EFFECT_ERROR
 
@@ -198,7 +198,7 @@ def _may_absorb_error(state: State, active: Sequence[Block], block: Block, other
 
     What a torque of the position or of the time alone misses is of the same quantity: a free curve over it holds that.
     """
-    if not other.effect.even:
+    if other.effect.misses == "any":
         return True
     problem = state.problem
     values = next(axis.value(problem.data) for axis in AXES if axis.name == other.effect.axis)

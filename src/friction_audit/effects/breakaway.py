@@ -15,7 +15,7 @@ controller starts the joint, some milliseconds make it another: it tells nothing
 more than that. Then the joint had been loaded with more than sliding takes.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import product
@@ -178,12 +178,13 @@ class Stiction(Effect):
             left = np.exp(-slid / path)
             yield from ((k, (aged[age] * left)[:, None]) for k, (age, own) in enumerate(many) if own == path)
 
+    def tries(self, data: JointData) -> Iterable[Sequence[float]]:
+        return product(AGEINGS_S, (AT_ONCE_RAD, *shares_of_span(data, SPAN_SHARES)))
 
-def lasting(data: JointData) -> tuple[Nonlinear, ...]:
-    """Return what any starts show: an excess that fades over a path, however the torque rose at break-away."""
-    starts, _ = _starts(data)
-    enough = starts >= FEWEST_BREAKAWAYS
-    return tuple(at for at in STICTION.grid(data) if enough and at["renewal_rad"] != AT_ONCE_RAD)
+    def identifiable_part(self, data: JointData) -> tuple[Nonlinear, ...]:
+        """Return what any starts show: an excess that fades over a path, however the torque rose at break-away."""
+        enough = _starts(data)[0] >= FEWEST_BREAKAWAYS
+        return tuple(at for at in self.grid(data) if enough and at["renewal_rad"] != AT_ONCE_RAD)
 
 
 def slow_starts(data: JointData, nominal: Nominal) -> str | None:
@@ -240,8 +241,6 @@ STICTION = Stiction(
         Parameter("renewal_rad", "rad", "path of the decay", lower=1e-7, upper=1.0),
     ),
     not_identifiable=slow_starts,
-    identifiable_part=lasting,
-    tries=lambda data: product(AGEINGS_S, (AT_ONCE_RAD, *shares_of_span(data, SPAN_SHARES))),
     record="start slowly at least 15 times after rests from 0.1 to 10 s",
     separate={
         "presliding": "start after rests from 0.1 to 10 s and reverse without any: only stiction needs the rest",

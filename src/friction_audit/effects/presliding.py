@@ -12,7 +12,7 @@ Canudas de Wit et al., IEEE Trans. Autom. Control 40 (1995) 419, eq. (1)-(3)), w
 stiffness times a time. Without that damping nothing depends on the rate.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import product
 from math import exp
 
@@ -21,7 +21,7 @@ import numpy as np
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import Effect
-from friction_audit.effects.joint_data import reversals, shares_of_span
+from friction_audit.effects.joint_data import JointData, reversals, shares_of_span
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 
@@ -50,6 +50,9 @@ class Presliding(Effect):
                 else:
                     rate = np.gradient(z, motion.t) if damping > 0.0 else np.zeros(len(z))
                     yield place, (z + damping * rate - sign)[:, None]
+
+    def tries(self, data: JointData) -> Iterable[Sequence[float]]:
+        return ((reach, *kind) for kind, reach in product(KINDS, shares_of_span(data, SPAN_SHARES)))
 
 
 def bristle(q: Float, reach_rad: float, exponent: float) -> Float:
@@ -128,9 +131,7 @@ PRESLIDING = Presliding(
     ),
     forward="bristle",
     not_identifiable=reversals,
-    tries=lambda data: ((reach, *kind) for kind, reach in product(KINDS, shares_of_span(data, SPAN_SHARES))),
     record="reverse at least 20 times, over short and long ways",
-    part_of=("backlash", "joint_elasticity"),  # effects_backlash_120003
     separate={
         "backlash": "reverse slowly with hardly any load: a gap gives no torque at all, then an impact",
         "frictional_lag": "reverse at different accelerations: presliding goes by the path, a lag by the time",
