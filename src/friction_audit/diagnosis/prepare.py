@@ -99,6 +99,8 @@ def prepare(
             torque = torque + low_pass.of(t, interaction.compensation[fresh, joint])
         # Copies: columns of a matrix of all joints are read at an eighth of the speed.
         q, own_dq = (np.ascontiguousarray(every[:, column]) for every in (all_q, all_dq))
+        if derived_from == "dq":
+            q = position_of(q, own_dq, all_ddq[:, column], valid, low_pass.step_s, crossover_hz)
         usual = float(np.quantile(np.abs(own_dq[valid]), 0.95)) if valid.any() else 0.0
         noise = max(grid_noise(own_dq[valid]), rounding * (slope_gain if derived_from == "q" else 1.0))
         dead = max(DEAD_SIGMAS * noise, DEAD_SHARE * usual, TINY_SPEED)
@@ -120,6 +122,7 @@ def prepare(
             valid=valid,
             dead_speed_rad_s=dead,
             derived_from=derived_from,
+            logged_q=None if derived_from == "q" else all_q[:, column],
             logged_dq=logged_dq[:, column],
             load=None if load is None else np.ascontiguousarray(load[:, column]),
             rigid=None if rigid is None else rigid[column],
@@ -182,6 +185,7 @@ def spread_parts(data: JointData, most_s: float, known: dict[str, Any]) -> Joint
         cycle=np.where(counts, joined(whole), -1),
         moving=joined(data.moving.astype(np.float64)) == 1.0,
         valid=counts & (joined(data.valid.astype(np.float64)) == 1.0),
+        logged_q=None,
         logged_dq=None,
         **changed,
         **known,
@@ -240,7 +244,6 @@ def _filtered_motion(
             if crossover_hz := crossover_of(slope[seen], dq[seen], low_pass.step_s, apart):
                 dq = complementary_mean(slope, dq, valid, low_pass.step_s, crossover_hz)
                 ddq = np.gradient(dq, low_pass.t)
-            q = position_of(q, dq, ddq, valid, low_pass.step_s, crossover_hz)
         for every, own in zip(moved, (q, dq, ddq, logged), strict=True):
             every[:, column] = own
         return source, crossover_hz, *((of_q, apart[0]) if source == "q" else (of_dq, apart[1]))
@@ -333,7 +336,7 @@ def subjects_of(
         number, found = interaction.joint_numbers[data.joint], friction.joints[data.joint]
         subjects.append(
             Subject(
-                data=replace(data, logged_dq=None),  # the audit alone has looked at it
+                data=replace(data, logged_q=None, logged_dq=None),  # the audit alone has looked at it
                 number=number,
                 name=interaction.joint_names[data.joint],
                 findings=findings,
