@@ -7,12 +7,11 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from friction_audit.diagnosis.contact_events import detect, touched, without_impulses
+from friction_audit.diagnosis.contact_events import Contact, detect, touched, without_impulses
 from friction_audit.diagnosis.problem import RegressionProblem
 from friction_audit.diagnosis.samples import NoiseModel, least_squares
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_data import JointData
-from friction_audit.effects.slow import Contact
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import AuditSettings, diagnose_log
 from friction_audit.simulation import BenchSettings, simulate

@@ -33,13 +33,7 @@ from friction_audit.preprocessing.even_grid import MOVING_RAD_S, LowPass
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.sign import coarse_log
 from friction_audit.preprocessing.torque_source import CHANNELS
-from friction_audit.preprocessing.velocity import (
-    complementary_mean,
-    crossover_of,
-    find_lag,
-    noise_of_both,
-    position_along,
-)
+from friction_audit.preprocessing.velocity import complementary_mean, crossover_of, find_lag, noise_of_both, position_of
 from friction_audit.robot import Arm
 
 # Parts of a long recording, the way from each to the next, and the time in which springs and bristles forget that.
@@ -246,7 +240,7 @@ def _filtered_motion(
             if crossover_hz := crossover_of(slope[seen], dq[seen], low_pass.step_s, apart):
                 dq = complementary_mean(slope, dq, valid, low_pass.step_s, crossover_hz)
                 ddq = np.gradient(dq, low_pass.t)
-            q = position_along(q, dq, ddq, valid, low_pass.step_s, crossover_hz)
+            q = position_of(q, dq, ddq, valid, low_pass.step_s, crossover_hz)
         for every, own in zip(moved, (q, dq, ddq, logged), strict=True):
             every[:, column] = own
         return source, crossover_hz, *((of_q, apart[0]) if source == "q" else (of_dq, apart[1]))
