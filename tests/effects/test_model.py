@@ -183,7 +183,7 @@ def test_friction_never_pushes(term: Effect) -> None:
         assert np.all(term.torque(MOTION, values) * DQ >= 0.0)
 
 
-@pytest.mark.parametrize("term", [term for term in terms() if term.speed_only], ids=lambda term: term.name)
+@pytest.mark.parametrize("term", [term for term in terms() if term.axis == "speed"], ids=lambda term: term.name)
 def test_a_term_of_the_velocity_alone_sees_nothing_else(term: Effect) -> None:
     values = tuple(0.3 for _ in term.coefficients) + SHAPES[term.name]
     others = {name: 3.0 * getattr(MOTION, name) - 1.0 for name in ("t", "q", "ddq", *KNOWN)}

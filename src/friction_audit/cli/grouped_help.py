@@ -169,7 +169,8 @@ def load_config(context: typer.Context, path: Path | None) -> Path | None:
         raise typer.BadParameter(f"{path}: cannot be read: {error.strerror}") from error
     except ValueError as error:
         raise typer.BadParameter(f"{path}: not TOML with options: {printable(str(error))}") from error
-    options = _options(context)
+    offered = [p for p in context.command.params if p.param_type_name == "option" and p.name not in NOT_IN_FILES]
+    options = {max(option.opts, key=len).removeprefix("--"): option for option in offered}
     if unknown := few([shortened(printable(key), LONGEST_KEY) for key in values if key not in options]):
         named = ", ".join(f"{key}{near_misses(key, tuple(options))}" for key in unknown)
         listed = "" if "?" in named else f" (options of this command: {', '.join(options)})"
@@ -177,11 +178,6 @@ def load_config(context: typer.Context, path: Path | None) -> Path | None:
     given = {options[key].name: _as_given(value, several=options[key].multiple) for key, value in values.items()}
     context.default_map = given
     return path
-
-
-def _options(context: typer.Context) -> dict[str, Any]:
-    options = [p for p in context.command.params if p.param_type_name == "option" and p.name not in NOT_IN_FILES]
-    return {max(option.opts, key=len).removeprefix("--"): option for option in options}
 
 
 def _as_given(value: Any, *, several: bool) -> Any:  # noqa: ANN401 - any TOML value

@@ -50,6 +50,14 @@ FAMILIES = {
         "unlogged_compensation": "speed",
     },
 }
+# Effects that no motion of one kind separates, and effects that may be a part of others where these are found too.
+INDISTINGUISHABLE = ({"asymmetric_coulomb", "torque_bias"}, {"cable_spring", "joint_limit_stop"})
+PART_OF = {
+    "asymmetric_coulomb": ("torque_drift",),
+    "torque_bias": ("torque_drift",),
+    "presliding": ("backlash", "joint_elasticity"),  # effects_backlash_120003
+    "time_delay": ("backlash", "joint_elasticity"),  # pairs_joint_elasticity+friction_step_90018
+}
 MODULES = {name: module for members in FAMILIES.values() for name, module in members.items()}
 NAMES = tuple(MODULES)
 FAMILY_OF = {name: family for family, members in FAMILIES.items() for name in members}
@@ -82,6 +90,11 @@ def term_of(name: str) -> "Effect":
     if name not in known:
         raise AnalysisError(f"{name!r} is no term{near_names(name, list(known))}; expected {', '.join(known)}")
     return known[name]
+
+
+def same_as(name: str) -> set[str]:
+    """Return an effect with those that no motion of one kind separates from it."""
+    return next((alike for alike in INDISTINGUISHABLE if name in alike), {name})
 
 
 def near_names(name: str, names: list[str]) -> str:

@@ -198,8 +198,8 @@ ARM = Record(
     Column("robot", str, "which arm", title="arm", code=True, on="jp"),
     Column("drift", bool, "whether a joint drifts"),
     Column(
-        "verdict", phrases.VERDICTS, "the strongest of its joints", lambda arm: phrases.joint_verdict(*arm.joints),
-        tone=phrases.TONES, on="jp",
+        "verdict", phrases.VERDICTS, "the strongest of its joints", tone=phrases.TONES, on="jp",
+        get=lambda arm: phrases.drift_verdict(*(one for joint in arm.joints for one in joint.coefficients)),
     ),
     Column("sentence", str, get=phrases.arm_sentence, title="answer", words=True, on="p"),
     Column("message", str, "one sentence", lambda arm: f"{arm.robot}: {phrases.arm_sentence(arm)}"),
@@ -219,7 +219,10 @@ JOINT_DRIFT = Record(
     Column("joint", int, "number, from 1", "1.joint"),
     Column("name", str, "name in the log", "1.name"),
     Column("drift", bool, "whether a coefficient drifts", "1.drift"),
-    Column("verdict", phrases.VERDICTS, "the strongest of its coefficients", lambda row: phrases.joint_verdict(row[1])),
+    Column(
+        "verdict", phrases.VERDICTS, "the strongest of its coefficients",
+        lambda row: phrases.drift_verdict(*row[1].coefficients),
+    ),
     Column("message", str, "one sentence", lambda row: f"joint {row[1].joint}: {phrases.joint_sentence(*row)}"),
     Column("coulomb_trend_nm_per_session", Coefficient, "robust slope", "1.coefficients.0.trend_per_session"),
     Column("viscous_trend_nms_per_rad_per_session", Coefficient, "robust slope", "1.coefficients.1.trend_per_session"),

@@ -49,15 +49,11 @@ TO_DO = (
 )
 
 
-def drift_verdict(found: CoefficientDrift) -> str:
-    """Return whether a coefficient drifts: one of VERDICTS."""
-    return DRIFT if found.drift else {"temperature": TEMPERATURE, "too_few": UNTESTED}.get(found.shape, STEADY)
-
-
-def joint_verdict(*joints: JointDrift) -> str:
-    """Return whether some joints drift: the strongest verdict on their coefficients, untested without any."""
-    found = (drift_verdict(one) for joint in joints for one in joint.coefficients)
-    return min(found, key=VERDICTS.index, default=UNTESTED)
+def drift_verdict(*found: CoefficientDrift) -> str:
+    """Return whether some coefficients drift: the strongest one of VERDICTS, untested without any."""
+    others = {"temperature": TEMPERATURE, "too_few": UNTESTED}
+    verdicts = (DRIFT if one.drift else others.get(one.shape, STEADY) for one in found)
+    return min(verdicts, key=VERDICTS.index, default=UNTESTED)
 
 
 def describe(found: CoefficientDrift, sessions: Sequence[Session]) -> str:
