@@ -131,7 +131,7 @@ EVENTS = draw_events(TOUCHED.hidden[0].contact_event, BENCH.duration_s, make_str
 
 def diagnosed(settings: BenchSettings) -> Any:
     asked = DiagnosisSettings(candidates=("contact_event", "stribeck"))
-    (joint,) = diagnose_log(simulate(settings, SEED).log, AuditSettings(), asked).discrepancy.joints
+    (joint,) = diagnose_log(simulate(settings, SEED).log, AuditSettings(), asked).joints
     return joint
 
 

@@ -174,11 +174,11 @@ def _constant_channels(log: JointLog, interaction: Interaction, data: JointData)
 def _velocity(interaction: Interaction, data: JointData) -> tuple[DataFinding, ...]:
     """Compare the logged dq with the change of q: dq(t) = scale * (dq/dt of q)(t - delay)."""
     good = data.valid
-    dq = data.dq if data.logged_dq is None else data.logged_dq
+    q, dq = data.q if data.logged_q is None else data.logged_q, data.dq if data.logged_dq is None else data.logged_dq
     noise = judged("dq_noise", data.dead_speed_rad_s)
     if good.any() and not data.used.any() and np.ptp(data.q[good]) < RESTING_RAD:
         return (noise,)
-    slope = np.gradient(data.q, data.step_s)
+    slope = np.gradient(q, data.step_s)
     if not good.any() or not np.any(slope[good]):
         return (judged("dq_against_q", 0.0, why=": the position does not change"),)
     design = np.column_stack([slope, -np.gradient(slope, data.step_s)])[good]

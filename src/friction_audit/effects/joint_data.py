@@ -59,6 +59,7 @@ class JointData:
     valid: NDArray[np.bool_]  # samples that are not next to a hole, a stale stretch or an end of the filter
     dead_speed_rad_s: float  # below it the direction is not certain [rad/s]
     derived_from: str = "dq"  # what velocity and acceleration were taken from, "q" or "dq"
+    logged_q: Float | None = None  # position as it was logged, through the same filter; ``q`` where None [rad]
     logged_dq: Float | None = None  # velocity as it was logged, through the same filter; ``dq`` where None [rad/s]
     # what the sensor bears besides, signed as the torque: gravity, and inertia that was taken away; predicted [N m]
     load: Float | None = None
@@ -98,7 +99,7 @@ class JointData:
             name: None if (all_of := getattr(self, name)) is None else all_of[places] for name in names
         }
         own |= dict.fromkeys(("others_dq", "others_ddq", "others_torque"), np.empty((len(places), 0)))
-        return replace(self, **own, logged_dq=None, rigid=None)
+        return replace(self, **own, logged_q=None, logged_dq=None, rigid=None)
 
     def motion(self, rest: Float | None = None) -> Motion:
         """The input of an effect's columns; ``rest`` is the torque of the nominal model, shape (n,)."""

@@ -270,9 +270,8 @@ def complementary_mean(
     """Return the mean of two velocities, weighted by the inverse of their noise densities, shape (n,).
 
     The noise of a position's derivative grows with the frequency f, that of a logged velocity does not. The derivative
-    counts by w(f) = 1 / (1 + (f / f_x)^2), a symmetric exponential in time (N. Wiener, Extrapolation, Interpolation,
-    and Smoothing of Stationary Time Series, 1949). Where a sample is not valid, near a gap, the logged velocity counts
-    alone; f_x is that of :func:`crossover_of`.
+    counts by w(f) = 1 / (1 + (f / f_x)^2), a symmetric exponential in time (N. Wiener, Extrapolation of Stationary Time
+    Series, 1949), not at all next to a gap; f_x is that of :func:`crossover_of`.
     """
     from scipy.signal import oaconvolve
 

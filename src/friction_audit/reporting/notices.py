@@ -251,7 +251,7 @@ def diagnose_notices(found: Diagnosis) -> tuple[Notice, ...]:
     """Return what was noticed on the way to the diagnosis, with limits of the data; of joints with an answer."""
     own = [
         Notice(finding.code, joint.joint, finding.message)
-        for joint in found.discrepancy.joints
+        for joint in found.joints
         for finding in joint.findings
         if finding.verdict == "limit" and joint.gap is not None
     ]
