@@ -60,12 +60,12 @@ def diagnosed(log: JointLog, settings: AuditSettings) -> tuple[Any, Diagnosis]:
     estimate = estimate_log(log, settings)
     subjects = diagnosis_subjects(estimate, DiagnosisSettings())
     found = diagnose_subjects(subjects, DiagnosisSettings())
-    return subjects, Diagnosis(estimate=estimate, discrepancy=found, settings=DiagnosisSettings())
+    return subjects, Diagnosis(estimate=estimate, joints=found, settings=DiagnosisSettings())
 
 
 def sets_of(found: Diagnosis) -> Any:  # noqa: ANN401 - a text, among columns of all kinds
     """Write the answer: names that may be each other by |, effects by ;."""
-    return answer_of(found.discrepancy.joints[0])["sets"]
+    return answer_of(found.joints[0])["sets"]
 
 
 def open_names(truth: str, sets: str) -> bool:
@@ -91,8 +91,8 @@ def work(asked: Row) -> list[dict[str, Any]]:
     log = simulate(settings, seed).log
     subjects, found = diagnosed(log, AuditSettings())
     row["before"] = sets_of(found)
-    if found.discrepancy.joints[0].verdict == "ambiguous" and open_names(truth, row["before"]):
-        pairs = [(subjects[0], found.discrepancy.joints[0])]
+    if found.joints[0].verdict == "ambiguous" and open_names(truth, row["before"]):
+        pairs = [(subjects[0], found.joints[0])]
         _, (task,) = tasks_of(diagnose_document(found), Path(log.source.path), [0.0], subjects=pairs)
         limits = limits_of(task.joint, 0.0, urdf=None, robot="panda")
         plan = plan_task(task, limits, check=False)

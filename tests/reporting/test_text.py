@@ -77,8 +77,8 @@ def in_ampere(found: Estimate) -> Estimate:
     (
         lambda: batch_lines(batch_by_hand.batch(ARM, batch_by_hand.arm(robot="panda-2"))),
         ["2 Coulomb drift +15.0 ± 1.5 % 13 0 ± 0.10 % 3.3 %"],
-        ["joint 5: Coulomb friction rises by 1 % (0.9 to 1.1 %) a session, about 4.7 % a week, 23 %",
-         "not compared: session 9: payload 0.7 kg, the reference had none",
+        ["panda-1: 24 sessions, 2026-03-03 to 2026-04-07, 23 compared; joint 2: Coulomb friction rose by 15 % (14 to",
+         "not compared: session 9 (run_009.mcap): payload 0.7 kg, the reference had none",
          "Where friction drifts: check lubrication", "limit exceeded: panda-1, joint 2",
          "failed: logs/broken.bag: broken.bag: is truncated"],
     ),

@@ -242,11 +242,11 @@ def _age(follows: NDArray[np.bool_]) -> Index:
 
 def _curves(data: JointData, samples: Samples) -> tuple[Curve, ...]:
     most = int(np.clip(len(np.unique(samples.cycle)) // MOST_CYCLES_PER_KNOT, 2, KNOTS))
-    found = []
+    found, (read, near) = [], samples.near(len(data.t))
     for axis in AXES:
         values = axis.value(data)
         if values is not None and len(knots := knots_of(values, data.used, most)) > 1:  # no constant
-            columns = np.ascontiguousarray(samples.of(curve(values, knots, data.dq)).T)
+            columns = np.ascontiguousarray(near.of(curve(values[read], knots, data.dq[read])).T)
             found.append(Curve(axis, columns, values[samples.fine]))
     return tuple(found)
 

@@ -14,7 +14,6 @@ from friction_audit.diagnosis.validation import gains
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.joint_model import JointModel
-from friction_audit.effects.slow import Contact
 from friction_audit.joint_log import Float
 
 LEAST_Z = 2.0  # standard errors by which a held-out residual must shrink
@@ -40,7 +39,7 @@ class State:
         self.problem, self.dictionary = problem, dictionary
         self.gram = Gram(problem, noise, nuisances, dictionary.blocks)
         self.active: list[Block] = []
-        self.contacts: tuple[Contact, ...] = ()
+        self.contacts: tuple[contact_events.Contact, ...] = ()
         self.disturbed: RegressionProblem | None = None  # with the samples of the contacts
         self.folds: dict[str, int] | None = None
         training = Training(self.gram)

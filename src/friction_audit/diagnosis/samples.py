@@ -9,9 +9,8 @@ reversal is smeared alike in both. The corner is 25 Hz, above the frequencies of
 the first resonance of a Panda (26 to 28 Hz); it is lower where the noise of inertia times acceleration would come near
 that of the torque, and would be taken for a spring.
 
-Where a joint leaves a standstill there is one sample of another kind: torque and columns extrapolated from the
-standstill to the moment of break-away. It is noisier than the others, and its weight is lower in proportion. Without
-these samples effects_stiction_16001, 16002, 16003 and 16005 are adequate.
+Where a joint leaves a standstill there is one noisier sample: torque and columns extrapolated to the moment of
+break-away. Without these samples effects_stiction_16001, 16002, 16003 and 16005 are adequate.
 """
 
 from collections.abc import Sequence

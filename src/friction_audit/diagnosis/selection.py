@@ -86,9 +86,11 @@ class Projected:
     def evidence(self, white: Float) -> float:
         """2 ln of the Bayes factor of whitened columns, shape (k, m); those that depend on each other count once."""
         free = self.free(white)
-        coefficients, _, rank, _ = np.linalg.lstsq(free.T, self.left, rcond=1e-6)
-        left = max(float(np.sum((self.left - coefficients @ free) ** 2)), 1e-9 * self.rss)
-        return float(occam(self.samples * np.log(self.rss / left), rank))
+        sizes, directions = np.linalg.eigh(free @ free.T)
+        kept = sizes > max(1e-12 * sizes[-1], 1e-300)
+        along = directions.T[kept] @ (free @ self.left)
+        left = max(float(self.left @ self.left - np.sum(along**2 / sizes[kept])), 1e-9 * self.rss)
+        return float(occam(self.samples * np.log(self.rss / left), np.count_nonzero(kept)))
 
 
 @dataclass(eq=False)

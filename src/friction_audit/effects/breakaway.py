@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import Effect, Nonlinear
-from friction_audit.effects.joint_data import SIGMA_PER_MEDIAN, JointData, Nominal, grid_noise, moves, shares_of_span
+from friction_audit.effects.joint_data import SIGMA_PER_MEDIAN, JointData, Nominal, grid_noise, shares_of_span
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 
@@ -187,11 +187,11 @@ class Stiction(Effect):
         return tuple(at for at in self.grid(data) if enough and at["renewal_rad"] != AT_ONCE_RAD)
 
 
-def slow_starts(data: JointData, nominal: Nominal) -> str | None:
+def slow_starts(data: JointData, _nominal: Nominal) -> str | None:
     """The motion that is lacking for an excess that is gone at once."""
     starts, telling = _starts(data)
     if telling >= FEWEST_BREAKAWAYS:
-        return moves(data, nominal)
+        return None
     return (
         f"the joint breaks away from a standstill {starts} times, {telling} of them under a torque that rises "
         "slowly or falls after the start: let it stand still for a tenth of a second or more, then raise the "
@@ -240,7 +240,7 @@ STICTION = Stiction(
         Parameter("ageing_s", "s", "time constant at rest", lower=1e-4, upper=1e3),
         Parameter("renewal_rad", "rad", "path of the decay", lower=1e-7, upper=1.0),
     ),
-    not_identifiable=slow_starts,
+    requires=slow_starts,
     record="start slowly at least 15 times after rests from 0.1 to 10 s",
     separate={
         "presliding": "start after rests from 0.1 to 10 s and reverse without any: only stiction needs the rest",

@@ -9,7 +9,7 @@ import numpy as np
 from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.transmission import far_side, simple_torque
 from friction_audit.effects.effect import Each, Effect, Points
-from friction_audit.effects.joint_data import JointData, Nominal, moves, reversals
+from friction_audit.effects.joint_data import JointData, Nominal, reversals
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.even_grid import EvenSpline, first_order
@@ -50,14 +50,9 @@ class FrictionalLag(Effect):
         usual = float(np.quantile(np.abs(data.dq), 0.95)) or 1.0
         return [(lag, excess, share * usual) for (excess, share), lag in product(STRIBECK, LAGS_S.tolist())]
 
-    def possible(self, coefficients: Float, at: Points) -> Each:
-        return (coefficients[0] > 0.0) & (coefficients[0] <= LARGEST_SHARE)
 
-
-def different_speeds(data: JointData, nominal: Nominal) -> str | None:
+def different_speeds(data: JointData, _nominal: Nominal) -> str | None:
     """Peak speeds of the cycles that differ by a tenth: one sinusoid cannot separate it from delay and inertia."""
-    if lacking := moves(data, nominal):
-        return lacking
     cycle, speed = data.cycle[data.used], np.abs(data.dq[data.used])
     peak = np.zeros(int(cycle.max()) + 1)
     np.maximum.at(peak, cycle, speed)
@@ -70,13 +65,13 @@ FRICTIONAL_LAG = FrictionalLag(
     name="frictional_lag",
     label="friction follows speed late",
     axis="acceleration",
-    coefficients=(Parameter("lagging_share", "1", "share of friction that lags", lower=0.0, upper=2.0),),
+    coefficients=(Parameter("lagging_share", "1", "share of friction that lags", lower=0.0, upper=LARGEST_SHARE),),
     nonlinear=(
         Parameter("friction_lag_s", "s", "lag of friction", lower=1e-4, upper=10.0),
         Parameter("lagging_excess", "1", "Stribeck friction at rest over Coulomb", lower=0.0, upper=5.0),
         Parameter("lag_speed_rad_s", "rad/s", "Stribeck velocity", lower=1e-4, upper=1e2),
     ),
-    not_identifiable=different_speeds,
+    requires=different_speeds,
     record="repeat motions of equal speed with different accelerations",
     separate={"time_delay": "repeat motions of equal speed with different accelerations, and carry a load"},
 )
@@ -138,7 +133,7 @@ TIME_DELAY = TimeDelay(
         Parameter.choice("delayed_load", "1 if the load is late too", 0.0, 1.0),
     ),
     forward="delay",
-    not_identifiable=reversals,
+    requires=reversals,
     record="reverse sharply at two or more clearly different speeds",
     separate={
         "backlash": "reverse sharply with and without a load: a gap opens where the load changes its sign",

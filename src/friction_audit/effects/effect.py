@@ -12,7 +12,7 @@ from typing import Any, ClassVar, Literal, TypeAlias
 import numpy as np
 
 from friction_audit.dynamics.motion import Forward, Motion
-from friction_audit.effects.joint_data import JointData, Nominal, moves
+from friction_audit.effects.joint_data import FEWEST_SAMPLES, JointData, Nominal
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 
@@ -35,19 +35,9 @@ class Effect:
     coefficients: tuple[Parameter, ...] = ()
     nonlinear: tuple[Parameter, ...] = ()  # the other parameters
     friction: bool = False  # True if it is dissipated
-    # How it takes part in a forward simulation:
-    # - ``instant``: by its torque at the instant, load, temperature and other joints as recorded; where the past
-    #   matters too, its torque along the motion is iterated.
-    # - ``bristle``: by a torque that builds up with the path since a reversal.
-    # - ``delay``: the torque that drives the joint was read late; the columns act on ``Motion.rest``.
-    # - ``spring``: the measured side is ahead of the side of friction by the torque between them, times the parameter
-    #   whose name ends on ``_rad_per_nm``; farther up to the one that ends on ``soft_nm``.
-    # - ``gap``: the measured side moves within a gap, of the full width of the parameter whose name ends on ``_rad``.
-    # Of both ``far_share`` is the part of the inertia on the side of friction; the parameter that ends on
-    # ``damping_ratio`` damps the ringing, on flanks at the frequency that ends on ``_hz``.
-    forward: Forward = "instant"
-    # Why a log cannot show it, i.e. which motion is lacking; None if it can.
-    not_identifiable: Callable[[JointData, Nominal], str | None] = moves
+    forward: Forward = "instant"  # how it takes part in a forward simulation
+    # What the log of a joint that moves lacks to show it; None if nothing.
+    requires: Callable[[JointData, Nominal], str | None] = lambda *_: None
     record: str = ""  # the motion on which it shows itself best
     separate: Mapping[str, str] = field(default_factory=dict)  # motions by easily confused effects; a pair stands once
 
@@ -75,6 +65,12 @@ class Effect:
     def coefficient_of(self, at: Points) -> Each:
         """Return the coefficient where it ``follows`` from the nonlinear parameters."""
         return 1.0
+
+    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
+        """Return why a log cannot show it, i.e. which motion is lacking; None if it can."""
+        if np.count_nonzero(data.used) < FEWEST_SAMPLES:
+            return "hardly any motion: move back and forth for several cycles"
+        return self.requires(data, nominal)
 
     # The formula.
 

@@ -73,7 +73,7 @@ LOAD_DEPENDENT_FRICTION = LoadDependentFriction(
             "load_static", "1 if the load is the weight alone, without inertial torque", 0.0, 1.0, optional=True
         ),
     ),
-    not_identifiable=_changing_load,
+    requires=_changing_load,
     record="pass the same places with loads that differ by a factor of 3",
     separate={
         "position_dependent_friction": "pass the same places with another payload or posture",
@@ -195,7 +195,7 @@ GRAVITY_ERROR = GravityError(
         *_of_another("last"),
     ),
     nonlinear=(Parameter.choice(SOURCE, "0 own angle, -1 base, -2 several links, else number of the link", SEVERAL),),
-    not_identifiable=partial(span, least_rad=0.3),
+    requires=partial(span, least_rad=0.3),
     record="move through at least 1.5 rad, with rests at several places",
     separate={
         "torque_bias": "move through at least 1.5 rad, with rests at several places",

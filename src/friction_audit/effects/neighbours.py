@@ -6,7 +6,7 @@ import numpy as np
 
 from friction_audit.dynamics.motion import INERTIAL_PARAMETERS, Motion
 from friction_audit.effects.effect import Each, Effect, Points
-from friction_audit.effects.joint_data import JointData, Nominal, moves
+from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 
@@ -41,8 +41,6 @@ def _loaded_neighbours(data: JointData, nominal: Nominal) -> str | None:
     neighbours = [k for k in (joint - 1, joint + 1) if 0 <= k < joints]
     if not neighbours:
         return "the log has one joint: record its neighbours too"
-    if lacking := moves(data, nominal):
-        return lacking
     change = data.others_torque[data.used][:, neighbours].std(axis=0).max()
     few = "the torque of the neighbours hardly changes: load them, also while this joint rests"
     return few if change < CHANGE_PER_COULOMB * abs(nominal.coulomb_nm) else None
@@ -58,7 +56,7 @@ TORQUE_CROSSTALK = TorqueCrosstalk(
         Parameter("crosstalk_after", "1", "share of the next joint's torque", lower=-1.0, upper=1.0),
     ),
     nonlinear=(Parameter.choice("crosstalk_side", "-1 previous joint, 1 next joint, 0 both", -1, 1),),
-    not_identifiable=_loaded_neighbours,
+    requires=_loaded_neighbours,
     record="push against a neighbour while the arm rests",
     separate={"inertial_coupling": "move one joint at a time, then push against a neighbour at rest"},
 )
@@ -152,6 +150,6 @@ INERTIAL_COUPLING = InertialCoupling(
             *(BEFORE, TIP),
         ),
     ),
-    not_identifiable=_moving_neighbours,
+    requires=_moving_neighbours,
     record="move the neighbours one at a time, also while this joint rests",
 )

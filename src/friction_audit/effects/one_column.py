@@ -11,7 +11,7 @@ import numpy as np
 
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import Effect, SpeedFriction
-from friction_audit.effects.joint_data import JointData, Nominal, both_directions, moves
+from friction_audit.effects.joint_data import JointData, Nominal, both_directions
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 
@@ -37,10 +37,10 @@ class Constant(OneColumn):
     misses = "nothing"
 
 
-def stated_inertia(data: JointData, nominal: Nominal) -> str | None:
+def stated_inertia(_data: JointData, nominal: Nominal) -> str | None:
     """The number or the motion that is lacking; at one frequency gravity is its alternative."""
     if "inertia_kg_m2" in nominal.declared:
-        return moves(data, nominal)
+        return None
     return (
         "the inertia was fitted to this log, so it cannot be wrong: state it (--joint-model with inertia_kg_m2), and "
         "move at two or more frequencies"
@@ -87,7 +87,7 @@ ASYMMETRIC_COULOMB = Constant(
     label="friction differs by direction",
     axis="speed",
     coefficients=(Parameter("coulomb_half_difference_nm", "N m", "half of the difference, forward minus backward"),),
-    not_identifiable=both_directions,
+    requires=both_directions,
     record="pass the same places in both directions, with rests",
     separate={
         "torque_bias": "let the joint rest unloaded for 2 s: a bias is read at rest too, friction is not",
@@ -106,7 +106,7 @@ ASYMMETRIC_VISCOUS = OneColumn(
     coefficients=(
         Parameter("viscous_half_difference_nms_per_rad", "N m s/rad", "half of the difference, forward minus backward"),
     ),
-    not_identifiable=both_directions,
+    requires=both_directions,
     record="pass the same places slowly and fast in both directions",
     separate={
         "torque_bias": "pass the same places slowly and fast in both directions",
@@ -120,7 +120,7 @@ TORQUE_BIAS = Constant(
     label="offset of the torque sensor",
     axis="time",
     coefficients=(Parameter("torque_bias_nm", "N m", "interaction torque as read without a load"),),
-    not_identifiable=both_directions,
+    requires=both_directions,
     record="let the joint rest unloaded for 2 s",
     separate={
         "torque_drift": "zero the sensor and let the joint rest unloaded for 2 s early and late: a drift comes back"
@@ -133,7 +133,7 @@ INERTIA_ERROR = OneColumn(
     label="the stated inertia is wrong",
     axis="acceleration",
     coefficients=(Parameter("extra_inertia_kg_m2", "kg m^2", "true minus stated inertia"),),
-    not_identifiable=stated_inertia,
+    requires=stated_inertia,
     record="repeat the motions at two or more clearly different speeds",
     separate={"inertial_coupling": "move one joint at a time"},
     of=lambda motion: motion.ddq,

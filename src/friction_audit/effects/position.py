@@ -106,7 +106,7 @@ POSITION_DEPENDENT_FRICTION = PositionDependentFriction(
         Parameter(WIDTH, "rad", "half width of the stretch", lower=1e-4, default=EVERYWHERE, optional=True),
     ),
     friction=True,
-    not_identifiable=lambda data, nominal: both_directions(data, nominal) or span(data, nominal, 0.5),
+    requires=lambda data, nominal: both_directions(data, nominal) or span(data, nominal, 0.5),
     record="pass every place four times in each direction",
     separate={
         "torque_ripple": "pass every place four times in each direction",
@@ -164,7 +164,7 @@ TORQUE_RIPPLE = TorqueRipple(
         Parameter("ripple_sin_nm", "N m", "sine amplitude"),
     ),
     nonlinear=(Parameter("ripple_order", "1", "waves per revolution", lower=0.0, upper=1e5),),
-    not_identifiable=partial(span, least_rad=0.5),
+    requires=partial(span, least_rad=0.5),
     record="pass slowly and steadily over five periods of the ripple",
     separate={"joint_elasticity": "repeat slow, steady motions at two speeds: a ripple's frequency goes with speed"},
 )
@@ -230,7 +230,7 @@ CABLE_SPRING = CableSpring(
         Parameter("cable_centre_rad", "rad", "neutral position"),
         Parameter("cable_free_rad", "rad", "slack to either side", lower=0.0),
     ),
-    not_identifiable=partial(span, least_rad=0.8),
+    requires=partial(span, least_rad=0.8),
     record="move through all of the range",
     separate={
         "joint_limit_stop": "move through all of the range: a stop is there at its ends only",
@@ -291,7 +291,7 @@ JOINT_LIMIT_STOP = JointLimitStop(
         Parameter("stop_lower_rad", "rad", "position of the lower stop"),
         Parameter("stop_exponent", "1", "exponent of the depth", lower=0.5, upper=5.0),
     ),
-    not_identifiable=partial(span, least_rad=0.5),
+    requires=partial(span, least_rad=0.5),
     record="move through all of the range",
     separate={"contact_event": "go to the same place again: a stop is still there"},
 )

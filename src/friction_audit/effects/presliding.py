@@ -91,7 +91,7 @@ def _stops(path: Float, slips: Float, stiffness: Float) -> Float:
 
 @compiled()
 def _damped(z: Float, sign: Float, steps: float) -> Float:
-    """z - sgn(dq) and the change of z, by central differences, over so many even steps, shape (n,)."""
+    """Return z - sgn(dq) and the change of z, by central differences, over so many even steps, shape (n,)."""
     out, last = np.empty_like(z), len(z) - 1
     for i in range(1, last):
         out[i] = z[i] - sign[i] + 0.5 * steps * (z[i + 1] - z[i - 1])
@@ -130,7 +130,7 @@ PRESLIDING = Presliding(
         Parameter("bristle_damping_s", "s", "damping over stiffness", lower=0.0, upper=1.0),
     ),
     forward="bristle",
-    not_identifiable=reversals,
+    requires=reversals,
     record="reverse at least 20 times, over short and long ways",
     separate={
         "backlash": "reverse slowly with hardly any load: a gap gives no torque at all, then an impact",

@@ -1,7 +1,6 @@
 """Effects that come with the time of the recording: slowly, at one moment, or for stretches of it."""
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -78,7 +77,7 @@ TORQUE_DRIFT = TorqueDrift(
             optional=True,
         ),
     ),
-    not_identifiable=_many_cycles,
+    requires=_many_cycles,
     record="let the joint rest unloaded for 2 s early and late",
     separate={
         "warm_up": "pass the same places in both directions early and late, with rests",
@@ -132,7 +131,7 @@ WARM_UP = WarmUp(
         Parameter("warm_up_per_k", "1/K", "share lost per kelvin", lower=0.0, upper=100.0),
     ),
     friction=True,
-    not_identifiable=_long_enough,
+    requires=_long_enough,
     record="record from a cold start, slow and fast motions early and late",
     separate={
         "friction_step": "record on for one and a half times as long: warming slows down, a step is over",
@@ -183,17 +182,10 @@ FRICTION_STEP = FrictionStep(
         Parameter("step_length_s", "s", "duration of the change", lower=0.0),
     ),
     friction=True,
-    not_identifiable=_cycles_around,
+    requires=_cycles_around,
     record="record at least 4 cycles before and after the change",
     separate={"contact_event": "record at least 4 cycles before and after the moment: a contact passes"},
 )
-
-
-class Contact(NamedTuple):
-    """One stretch of time in which something touches the arm."""
-
-    start_s: float
-    stop_s: float
 
 
 # Found by a detector of its own, which leaves out its samples: it has no columns.

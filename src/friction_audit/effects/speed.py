@@ -14,7 +14,7 @@ from friction_audit.joint_log import Float
 
 # Shares of the log's high speed between which friction may fade: beyond, no film has built up within the log.
 LOWEST, HIGHEST = 0.01, 0.4
-STRIBECK_RAD_S, WIDTH_RAD_S, FASTEST_RAD_S = 1e-6, 1e-4, 10.0  # bounds of those speeds
+SLOWEST, NARROW, FASTEST = 1e-6, 1e-4, 10.0  # bounds of those speeds [rad/s]
 EXPONENTS = (0.5, 1.0, 2.0)
 
 CARREAU = 2.0  # degrees of freedom of Carreau's bend, whose sharpness is 0
@@ -32,7 +32,7 @@ def low_speeds(data: JointData, count: int, slowest: float) -> list[float]:
     """Return speeds below which friction may fade, by those of the log, within bounds."""
     (fast,) = speeds(data, 95.0)
     tried = np.geomspace(LOWEST * fast, HIGHEST * fast, count)
-    return [float(speed) for speed in np.clip(tried, slowest, FASTEST_RAD_S)]
+    return [float(speed) for speed in np.clip(tried, slowest, FASTEST)]
 
 
 class Stribeck(SpeedFriction):
@@ -50,7 +50,7 @@ class Stribeck(SpeedFriction):
         return np.asarray(motion.direction * fading)[:, None]
 
     def tries(self, data: JointData) -> Iterable[Sequence[float]]:
-        return product(low_speeds(data, 8, STRIBECK_RAD_S), EXPONENTS)
+        return product(low_speeds(data, 8, SLOWEST), EXPONENTS)
 
 
 STRIBECK = Stribeck(
@@ -59,12 +59,12 @@ STRIBECK = Stribeck(
     axis="speed",
     coefficients=(Parameter("stribeck_excess_nm", "N m", "static minus Coulomb friction", lower=0.0),),
     nonlinear=(
-        Parameter("stribeck_speed_rad_s", "rad/s", "Stribeck velocity", lower=STRIBECK_RAD_S, upper=FASTEST_RAD_S),
+        Parameter("stribeck_speed_rad_s", "rad/s", "Stribeck velocity", lower=SLOWEST, upper=FASTEST),
         Parameter("stribeck_exponent", "1", "Stribeck exponent", lower=0.2, upper=5.0),
     ),
     friction=True,
     cpp="{0!r} * way * std::exp(-std::pow(pace / {1!r}, {2!r}))",
-    not_identifiable=partial(speed_range, ratio=8.0),
+    requires=partial(speed_range, ratio=8.0),
     record="move steadily at speeds that differ by a factor of 8, very slow to fast",
     separate={
         "nonlinear_viscous": "move steadily at speeds that differ by a factor of 8 and more, very slow to fast",
@@ -155,7 +155,7 @@ NONLINEAR_VISCOUS = NonlinearViscous(
         ),
     ),
     friction=True,
-    not_identifiable=partial(speed_range, ratio=5.0),
+    requires=partial(speed_range, ratio=5.0),
     record="move at speeds that differ by a factor of 5 and more",
     separate={
         "time_delay": "repeat motions of equal speed with different accelerations",
@@ -183,7 +183,7 @@ class UnloggedCompensation(Effect):
         return np.asarray(np.tanh(skew) - np.tanh(speed + skew))[:, None]
 
     def tries(self, data: JointData) -> Iterable[Sequence[float]]:
-        return ((width, *form) for width, form in product(low_speeds(data, 6, WIDTH_RAD_S), FORMS))
+        return ((width, *form) for width, form in product(low_speeds(data, 6, NARROW), FORMS))
 
 
 def stated_friction(data: JointData, nominal: Nominal) -> str | None:
@@ -202,17 +202,10 @@ UNLOGGED_COMPENSATION = UnloggedCompensation(
     axis="speed",
     coefficients=(Parameter("unlogged_nm", "N m", "compensator torque at high speed", lower=0.0),),
     nonlinear=(
-        Parameter(
-            "unlogged_width_rad_s",
-            "rad/s",
-            "velocity scale near zero",
-            lower=WIDTH_RAD_S,
-            upper=FASTEST_RAD_S,
-            jumps=True,
-        ),
+        Parameter("unlogged_width_rad_s", "rad/s", "velocity scale near zero", lower=NARROW, upper=FASTEST, jumps=True),
         Parameter("unlogged_skew", "1", "shift of its sigmoid", lower=-2.0, upper=2.0),
         Parameter.choice("unlogged_form", "0 smooth, 1 dead band", 0.0, 1.0),
     ),
-    not_identifiable=stated_friction,
+    requires=stated_friction,
     record="log the commanded torque",
 )

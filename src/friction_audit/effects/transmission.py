@@ -212,7 +212,7 @@ JOINT_ELASTICITY = JointElasticity(
         FAR_SHARE,
     ),
     forward="spring",
-    not_identifiable=jumps_and_inertia,
+    requires=jumps_and_inertia,
     record="repeat the motions at two or more clearly different speeds",
     separate={
         "backlash": "reverse slowly with hardly any load: a gap gives no torque at all, a spring does",
@@ -273,7 +273,7 @@ BACKLASH = Backlash(
         FAR_SHARE,
     ),
     forward="gap",
-    not_identifiable=jumps_and_inertia,
+    requires=jumps_and_inertia,
     record="reverse slowly at least 20 times with hardly any load",
     separate={"contact_event": "reverse again at the same places: a gap opens at every reversal"},
 )

@@ -224,9 +224,7 @@ JOINT_DIAGNOSIS = Record(
     Column("share_explained_without_gravity", float, "gravity in the model before and after", "share_explained"),
     _people(
         "explained without gravity", "w/o\ngravity", "%", form=_percent,
-        get=lambda joint: (
-            joint.share_explained if joint.added[1:] and "gravity_error" in [one.name for one in joint.added] else None
-        ),
+        get=lambda joint: joint.share_explained if joint.added[1:] and words.corrects_gravity(joint) else None,
     ),
     Column("held_out_cycles", int, get="gap.cycles", title="held-out cycles", on="fp"),
     Column("simulation_gap", SIMULATION, "forward-simulation velocity error", "simulation", on="j", null=True),

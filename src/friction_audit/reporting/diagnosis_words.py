@@ -99,9 +99,14 @@ def _todo(joint: JointDiagnosis) -> str:
         which = "" if joint.added[:1] == (unsure,) else f" {unsure.name}"
         return f"to separate{which}: {motion.partition(':')[0].partition(';')[0]}"
     it = "it" if len(joint.added) == 1 else "them"
-    if "gravity_error" in [one.name for one in joint.added]:
+    if corrects_gravity(joint):
         return f"give payload or model of the arm, or add {it} to the model (model.toml)"
     return f"add {it} to the model (model.toml)" if joint.added else "record again without contact"
+
+
+def corrects_gravity(joint: JointDiagnosis) -> bool:
+    """Whether the augmented model holds an error of the gravity model."""
+    return "gravity_error" in [one.name for one in joint.added]
 
 
 def negligible_words(joint: JointDiagnosis) -> str:

@@ -307,9 +307,9 @@ def _arm_lines(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
     yield f"{arm.robot}: {phrases.sessions_text(arm)}; {phrases.arm_sentence(arm)}"
     yield "changes are from the reference to the last sessions; intervals are 95 %"
     yield from COEFFICIENT.people(coefficient_rows(arm), "t").lines()
-    stated = next((joint for joint in arm.joints if joint.drift), None)  # by the sentence on the arm
+    stated = [joint for joint in arm.joints if joint.drift][: phrases.MOST_STATED]  # by the sentence on the arm
     for joint in arm.joints:
-        if verbose or (joint.drift and joint is not stated):
+        if verbose or (joint.drift and joint not in stated):
             yield f"joint {joint.joint}: {phrases.joint_sentence(arm, joint)}"
         yield from _details(arm, joint) if verbose else ()
     alike: dict[tuple[str, int | None], list[int]] = {}  # those alike in one line, or each with its file
@@ -318,7 +318,8 @@ def _arm_lines(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
     for (reason, alone), sessions in alike.items():
         which = words.count_of(len(sessions), "session") if alone is None else arm.sessions[alone].path
         if alone is None and len(sessions) <= MOST_NAMED:
-            which = f"session{'s' if sessions[1:] else ''} {words.enumerate_words(one + 1 for one in sessions)}"
+            named = (f"{one + 1} ({PurePath(arm.sessions[one].path).name})" for one in sessions)
+            which = f"session{'s' if sessions[1:] else ''} {words.enumerate_words(named)}"
         yield f"not compared: {which}: {reason}"
     yield from _odd_lines(arm)
     yield from (f"note: {warning}" for warning in arm.warnings)

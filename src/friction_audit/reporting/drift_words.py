@@ -27,6 +27,8 @@ from friction_audit.reporting import words
 from friction_audit.reporting.table import Tone
 from friction_audit.reporting.words import NEWTON_METRES, NOTHING, count_of, format_date, format_start, in_unit
 
+MOST_STATED = 2  # joints in the sentence on an arm
+NOTHING_ELSE = "; nothing else changed"
 NAMES = {"coulomb_nm": "Coulomb", "viscous_nms_per_rad": "viscous"}
 UNITS = {"coulomb_nm": "N m", "viscous_nms_per_rad": "N m s/rad"}
 DRIFT, STEADY, TEMPERATURE, UNTESTED = "drift", "no drift found", "temperature", "not testable"
@@ -159,7 +161,7 @@ def joint_sentence(arm: ArmDrift, joint: JointDrift) -> str:
     found = joint.coefficients
     messages = {one.coefficient: describe(one, arm.sessions) for one in found}
     if changed := [messages[one.coefficient] for one in found if one.drift or one.shape == "temperature"]:
-        return "; ".join(changed) + ("; nothing else changed" if len(changed) < len(found) else "")
+        return "; ".join(changed) + (NOTHING_ELSE if len(changed) < len(found) else "")
     alike = {text.removeprefix(f"{NAMES[name]} friction: ") for name, text in messages.items()}
     return alike.pop() if len(alike) == 1 else "; ".join(messages.values())
 
@@ -172,10 +174,13 @@ def arm_sentence(arm: ArmDrift) -> str:
     if not drifting and compared < FEWEST_SESSIONS:
         return f"{count_of(compared, 'comparable session')}, {NEEDED}"
     if drifting or together:
-        first = (drifting or together)[0]
-        numbers = write_joint_numbers(joint.joint for joint in drifting)
-        more = f"; joints that changed: {numbers}" if len(drifting) > 1 else ""
-        return f"joint {first.joint}: {joint_sentence(arm, first)}{more}"
+        stated = drifting[:MOST_STATED] or together[:1]
+        said = [f"joint {joint.joint}: {joint_sentence(arm, joint)}" for joint in stated]
+        if drifting[1:]:  # what else did not change on the one joint would read as of the arm
+            said = [text.removesuffix(NOTHING_ELSE) for text in said]
+        if drifting[MOST_STATED:]:
+            said.append(f"joints that changed: {write_joint_numbers(joint.joint for joint in drifting)}")
+        return "; ".join(said)
     parts = []
     every = [one for joint in arm.joints for one in joint.coefficients if one.smallest_drift <= LARGEST_DETECTABLE]
     for name, word in NAMES.items():

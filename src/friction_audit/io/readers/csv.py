@@ -19,6 +19,7 @@ from friction_audit.io.readers.reader import BY_NUMBER, IN_BLOCKS_BYTES, ReadOpt
 from friction_audit.io.readers.table import ROBOT_COLUMN, Part, Table, part_in_blocks, read_table
 from friction_audit.io.recording import Recording, WholeLogError
 from friction_audit.joint_log import Finding, find_window
+from friction_audit.parallel import ahead
 
 _SHOWN_TEXT, _SHOWN_CELLS = 40, 3
 _LIST = re.compile(r": [\"'](?:array)?[\[(]")  # in one cell, as pandas writes arrays
@@ -118,8 +119,8 @@ class CsvTable(Table):
 
     def _blocks(self, kinds: Mapping[int, Any], time: TimeColumn | None) -> Iterator[Block]:
         """Yield columns of whole lines, dates in nanoseconds; without a clock WholeLogError if a line has a fault."""
-        for line, block, is_last in self._dialect.blocks():
-            kept = block
+        for lines, block, is_last in ahead(self._dialect.blocks()):
+            kept, line = block, lines.start
             if is_last:
                 kept, self._cut = self._dialect.without_cut_line(block, line, self._kinds)
             is_blank = not kept or kept.isspace()
@@ -128,7 +129,7 @@ class CsvTable(Table):
                 raise WholeLogError
             if is_blank:
                 continue
-            self._lines += kept.count(b"\n")
+            self._lines += len(lines)
             columns = columns or self._by_line(kept, line)
             for cell, label in self._labels.items():
                 words = columns.get(cell, np.empty(0, object))
@@ -218,7 +219,7 @@ def _parse(dialect: Dialect, block: bytes, kinds: Mapping[int, Any]) -> Block | 
     import pyarrow as pa
     from pyarrow import compute, csv
 
-    if block.count(b"\r") != block.count(b"\r\n"):  # within a line it would end it
+    if b"\r" in block and block.count(b"\r") != block.count(b"\r\n"):  # within a line it would end it
         return None
     if dialect.separator == " ":
         block = b"\n".join(b" ".join(line.split()) for line in block.split(b"\n"))

@@ -135,6 +135,6 @@ def _draw_models(axes: Axes, pieces: Sequence[Piece], t: Float, curves: Sequence
 SIMULATION = replace(
     RESIDUAL, draw=_draw, height_in=(1.25, 1.3), x="Time within the held-out cycles shown [s]", y="", shared="row",
     panels=lambda found, joint, sheet: (
-        3 if any(one.simulation for one in (found.discrepancy.joints if sheet else [joint])) else 2
+        3 if any(one.simulation for one in (found.joints if sheet else [joint])) else 2
     ),
 )  # fmt: skip
