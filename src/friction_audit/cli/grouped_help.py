@@ -104,7 +104,9 @@ def with_option_groups(command: Callable[..., None]) -> Callable[..., None]:
 
     def run(context: typer.Context, **values: Any) -> None:  # noqa: ANN401 - any option
         choices = [one.name.removesuffix("_hz") for one in fields(TorqueSettings)]
-        given = GIVEN.set(command_line(context, leave_out=choices) if "gravity" in values else "")
+        again = command_line(context, leave_out=choices) if "gravity" in values else ""
+        writes = " --output " in again or context.command.name in ("report", "plot")
+        given = GIVEN.set(again + " --overwrite" * (writes and values.get("overwrite") is False))
         values[CONTEXT] = context
         try:
             command(**{p.name: _filled(p.name, p.annotation, values) for p in parameters})

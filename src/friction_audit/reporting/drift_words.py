@@ -3,7 +3,7 @@
 import math
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import isfinite
 from pathlib import PurePath
 from statistics import median
@@ -258,6 +258,17 @@ def limit_sentences(report: DriftReport, asked: Iterable[limits.Limit]) -> tuple
     """Return one sentence for each coefficient beyond a limit, and for each that cannot be tested by one."""
     judged = list(limits.judge(report, tuple(asked)))
     return tuple(tuple(_limit_sentence(one) for one in judged if one.verdict == kind) for kind in OUTCOMES)
+
+
+def limits_beyond_all(report: DriftReport, asked: Iterable[limits.Limit]) -> Iterator[str]:
+    """Name the limits in the unit of a coefficient that are larger than all of it: they were meant in per cent."""
+    for limit in asked:
+        judged = limits.judge(report, [] if limit.relative else [limit])
+        levels = [abs(value.value) for one in judged if one.found is not None for value in one.found.values]
+        if levels and max(levels) < limit.size:
+            unit = UNITS[limit.coefficient or "coulomb_nm"]
+            most = f"more than all of it, at most {max(levels):.2g} {unit}"
+            yield f"--fail-on {limit.text}: {limit.size:g} {unit} is {most}; per cent is {limit.text}%"
 
 
 def _limit_sentence(one: limits.Judged) -> str:
