@@ -90,7 +90,7 @@ class Projected:
         kept = sizes > max(1e-12 * sizes[-1], 1e-300)
         along = directions.T[kept] @ (free @ self.left)
         left = max(float(self.left @ self.left - np.sum(along**2 / sizes[kept])), 1e-9 * self.rss)
-        return float(occam(self.samples * np.log(self.rss / left), np.count_nonzero(kept)))
+        return float(occam(self.samples * np.log(self.rss / left), int(np.count_nonzero(kept))))
 
 
 @dataclass(eq=False)

@@ -1,12 +1,11 @@
 """All effects by name. Importing this module loads no numerics: effects are imported when they are first used."""
 
-import difflib
 from collections.abc import Sequence
 from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from friction_audit.errors import AnalysisError
+from friction_audit.errors import AnalysisError, near_misses
 
 if TYPE_CHECKING:
     from friction_audit.effects.effect import Effect
@@ -88,19 +87,13 @@ def term_of(name: str) -> "Effect":
     """Return a term by name; AnalysisError, with those that are near, if there is none."""
     known = {term.name: term for term in terms()}
     if name not in known:
-        raise AnalysisError(f"{name!r} is no term{near_names(name, list(known))}; expected {', '.join(known)}")
+        raise AnalysisError(f"{name!r} is no term; expected {', '.join(known)}{near_misses(name, known)}")
     return known[name]
 
 
 def same_as(name: str) -> set[str]:
     """Return an effect with those that no motion of one kind separates from it."""
     return next((alike for alike in INDISTINGUISHABLE if name in alike), {name})
-
-
-def near_names(name: str, names: list[str]) -> str:
-    """Return `` (did you mean ...?)``, or nothing where no name is near."""
-    near = difflib.get_close_matches(name, names, 1)
-    return f" (did you mean {near[0]}?)" if near else ""
 
 
 def motion_between(one: str, other: str) -> str:
