@@ -19,7 +19,7 @@ from friction_audit.drift.two_sides import compare_sides
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import AuditSettings, estimate_log, replay_estimate
-from friction_audit.reporting.figures.panels import CUTOFF_HZ, cutoff_hz, draw_curve, limits, smooth, thin_extremes
+from friction_audit.reporting.figures.panels import CUTOFF_HZ, cutoff_hz, draw_curve, smooth, thin_extremes
 from friction_audit.reporting.figures.registry import FIGURES, FigureKind
 from friction_audit.reporting.figures.style import COLUMN_IN, FORMATS, SHEET_IN, STYLE, figure_bytes, load_style
 from tests.reporting import batch_by_hand
@@ -149,13 +149,3 @@ def test_a_slow_signal_passes_the_filter_without_delay_and_a_fast_one_is_gone() 
     assert smooth(t[:5], t[:5]) is not None
     assert cutoff_hz(t) == CUTOFF_HZ
     assert cutoff_hz(np.arange(0, 10, 1 / 30)) == pytest.approx(6.0)
-
-
-@given(st.lists(st.floats(-5, 5), min_size=1, max_size=30), st.floats(0.01, 2))
-def test_all_that_is_shown_is_inside_and_one_wild_number_flattens_nothing(values: list[float], width: float) -> None:
-    shown = np.array(values)
-    bottom, top = limits(shown, np.append(shown - width, [-1e6, np.nan]), near=1.5, smallest=0.1) or (0.0, 0.0)
-    assert bottom < shown.min()
-    assert top > shown.max()
-    assert top - bottom < 3.0 * max(np.ptp(shown), 0.1)
-    assert limits(np.array([np.nan]), shown, near=1.5, smallest=0.1) is None

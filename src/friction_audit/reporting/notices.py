@@ -53,13 +53,13 @@ SENTENCES: Mapping[str, str] = {
     "viscous_disagrees": "the viscous coefficients of energy balance and torque regression differ significantly; the "
     "interval covers both; probable cause: friction that is not linear in speed",
     **{
-        code.replace("#", name): text.replace("#", name)
-        for name in ("coulomb", "viscous")
+        code.replace("#", name): text.replace("#", name).replace("@", unit)
+        for name, unit in (("coulomb", "N m"), ("viscous", "N m s/rad"))
         for code, text in {
             "negative_#": "negative # coefficient: the torque contains more than friction, or friction falls with the "
             "speed (Stribeck); check gravity, payload, delay and the range of speeds, or ask `diagnose`",
             "#_changes": "the # coefficient changes within the log, from {early:.3f} (first {cycles} cycles) to "
-            "{late:.3f} (last); see the history",
+            "{late:.3f} @ (last); see the history",
             "#_not_determined": "the # coefficient is not determined: its interval exceeds {most:g} times the torque "
             "in motion; move more often and at several speeds",
         }.items()
@@ -85,8 +85,8 @@ SENTENCES: Mapping[str, str] = {
     "gravity_in_replay": "gravity is still in the torque: a compensator would take what it gives and takes within a "
     "cycle for friction",
     "seems_compensated": "{what}, as if a friction compensator had been active, and no column "
-    "says so; the replay then means little; map its torque (--map tau_compensation=NAME), or record with it switched "
-    "off",
+    "says so; if one was, the replay means little: map its torque (--map tau_compensation=NAME), or record with it "
+    "switched off",
     "not_replayed": "{reason}",
     "diverged": "the compensated loop diverges at {at_s:.4g} s; everything is given up to "
     "there; lower its gain, its factor, or its desired inertia's distance from the true one",
@@ -252,7 +252,7 @@ def diagnose_notices(found: Diagnosis) -> tuple[Notice, ...]:
     """Return what was noticed on the way to the diagnosis, with limits of the data; of joints with an answer."""
     own = [
         Notice(finding.code, joint.joint, finding.message)
-        for joint in found.discrepancy.joints
+        for joint in found.joints
         for finding in joint.findings
         if finding.verdict == "limit" and joint.gap is not None
     ]

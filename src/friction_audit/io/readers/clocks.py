@@ -26,7 +26,6 @@ _UNITS_SPELLED = "milliseconds|msec|ms|nanoseconds|nsec|ns|microseconds|usec|us|
 _UNIT = rf"(?:(?:[ _]+|[ _]*[\[(])(?P<unit>{_UNITS_SPELLED})[\])]?)?"
 _SPELLED = {"mil": "ms", "mse": "ms", "ms": "ms", "nan": "ns", "nse": "ns", "ns": "ns", "mic": "us", "use": "us",
             "us": "us", "µs": "us"}  # fmt: skip
-_PATTERNS = tuple((re.compile(rf"(?:{name}){_UNIT}", re.IGNORECASE), unit, clock) for name, unit, clock in _NAMES)
 _SECONDS = re.compile(r"(?P<head>(?:.*[._/])?)secs?", re.IGNORECASE)
 _EPOCH_S = (1.1e9, 4.1e9)  # Unix time between the years 2004 and 2099
 _LONGEST_S = 1e10  # three centuries: from no stamp to the last one in nanoseconds
@@ -64,9 +63,9 @@ def find_time(names: Sequence[str], constant: Collection[int] = ()) -> TimeColum
         return TimeColumn(cells=(0,), name=bare[0], unit="ms", clock="robot_time")  # libfranka's logToCSV
     if (split := _split_stamp(bare)) and split.cells[1] not in constant:
         return split
-    for pattern, unit, clock in _PATTERNS:
+    for text, unit, clock in _NAMES:
         for cell, name in enumerate(bare):
-            match = pattern.fullmatch(name)
+            match = re.fullmatch(rf"(?:{text}){_UNIT}", name, re.IGNORECASE)
             if match is not None and cell not in constant:
                 spelled = match["unit"] and _SPELLED.get(match["unit"].lower()[:3], "s")
                 return TimeColumn(cells=(cell,), name=name, unit=spelled or unit, clock=clock)
@@ -170,10 +169,12 @@ def _disagreement(t: Float, log_t: Float, chosen: str) -> list[Finding]:
     """Compare the clock chosen with the log time: a drift, and what is left after it."""
     if len(t) < 3 or not log_t.max() > 0.0:  # noqa: PLR2004
         return []
-    difference = log_t - t
-    centred = t - t.mean()
-    drift = float(centred @ difference / (centred @ centred))
-    sd_s = float(np.std(difference - drift * centred))
+    rest, centred = log_t - t, t - t.mean()
+    # Not by BLAS: the threads that it begins for long vectors would keep the other core busy for a while.
+    drift = float(np.einsum("i,i", centred, rest) / np.einsum("i,i", centred, centred))
+    centred *= drift
+    rest -= centred
+    sd_s = float(np.std(rest))
     limit_s = max(_DISAGREEMENT_SD_S, _DISAGREEMENT_STEPS * float(t.max()) / (len(t) - 1))
     texts = {}
     if sd_s > limit_s:

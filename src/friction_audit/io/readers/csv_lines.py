@@ -81,20 +81,21 @@ class Dialect:
     size: int  # bytes of the file; what a logger appends later is not read
     rows: tuple[tuple[str, ...], ...]  # the fields of the first lines of numbers
 
-    def blocks(self) -> Iterator[tuple[int, bytes, bool]]:
-        """Yield (number of the first line, whole lines, is it the end of the file)."""
-        line, rest = self.line, b""
-        for chunk, following in pairwise(chain(self._chunks(), [b""])):
-            block, newline, tail = (rest + chunk).rpartition(b"\n") if following else (rest + chunk, b"", b"")
-            yield line, block + newline, not following
-            line, rest = line + block.count(b"\n") + len(newline), tail
+    def blocks(self) -> Iterator[tuple[range, bytes, bool]]:
+        """Yield (numbers of lines, the lines as a whole, is it the end of the file)."""
+        line = self.line
+        for block, following in pairwise(chain(self._chunks(), [b""])):
+            lines = range(line, line + block.count(b"\n"))
+            yield lines, block, not following
+            line = lines.stop
 
     def _chunks(self) -> Iterator[bytes]:
-        """Yield the bytes of the values, up to the size that the file had when it was first looked at."""
+        """Yield whole lines of the values, up to the size that the file had when it was first looked at."""
         with open_table(self.path) as stream:
             stream.read(self.offset)
             left = self.size - self.offset
             while chunk := stream.read(min(_BLOCK_BYTES, left)):
+                chunk += stream.readline(left - len(chunk))
                 left -= len(chunk)
                 yield chunk
 

@@ -26,6 +26,8 @@ _MESSAGE, _ARRAY = 2, 3
 _CDR_HEADER_BYTES = 4
 _CDR_LITTLE_ENDIAN = b"\x00\x01"
 _CDR_TRAILING_PADDING_BYTES = 3
+_ALL_BITS = 0xFF
+_CLOSE_BYTES = 64  # fixed bytes as close are compared in one go, with what lies between
 _NUMBER_TYPES = {"bool": "u1", "byte": "u1", "char": "u1", "int8": "i1", "uint8": "u1", "int16": "<i2",
                  "uint16": "<u2", "int32": "<i4", "uint32": "<u4", "int64": "<i8", "uint64": "<u8", "float32": "<f4",
                  "float64": "<f8"}  # fmt: skip
@@ -41,10 +43,11 @@ class Layout:
     size: int  # length of the payload [byte]
     numbers: Mapping[str, tuple[np.dtype[Any], int]]  # dotted path of a field -> type of its numbers, where they begin
     strings: Mapping[str, tuple[str, ...]]  # dotted path of a string or of an array of strings -> its content
-    # Offsets of the bytes that decide the layout (string and sequence lengths, string contents, CDR header): payloads
-    # of the same size that agree in these bytes have the same layout and the same strings.
-    fixed: NDArray[np.intp]
-    content: NDArray[np.uint8]  # these bytes
+    # Bits that decide the layout (string and sequence lengths, string contents, CDR header): payloads of the same size
+    # that agree in these have the same layout and the same strings.
+    fixed: NDArray[np.uint8]
+    content: NDArray[np.uint8]  # a payload
+    spans: tuple[slice, ...]  # where these bits lie
 
     def records(self, block: Block, paths: Sequence[str]) -> Records | None:
         """View a block as records, one per message, one field per path; None if any message is laid out differently."""
@@ -56,8 +59,11 @@ class Layout:
         if stride < size or not (steps == stride).all():  # the payloads are not at a constant distance
             buffer, start, stride = b"".join(block.payloads()), 0, size
         rows = np.ndarray((count, size), np.uint8, buffer, offset=start, strides=(stride, 1))
-        if not (rows[:, self.fixed] == self.content).all():
-            return None
+        for span in self.spans:
+            differs = rows[:, span] ^ self.content[span]
+            differs &= self.fixed[span]
+            if differs.max():
+                return None
         formats, offsets = zip(*(self.numbers[path] for path in paths), strict=True)
         kind = np.dtype({"names": list(paths), "formats": formats, "offsets": offsets, "itemsize": size})
         return np.ndarray((count,), kind, buffer, offset=start, strides=(stride,))
@@ -233,8 +239,10 @@ def find_layout(payload: bytes, typename: str, types: Types, *, encoding: str) -
     spare = len(payload) - walk.position
     if not 0 <= spare <= (_CDR_TRAILING_PADDING_BYTES if walk.is_cdr else 0):
         raise BrokenError(f"{spare} bytes left over")
-    fixed = np.flatnonzero(walk.fixed)
-    return Layout(len(payload), walk.numbers, walk.strings, fixed, np.frombuffer(payload, np.uint8)[fixed])
+    found = np.flatnonzero(walk.fixed)
+    lots = np.split(found, np.flatnonzero(np.diff(found) > _CLOSE_BYTES) + 1) if len(found) else ()
+    spans = tuple(slice(int(lot[0]), int(lot[-1]) + 1) for lot in lots)
+    return Layout(len(payload), walk.numbers, walk.strings, walk.fixed, np.frombuffer(payload, np.uint8), spans)
 
 
 def _element_of(description: Any) -> tuple[bool, Any, int | None]:  # noqa: ANN401
@@ -252,9 +260,9 @@ class _Walk:
     def __init__(self, payload: bytes, types: Types, *, is_cdr: bool) -> None:
         self.payload, self.types, self.is_cdr = payload, types, is_cdr
         self.numbers, self.strings = dict[str, tuple[np.dtype[Any], int]](), dict[str, tuple[str, ...]]()
-        self.fixed = np.zeros(len(payload), bool)
+        self.fixed = np.zeros(len(payload), np.uint8)
         self.position = _CDR_HEADER_BYTES if is_cdr else 0
-        self.fixed[: len(_CDR_LITTLE_ENDIAN) if is_cdr else 0] = True
+        self.fixed[: len(_CDR_LITTLE_ENDIAN) if is_cdr else 0] = _ALL_BITS
 
     def message(self, typename: str, prefix: str) -> None:
         for name, description in self.types[typename][1]:
@@ -279,7 +287,7 @@ class _Walk:
         if self.is_cdr:
             self.position += -(self.position - _CDR_HEADER_BYTES) % width
         begin, self.position = self.position, self.position + count * width
-        self.fixed[begin : self.position] |= decides
+        self.fixed[begin : self.position] |= _ALL_BITS * decides
         return self.payload[begin : self.position]
 
     def length(self) -> int:

@@ -209,8 +209,9 @@ class BlockCollector:
         begin = start - heads.width
         count = (len(self._data) - begin) // stride
         rows = np.ndarray((count, heads.width), np.uint8, self._data, offset=begin, strides=(stride, 1))
-        same = np.logical_and.reduce([(rows[:, part] == rows[0, part]).all(axis=1) for part in heads.constant])
-        run = count if same.all() else int(same.argmin())
+        same, run = [rows[:, part] == rows[0, part] for part in heads.constant], count
+        if not all(map(np.all, same)):  # to look at each row takes several times as long
+            run = int(np.logical_and.reduce([part.all(axis=1) for part in same]).argmin())
         if wanted:
             log_time = heads.in_ns(np.ascontiguousarray(rows[:run, heads.clock : heads.clock + 8]))
             starts = start + stride * np.arange(run, dtype=np.int64)
