@@ -11,6 +11,7 @@ from friction_audit.errors import InputError, near_misses
 from friction_audit.io.readers.channel_names import (
     OTHER_UNIT,
     QUANTITIES,
+    STATED_UNITS,
     ForeignName,
     Group,
     JointKey,
@@ -72,7 +73,8 @@ def map_columns(
     """
     path, labels, bare = str(table.path), table.labels, [name.strip() for name in table.names]
     if lost := [f"--map {c}={mapping[c]}{near_misses(name, bare)}" for c, name in absent(mapping, bare).items()]:
-        raise InputError(f"{path}: no column for {' and no column for '.join(lost)}; found {shorten(bare)}")
+        units = f"; units after a colon are {', '.join(STATED_UNITS)}" if any(":" in one for one in lost) else ""
+        raise InputError(f"{path}: no column for {' and no column for '.join(lost)}; found {shorten(bare)}{units}")
     listed = [one for channel, one in mapping.items() if channel != "t" and one not in bare]
     per_joint = any(_SEVERAL.search(one) or f"{one}[0]" in bare for one in listed)  # is a column
     is_joint = (cell for cell, name in enumerate(bare) if _JOINT_COLUMN.fullmatch(name))
