@@ -22,7 +22,7 @@ from benchmarks.hidden_effects.draw import draw_case, settings_of
 from benchmarks.resume import Job, Row, read
 from friction_audit.diagnosis.diagnose import diagnose_subjects
 from friction_audit.diagnosis.settings import DiagnosisSettings
-from friction_audit.effects.registry import effect_of
+from friction_audit.effects.registry import same_as
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import AuditSettings, Diagnosis, diagnosis_subjects, estimate_log
 from friction_audit.planning.design import limits_of
@@ -60,29 +60,24 @@ def diagnosed(log: JointLog, settings: AuditSettings) -> tuple[Any, Diagnosis]:
     estimate = estimate_log(log, settings)
     subjects = diagnosis_subjects(estimate, DiagnosisSettings())
     found = diagnose_subjects(subjects, DiagnosisSettings())
-    return subjects, Diagnosis(estimate=estimate, discrepancy=found, settings=DiagnosisSettings())
+    return subjects, Diagnosis(estimate=estimate, joints=found, settings=DiagnosisSettings())
 
 
 def sets_of(found: Diagnosis) -> Any:  # noqa: ANN401 - a text, among columns of all kinds
     """Write the answer: names that may be each other by |, effects by ;."""
-    return answer_of(found.discrepancy.joints[0])["sets"]
-
-
-def same(name: str) -> set[str]:
-    """Return the names that no motion separates from one."""
-    return {name, *effect_of(name).indistinguishable}
+    return answer_of(found.joints[0])["sets"]
 
 
 def open_names(truth: str, sets: str) -> bool:
     """Whether the true name stands with others that a motion can separate."""
     found = [set(one.split("|")) for one in sets.split(";")]
-    return any(truth in one and one - same(truth) - {"contact_event"} for one in found)
+    return any(truth in one and one - same_as(truth) - {"contact_event"} for one in found)
 
 
 def right(truth: str, sets: str, *, strict: bool = False) -> bool:
     """Whether the truth is the only name, up to names that no motion separates from it unless strict."""
     names = set(sets.replace(";", "|").split("|"))
-    return truth in names and names <= ({truth} if strict else same(truth)) and ";" not in sets
+    return truth in names and names <= ({truth} if strict else same_as(truth)) and ";" not in sets
 
 
 def work(asked: Row) -> list[dict[str, Any]]:
@@ -96,8 +91,8 @@ def work(asked: Row) -> list[dict[str, Any]]:
     log = simulate(settings, seed).log
     subjects, found = diagnosed(log, AuditSettings())
     row["before"] = sets_of(found)
-    if found.discrepancy.joints[0].verdict == "ambiguous" and open_names(truth, row["before"]):
-        pairs = [(subjects[0], found.discrepancy.joints[0])]
+    if found.joints[0].verdict == "ambiguous" and open_names(truth, row["before"]):
+        pairs = [(subjects[0], found.joints[0])]
         _, (task,) = tasks_of(diagnose_document(found), Path(log.source.path), [0.0], subjects=pairs)
         limits = limits_of(task.joint, 0.0, urdf=None, robot="panda")
         plan = plan_task(task, limits, check=False)

@@ -30,13 +30,12 @@ def page(arguments: argparse.Namespace) -> Iterator[str]:
     yield "Times are medians; peaks include libraries."
     yield "## `estimate` and a bare read of Parquet"
     yield (
-        "The script checks the estimates against the friction written. *Peak / arrays*: peak memory over the size of "
-        "the columns read. Python's bytecode is cached, as pip leaves it."
+        "*Peak / arrays*: peak memory over the size of the columns read. The estimates are checked against the "
+        "friction written."
     )
     yield (
-        "A first pass reads the clock; a second one checks, proves the sign by 50 Hz means, and estimates. A mended "
-        "fault, inertia of the model, `--thresholds auto` and a sign that the first block hides add passes. Blocks of "
-        "the zero-phase filters overlap until 1e-18 of the state is left. Batched stamps, a slow bus and damaged row "
+        "A log is read in blocks, twice: the clock, then checks, sign and estimate. A mended fault, inertia of the "
+        "model, `--thresholds auto` and an undecided sign add passes. Batched stamps, a slow bus and damaged row "
         "groups need all in memory."
     )
     yield table("bench_parquet", "--hours", hours, "--runs", runs)

@@ -37,7 +37,7 @@ def run_one(task: Row) -> list[dict[str, object]]:
     seed = int(task["seed"])
     case, (kind, step) = case_of(seed, "none"), KINDS[seed % len(KINDS)]
     log = rounded(log_of(case), kind, step)
-    (joint,) = diagnose_log(log, AuditSettings(), DiagnosisSettings()).discrepancy.joints
+    (joint,) = diagnose_log(log, AuditSettings(), DiagnosisSettings()).joints
     scenario = f"{case.scenario}, {kind} in steps of {step:g}"
     return [{"truth": "none", "seed": seed, "scenario": scenario, "joint": 1, **answer_of(joint)}]
 

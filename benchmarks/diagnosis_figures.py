@@ -125,7 +125,7 @@ def write_documents(tables: Tables, docs: Path) -> None:
         ("../benchmarks/effects.md", "effect by effect"): everything(rows),
     }
     if tables["separations"]:
-        texts["benchmarks.md", "separable"] = separated(tables)
+        texts["../benchmarks/effects.md", "separable"] = separated(tables)
     for (name, mark), text in texts.items():
         write_between(docs / name, f"<!-- {mark} -->", f"<!-- end of {mark} -->", text)
     if tables["time"]:

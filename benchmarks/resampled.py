@@ -172,7 +172,7 @@ def run_one(task: Row) -> list[dict[str, object]]:
     signals = recorded(task["truth"], task["scenario"], int(task["seed"]), float(task["scale"]))
     try:
         log = log_by(task["way"], *signals, int(task["seed"]))
-        found = diagnose_log(log, AuditSettings(), DiagnosisSettings()).discrepancy.joints
+        found = diagnose_log(log, AuditSettings(), DiagnosisSettings()).joints
     except FrictionAuditError as error:
         return [row | {"verdict": "error", "reason": str(error)}]
     return [row | {"joint": one.joint, **answer_of(one)} for one in found]

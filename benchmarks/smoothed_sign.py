@@ -93,7 +93,7 @@ def log_of(seed: int) -> tuple[JointLog, str]:
 def run_one(task: Row) -> list[dict[str, object]]:
     """The row of one joint."""
     log, scenario = log_of(int(task["seed"]))
-    (joint,) = diagnose_log(log, AuditSettings(), DiagnosisSettings()).discrepancy.joints
+    (joint,) = diagnose_log(log, AuditSettings(), DiagnosisSettings()).joints
     return [{"truth": "none", "seed": task["seed"], "scenario": scenario, "joint": 1, **answer_of(joint)}]
 
 

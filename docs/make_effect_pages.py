@@ -10,7 +10,7 @@ from pathlib import Path
 
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.parameter import Parameter
-from friction_audit.effects.registry import FAMILY_OF, NAMES, effect_of, effects
+from friction_audit.effects.registry import NAMES, effect_of, effects
 from friction_audit.simulation.effects import EFFECTS, HiddenEffect
 
 FOLDER = Path(__file__).parent / "effects"
@@ -24,7 +24,7 @@ def page_of(text: str, name: str) -> str:
     effect, hidden = effect_of(name), HIDDEN[name]
     lines = text.splitlines()
     lines[0] = f"# {name}"
-    lines[2] = f"*{hidden.summary[0].upper()}{hidden.summary[1:]}.* Family: {FAMILY_OF[name]}."
+    lines[2] = f"*{hidden.summary[0].upper()}{hidden.summary[1:]}.*"
     text = "\n".join(lines) + "\n"
     condition = re.search(r"^Not tested where.*$", text, re.MULTILINE)
     text = _section(text, "Parameters", parameter_section(hidden))

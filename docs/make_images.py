@@ -120,7 +120,7 @@ def draw_missing(axes: Axes, folder: Path) -> None:
     """What the declared model leaves at each speed, and the effect that was named."""
     path = str(folder / "run.parquet")
     run("simulate", "joint", "--effect", "stribeck", "--seed", "3", "-o", path)
-    found = diagnose_log(read_log(Path(path)), AuditSettings(), DiagnosisSettings()).discrepancy.joints[0]
+    found = diagnose_log(read_log(Path(path)), AuditSettings(), DiagnosisSettings()).joints[0]
     (effect,) = found.effects
     assert found.traces is not None
     assert found.gap is not None

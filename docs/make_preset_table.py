@@ -13,13 +13,13 @@ BEGIN, END = "<!-- presets -->", "<!-- end of presets -->"
 
 def page_of(text: str) -> str:
     """Return the page with the table of today's presets."""
-    table = "\n".join(("| `--robot` | joints | torque signal | figures |", "|---" * 4 + "|", *_rows()))
+    table = "\n".join(("| `--robot` | joints | torque signal |", "|---" * 3 + "|", *_rows()))
     return re.sub(f"{BEGIN}.*{END}", lambda _: f"{BEGIN}\n\n{table}\n\n{END}", text, flags=re.DOTALL)
 
 
 def _rows() -> Iterator[str]:
-    for (joints, torque, source), names in groupby(PRESETS, lambda one: _shown(PRESETS[one])):
-        yield f"| {' '.join(f'`{name}`' for name in names)} | `{joints[0]}`...`{joints[-1]}` | {torque} | {source} |"
+    for (joints, torque, _), names in groupby(PRESETS, lambda one: _shown(PRESETS[one])):
+        yield f"| {' '.join(f'`{name}`' for name in names)} | `{joints[0]}`...`{joints[-1]}` | {torque} |"
 
 
 def _shown(preset: Preset) -> tuple[tuple[str, ...], str, str]:

@@ -9,14 +9,14 @@ from typing import Any
 import pytest
 
 from friction_audit.diagnosis import diagnose
-from friction_audit.diagnosis.result import Discrepancy
+from friction_audit.diagnosis.result import JointDiagnosis
 
-FOUND: dict[str, Discrepancy] = {}
+FOUND: dict[str, tuple[JointDiagnosis, ...]] = {}
 """What was found, by all that it was found from."""
 _diagnose = diagnose.diagnose_subjects
 
 
-def _remembering(subjects: Any, settings: Any, _report: Any = None) -> Discrepancy:
+def _remembering(subjects: Any, settings: Any, _report: Any = None) -> tuple[JointDiagnosis, ...]:
     """Diagnose what was not diagnosed before; the name of the file is no part of what a diagnosis is made from."""
     key = sha256(pickle.dumps((subjects, settings))).hexdigest()
     if key not in FOUND:

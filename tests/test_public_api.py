@@ -183,7 +183,7 @@ def test_a_result_shows_its_numbers_in_a_line_a_joint(log: JointLog, estimated: 
     assert log.source.path in head
     for number in (joint.coulomb.value, joint.coulomb.low, joint.viscous.value, joint.viscous.high):
         assert f"{number:.4g}" in line
-    assert diagnosed.discrepancy.joints[0].verdict in repr(diagnosed).splitlines()[1]
+    assert diagnosed.joints[0].verdict in repr(diagnosed).splitlines()[1]
     assert "dissipation removed" in repr(friction_audit.replay_log(estimated)).splitlines()[1]
     assert f"{len(log.joint_names)} joints" in repr(log)
 

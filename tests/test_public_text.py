@@ -5,11 +5,6 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-import pytest
-from typer.testing import CliRunner
-
-from friction_audit.cli import NAMES, app
-
 ROOT = Path(__file__).parents[1]
 SOURCE = ROOT / "src" / "friction_audit"
 
@@ -65,10 +60,3 @@ def test_no_house_word_is_left_in_the_documents() -> None:
     pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
     prose = {page: re.sub(r"(?s)```.*?```|`[^`]*`", "", page.read_text()) for page in pages}
     assert {page.name: found for page, text in prose.items() if (found := found_in(text))} == {}
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_the_help_of_every_command_is_free_of_house_words(name: str) -> None:
-    help_text = CliRunner().invoke(app, [name, "--help-all"]).output
-    assert "Usage" in help_text
-    assert found_in(help_text, MORE) == []

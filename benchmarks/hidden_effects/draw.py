@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from friction_audit.effects.joint_model import ArmModel, simple_model
-from friction_audit.effects.registry import effects
+from friction_audit.effects.registry import effects, same_as
 from friction_audit.simulation.effects import EFFECTS, HiddenEffect
 from friction_audit.simulation.scenarios import SCENARIOS
 from friction_audit.simulation.settings import PANDA_SENSORS, JointParameters, Sensors
@@ -98,9 +98,7 @@ def effects_that_pair() -> list[str]:
     return [
         f"{one.name}+{two.name}"
         for one, two in combinations(some, 2)
-        if places[one.name] & places[two.name]
-        and two.name not in one.indistinguishable
-        and one.name not in two.indistinguishable
+        if places[one.name] & places[two.name] and two.name not in same_as(one.name)
     ]
 
 

@@ -46,7 +46,7 @@ def run_case(task: Row) -> list[dict[str, object]]:
             return [row | {"verdict": "", "scales": NOT_REACHED}]
         case = case if outside else scaled(case, scales)
         log = log_with(case, truth) if outside else log_of(case)
-        found = diagnose_log(log, AuditSettings(), DiagnosisSettings(seed=seed, model=model_of(case))).discrepancy
+        found = diagnose_log(log, AuditSettings(), DiagnosisSettings(seed=seed, model=model_of(case)))
     except FrictionAuditError as error:
         return [row | {"verdict": "error", "reason": str(error)}]
     found_with = {"scales": "/".join(map(repr, scales))}

@@ -80,7 +80,7 @@ def run_part(root: Path, task: Row) -> list[dict[str, object]]:
             joint = int(task["asked"])
             log = injected(log, joint, task["truth"], float(task["size"]), int(task["draw"]))
             settings = replace(settings, joints=(joint,))
-        found = diagnose_log(log, settings, DiagnosisSettings(seed=int(task["seed"]))).discrepancy.joints
+        found = diagnose_log(log, settings, DiagnosisSettings(seed=int(task["seed"]))).joints
     except FrictionAuditError as error:
         return [row | {"verdict": "error", "reason": str(error)}]
     return [row | {"joint": one.joint, "untestable": ";".join(one.untestable)} | answer_of(one) for one in found]

@@ -34,7 +34,7 @@ def run_one(task: Row) -> list[dict[str, object]]:
         model = write_log(case, path)
         settings = DiagnosisSettings(model=None if model is None else load_model(model))
         try:
-            (found,) = diagnose_log(read_log(path), AuditSettings(), settings).discrepancy.joints
+            (found,) = diagnose_log(read_log(path), AuditSettings(), settings).joints
         except FrictionAuditError as error:
             return [_row(case, truth) | {"verdict": "error", "reason": str(error)}]
     return [_row(case, truth) | answer_of(found)]

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from friction_audit.compensation.settings import ReplaySettings
     from friction_audit.diagnosis.data_audit import DataFinding
     from friction_audit.diagnosis.prepare import Subject
-    from friction_audit.diagnosis.result import Discrepancy
+    from friction_audit.diagnosis.result import JointDiagnosis
     from friction_audit.diagnosis.settings import DiagnosisSettings
     from friction_audit.io.checks import Take
     from friction_audit.preprocessing.segmentation import Thresholds
@@ -247,11 +247,11 @@ class Diagnosis(Shown):
     """The result of ``diagnose``: what the nominal model misses, and its estimate."""
 
     estimate: Estimate
-    discrepancy: "Discrepancy"
+    joints: "tuple[JointDiagnosis, ...]"  # those that were asked for
     settings: "DiagnosisSettings"
 
     def __repr__(self) -> str:
-        source, joints = self.estimate.log.source, map(repr, self.discrepancy.joints)
+        source, joints = self.estimate.log.source, map(repr, self.joints)
         head = f"Diagnosis({source.path}: residual RMS on held-out cycles in {source.torque_unit})"
         return "\n  ".join((head, *joints))
 
@@ -268,7 +268,7 @@ def diagnose_estimate(
     from friction_audit.diagnosis.diagnose import diagnose_subjects
 
     found = diagnose_subjects(diagnosis_subjects(estimate, settings), settings, report)
-    return Diagnosis(estimate=estimate, discrepancy=found, settings=settings)
+    return Diagnosis(estimate=estimate, joints=found, settings=settings)
 
 
 def diagnosis_subjects(estimate: Estimate, settings: "DiagnosisSettings") -> "tuple[Subject, ...]":

@@ -284,7 +284,7 @@ TEXTS = {
     "no header": (b"0,0,0,0\n1,0,0,0\n", r"no header: line 1 holds 4 numbers.*--map t=#1"),
     "only a header": (NAMES, r"0 samples: a header of 4 columns and no rows.*record the arm"),
     "word": (NAMES + b"0,0,x,0\n1,0,0,0\n", r"line 2, column dq_1: 'x' is not a number"),
-    "no date": (NAMES + b"noon,0,0,0\nnoon,0,0,0\n", r"time holds neither a number nor an ISO 8601 date.*: 'noon'"),
+    "no date": (NAMES + b"noon,0,0,0\nnoon,0,0,0\n", r"time holds neither a number nor a date.*: 'noon'"),
     "narrow line": (NAMES + b"0,0,0,0\n1,0\n2,0,0,0\n", r"line 3 has 2 fields; expected 4"),
     "wide line": (NAMES + b"0,0,0,0\n1,0,0,0,0\n2,0,0,0\n", r"line 3 has 5 fields; expected 4"),
     "carriage return": (NAMES + b"0,0,0,0\n1,0\r1,0,0\n2,0,0,0\n", r"line 3 has a carriage return with"),

@@ -19,6 +19,7 @@ from friction_audit.batch.executor import LocalExecutor
 from friction_audit.batch.ledger import SCHEMA_VERSION
 from friction_audit.cli.batch_report import RESULTS
 from friction_audit.io.files import sha256_of
+from friction_audit.io.readers import read_log
 from friction_audit.io.writers.write_log import write_log
 from friction_audit.reporting.figures.registry import figures_of
 from friction_audit.simulation import BenchSettings, simulate
@@ -201,6 +202,15 @@ def test_copies_are_one_line_and_the_name_like_the_others_stays(few: Path, run: 
     answer = run("batch-report", few)
     (line,) = [line for line in answer.err.splitlines() if "the same recording as" in line]
     assert "rig-2026-03-02.npz; and 3 more copies" in line
+
+
+def test_a_damaged_log_is_a_session_and_named(few: Path, run: Run) -> None:
+    write_log(read_log(few / "rig-2026-03-03.npz"), few / "rig-2026-03-09.csv")
+    text = (few / "rig-2026-03-09.csv").read_text()
+    (few / "rig-2026-03-09.csv").write_text(text[: text.rindex(",")])
+    answer = run("batch-report", few)
+    assert answer.code == 6
+    assert "rig-2026-03-09.csv: damaged, part of it is left out; the rest counts as a session" in answer.err
 
 
 def test_a_log_replaced_while_read_keeps_its_content(few: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:

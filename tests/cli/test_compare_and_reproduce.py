@@ -50,14 +50,6 @@ def test_sweep_is_told_and_drawn(run: Run, tmp_path: Path) -> None:
     assert (tmp_path / "compared" / "sweep.svg").read_text().startswith("<?xml")
 
 
-def test_claims_figures_and_exit_code(run: Run, tmp_path: Path) -> None:
-    answer = run("reproduce", "--figures", "3,6", "-o", "out", "-q")
-    assert (answer.code, answer.err) == (0, "")
-    assert "6 of 6 claims of the paper hold" in answer.out
-    assert answer.out.endswith("out/fig3.png\nout/fig6.png\n")
-    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["fig3.png", "fig6.png"]
-
-
 @pytest.mark.usefixtures("sketched")
 def test_document_of_claims(run: Run, tmp_path: Path) -> None:
     answer = run("reproduce", "--figures", "7", "--figure-format", "svg", "--persons", "2", "--json")

@@ -102,7 +102,8 @@ TABLES = {command: [one.name for result in results for one in result.TABLES] for
 @pytest.mark.usefixtures("sketched")
 @pytest.mark.parametrize("command", TABLES)
 def test_every_table_is_written(command: str, run: Run, logs: Path) -> None:
-    beside = ("--format", "markdown") if command == "report" else ("--figure-format", "svg")
+    beside: tuple[str, ...] = ("--format", "markdown") if command == "report" else ("--figure-format", "svg")
+    beside += ("--candidates", "stribeck") if command == "diagnose" else ()
     answer = run(command, logs / "moved1.csv", "-o", "out", *beside, "--export", "csv,parquet,mcap", "-q")
     assert answer.code == 0, answer.err
     before = "moved1.report." if command == "report" else ""

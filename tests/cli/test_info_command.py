@@ -42,6 +42,8 @@ def test_of_a_large_log_the_beginning_is_read(run: Run, logs: Path, monkeypatch:
     assert f"the first 10 s, {first['samples']} samples; the file has {whole['samples']} rows; --full" in answer.out
     assert "first 10 s" not in answer.err
     assert run("info", logs / "moved1.csv", "--json", "--full").document()["logs"][0] == whole
+    monkeypatch.setattr("friction_audit.cli.info.FIRST_S", 1000.0)
+    assert "--full" not in run("info", logs / "moved1.csv").out
 
 
 @pytest.mark.parametrize("suffix", ["parquet", "mcap", "bag", "npz"])

@@ -17,7 +17,7 @@ AMPERE = ("--map", "tau_interaction=tau_interaction_{i}:A")
 @pytest.mark.parametrize("command", ["estimate", "replay", "diagnose", "report", "plot"])
 @pytest.mark.usefixtures("sketched")
 def test_a_warning_of_physics_is_exit_5_after_all_is_written(command: str, run: Run, logs: Path) -> None:
-    more = {"plot": [], "report": ["--sections", "friction"]}.get(command, ["--figures", "all"])
+    more = {"diagnose": ["--candidates", "stribeck"], "report": ["--sections", "friction"]}.get(command, [])
     words = [command, logs / "moved1.csv", *AMPERE, "-o", "out", "-q", *more]
     answer = run(*words, "--strict")
     assert answer.code == 5, answer

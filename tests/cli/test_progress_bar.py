@@ -64,14 +64,3 @@ def test_stages_move_one_bar_on(monkeypatch: pytest.MonkeyPatch) -> None:
     assert " 62%" in shown
     assert "warning: the clock jumps\n" in shown
     assert shown.count("\x1b[?25h") == 1  # one display, and it gave the cursor back
-
-
-def test_stages_are_as_long_as_they_take(monkeypatch: pytest.MonkeyPatch) -> None:
-    terminal = watch(monkeypatch)
-    with Voice(quiet=False, verbose=False).stages([3.0, 97.0]) as voice:
-        with voice.step("read"):
-            time.sleep(0.1)
-        with voice.step("diagnose"):
-            time.sleep(0.2)
-    assert " 3%" in terminal.getvalue()
-    assert "diagnose ..." in terminal.getvalue()

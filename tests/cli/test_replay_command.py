@@ -71,14 +71,6 @@ def simulated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("assume", ["same-motion", "same-torque"])
-@pytest.mark.parametrize("name", ["rig", "robot"])
-def test_what_is_removed_follows_from_the_energies(name: str, assume: str, run: Run, simulated: Path) -> None:
-    for joint in run("replay", simulated / f"{name}.csv", "--assume", assume, "--json").document()["joints"]:
-        without, left = joint["energy_without_j"], joint["energy_with_j"]
-        assert joint["reason"] or joint["dissipation_removed"] == pytest.approx(1.0 - abs(left) / without, abs=1e-9)
-
-
 @pytest.mark.parametrize("assume", ["same-motion", "same-torque", "same-operator"])
 def test_no_person_is_named_where_the_robot_moved_by_itself(assume: str, run: Run, simulated: Path) -> None:
     answer = run("replay", simulated / "robot.csv", "--assume", assume)
@@ -122,7 +114,6 @@ def test_the_remedy_of_a_warning_is_the_user_s_own_command(run: Run, logs: Path)
 ORIGIN = Provenance(method="diagnose", log="first.parquet", sha256="ab", cycles=12)
 SIMPLE = replace(simple_model(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07), provenance=ORIGIN)
 STRIBECK = replace(SIMPLE, terms=(*SIMPLE.terms, FittedTerm("stribeck", (0.15, 0.1, 1.5))))
-OPERATOR = ("--assume", "same-operator", "--operator", "0.3,9,60")
 APPLIED = ("--compensator", "model", "--joint-model", "model.toml")
 
 
@@ -160,15 +151,6 @@ def test_terms_that_tell_of_another_recording_are_named(run: Run, log: str) -> N
     assert message in " ".join(run("replay", log, *APPLIED[:3], "stepped.toml").err.split())
     save(replace(stepped, provenance=Provenance()), path="hand.toml")
     assert "moments" not in run("replay", log, *APPLIED[:3], "hand.toml").err
-
-
-def test_the_joint_of_the_file_moves(run: Run, log: str) -> None:
-    (fitted,) = run("replay", log, *OPERATOR, "--json").document()["joints"]
-    document = run("replay", log, *OPERATOR, "--joint-model", "model.toml", "--json").document()
-    (given,) = document["joints"]
-    assert (fitted["fitted_joint"] is None, given["fitted_joint"] is None) == (False, True)
-    assert given["model_error"] < fitted["model_error"]
-    assert "the joint of the model file and that impedance move together" in document["assumes"]
 
 
 def test_a_joint_without_a_model_does_not_stop_the_others(run: Run, logs: Path) -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from friction_audit.diagnosis.augmented_model import augment_models, gap_in_motion, simulate_cycles
 from friction_audit.diagnosis.prepare import Subject
-from friction_audit.diagnosis.result import Discrepancy, JointDiagnosis
+from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, Provenance, simple_model
 from friction_audit.friction.history import Coefficient
@@ -24,7 +24,7 @@ STRIBECK_TERM = FittedTerm("stribeck", (0.2, 0.05, 1.0))
 
 
 def augmented(*joints: JointDiagnosis, nominal: ArmModel | None = None) -> Any:
-    model, lacking = augment_models(Discrepancy(joints=joints), LOG, nominal)
+    model, lacking = augment_models(joints, LOG, nominal)
     assert lacking == []
     return model
 
@@ -65,7 +65,7 @@ def test_what_is_held_stays_as_it_was_and_held() -> None:
 
 def test_friction_below_zero_is_no_model_and_said_unless_it_may_be_zero() -> None:
     wrong = replace(NAMED, augmented=NAMED.augmented | {"viscous_nms_per_rad": coefficient(-0.01, 0.005)})
-    model, lacking = augment_models(Discrepancy(joints=(wrong,)), LOG, None)
+    model, lacking = augment_models((wrong,), LOG, None)
     assert model.joints == (None, None, None)
     ((joint, lack),) = lacking
     assert joint == 1
@@ -77,14 +77,14 @@ def test_friction_below_zero_is_no_model_and_said_unless_it_may_be_zero() -> Non
 def test_a_term_of_the_nominal_model_that_is_found_again_is_no_model() -> None:
     fitted = NAMED.augmented | {"stribeck_excess_nm": coefficient(0.25, 0.1)}
     arm = nominal_arm(STRIBECK_TERM)
-    model, lacking = augment_models(Discrepancy(joints=(replace(NAMED, augmented=fitted),)), LOG, arm)
+    model, lacking = augment_models((replace(NAMED, augmented=fitted),), LOG, arm)
     assert model.joints == arm.joints
     assert "stribeck stands twice" in lacking[0][1]
 
 
 def test_an_effect_that_is_no_term_is_left_out_and_said() -> None:
     strange = replace(BIAS, name="poltergeist")
-    model, lacking = augment_models(Discrepancy(joints=(replace(NAMED, effects=(STRIBECK, strange)),)), LOG, None)
+    model, lacking = augment_models((replace(NAMED, effects=(STRIBECK, strange)),), LOG, None)
     joint: Any = model.joints[0]
     assert joint.values("stribeck")
     assert lacking == [(1, "poltergeist is no term of a model, so the augmented one lacks it")]
@@ -103,7 +103,7 @@ def test_numbers_that_a_nominal_term_lacks_are_lacking_in_the_augmented_one() ->
 def test_a_number_of_an_effect_that_may_be_its_lower_bound_is_put_there(half: float, excess: float | None) -> None:
     (effect,) = NAMED.effects
     below = replace(effect, parameters={**effect.parameters, "stribeck_excess_nm": coefficient(-0.01, half)})
-    joint = augment_models(Discrepancy(joints=(replace(NAMED, effects=(below,)),)), LOG, None)[0].joints[0]
+    joint = augment_models((replace(NAMED, effects=(below,)),), LOG, None)[0].joints[0]
     values = None if joint is None else joint.values("stribeck")
     assert (values and values[0]) == excess
 

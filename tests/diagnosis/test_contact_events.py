@@ -7,12 +7,11 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from friction_audit.diagnosis.contact_events import detect, touched, without_impulses
+from friction_audit.diagnosis.contact_events import Contact, detect, touched, without_impulses
 from friction_audit.diagnosis.problem import RegressionProblem
 from friction_audit.diagnosis.samples import NoiseModel, least_squares
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_data import JointData
-from friction_audit.effects.slow import Contact
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import AuditSettings, diagnose_log
 from friction_audit.simulation import BenchSettings, simulate
@@ -132,7 +131,7 @@ EVENTS = draw_events(TOUCHED.hidden[0].contact_event, BENCH.duration_s, make_str
 
 def diagnosed(settings: BenchSettings) -> Any:
     asked = DiagnosisSettings(candidates=("contact_event", "stribeck"))
-    (joint,) = diagnose_log(simulate(settings, SEED).log, AuditSettings(), asked).discrepancy.joints
+    (joint,) = diagnose_log(simulate(settings, SEED).log, AuditSettings(), asked).joints
     return joint
 
 

@@ -22,7 +22,7 @@ def recorded(*effects: str, scenario: str = "joint", duration_s: float = 60.0, s
 
 
 def diagnosed(log: JointLog, **asked: Any) -> Any:
-    (found,) = diagnose_log(log, AuditSettings(), DiagnosisSettings(**asked)).discrepancy.joints
+    (found,) = diagnose_log(log, AuditSettings(), DiagnosisSettings(**asked)).joints
     return found
 
 

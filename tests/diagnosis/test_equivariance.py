@@ -39,7 +39,7 @@ def columns() -> Columns:
 def diagnosed_all(log: Columns, folder: Path) -> tuple[JointDiagnosis, ...]:
     path = folder / "log.csv"
     np.savetxt(path, np.column_stack(list(log.values())), "%.17g", ",", header=",".join(log), comments="")
-    return diagnose_log(read_log(path), AuditSettings(), DiagnosisSettings(candidates=CANDIDATES)).discrepancy.joints
+    return diagnose_log(read_log(path), AuditSettings(), DiagnosisSettings(candidates=CANDIDATES)).joints
 
 
 def diagnosed(log: Columns, folder: Path) -> JointDiagnosis:

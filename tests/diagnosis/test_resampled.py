@@ -32,5 +32,5 @@ def signals(scenario: str) -> tuple[Float, Columns]:
 )
 def test_nothing_is_missing_in_a_clean_joint_whose_log_was_resampled(scenario: str, way: str) -> None:
     log = log_by(way, *signals(scenario), SEEDS[scenario])
-    (found,) = diagnose_log(log, AuditSettings(), DiagnosisSettings()).discrepancy.joints
+    (found,) = diagnose_log(log, AuditSettings(), DiagnosisSettings()).joints
     assert (found.verdict, found.effects) == ("adequate", ())

@@ -43,7 +43,7 @@ def test_every_cell_runs(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
     tables = [page for page in pages if page is not None]  # a figure has none: its picture is shown
     assert len(tables) == 3
     assert all("<table" in table for table in tables)
-    assert names["diagnosis"].discrepancy.joints[0].effects[0].name == "stribeck"
+    assert names["diagnosis"].joints[0].effects[0].name == "stribeck"
     found = re.search(r"Coulomb friction: \+(\d+\.\d) %", capsys.readouterr().out)
     assert found is not None
     assert float(found[1]) == pytest.approx(10.0, abs=3.0)

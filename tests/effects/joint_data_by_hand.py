@@ -87,7 +87,7 @@ def share_explained(effect: Effect, data: JointData, torque: Float) -> float:
     nothing, best = fit(np.zeros((len(y), 0)))[1], 0.0
     for shape in effect.grid(data):
         coefficients, left = fit(effect.regressor(data, baseline(data), shape)[used])
-        if effect.admissible(coefficients, shape):
+        if effect.possible(coefficients, shape):
             best = max(best, 1.0 - left / nothing)
     return best
 

@@ -268,8 +268,8 @@ def test_what_pulls_like_one_link_is_not_several(weight: Sequence[Float]) -> Non
 def test_coefficients_agree_with_what_the_column_was_built_for(
     name: str, at: dict[str, float], possible: float | Float, impossible: float | Float | None
 ) -> None:
-    assert effect_of(name).admissible(np.atleast_1d(possible), at)
-    assert impossible is None or not effect_of(name).admissible(np.atleast_1d(impossible), at)
+    assert effect_of(name).possible(np.atleast_1d(possible), at)
+    assert impossible is None or not effect_of(name).possible(np.atleast_1d(impossible), at)
 
 
 ONCE = joint_data(Q[:400], V[:400], DATA.ddq[:400])

@@ -88,18 +88,18 @@ JOINT_TEXT = '[[joint]]\nname = "a"\ninertia_kg_m2 = 1.0\n'
         (HEAD + "[[joint]]\n[joint.terms.offset]", "joint 1: name, inertia_kg_m2 missing.*offset: offset_nm missing"),
         (HEAD + '[[joint]]\nname = "a"\ninertia_kg_m2 = "1"', "joint 1: inertia_kg_m2 is no number"),
         (HEAD + '[[joint]]\nname = "a"\ninertia_kg_m2 = nan', "joint 1: inertia_kg_m2 = nan; expected a number"),
-        (HEAD + '[[joint]]\nname = "a"\ninertia = 1', r"'inertia' is no key \(did you mean inertia_kg_m2\?\)"),
+        (HEAD + '[[joint]]\nname = "a"\ninertia = 1', "'inertia' is no key; did you mean inertia_kg_m2"),
         (HEAD + JOINT_TEXT + "held = [1]", "held is no list of names"),
         (HEAD + JOINT_TEXT + 'held = ["stribeck"]\nterms.coulomb.coulomb_nm = 1', "held: stribeck; .* terms: coulomb"),
         (HEAD + JOINT_TEXT + "terms = 1", "joint 1: terms is no table"),
         (HEAD + JOINT_TEXT + "provenance.cycles = 1.5", "joint 1: provenance: cycles is no whole number"),
         (HEAD + JOINT_TEXT + "provenance.log = 1", "joint 1: provenance: log is no text"),
-        (HEAD + JOINT_TEXT + "terms.coulom.coulomb_nm = 1", r"'coulom' is no term \(did you mean coulomb\?\), exp"),
+        (HEAD + JOINT_TEXT + "terms.coulom.coulomb_nm = 1", "'coulom' is no term, expected.*; did you mean coulomb"),
         (HEAD + JOINT_TEXT + "terms.coulomb = 1", "joint 1: coulomb is no table"),
         (HEAD + JOINT_TEXT + "terms.coulomb.coulomb_nm = true", "coulomb: coulomb_nm is no number"),
         (HEAD + JOINT_TEXT + "terms.coulomb.coulomb_nm = -1", "joint 1: term coulomb: coulomb_nm = -1; expected"),
         (HEAD + JOINT_TEXT + "terms.offset.offset_nm = nan", "offset_nm = nan"),
-        (HEAD + JOINT_TEXT + "terms.coulomb.coulomb = 1", r"did you mean coulomb_nm\?\).*coulomb_nm missing"),
+        (HEAD + JOINT_TEXT + "terms.coulomb.coulomb = 1", "did you mean coulomb_nm.*coulomb_nm missing"),
         (HEAD + JOINT_TEXT + "terms.stribeck.stribeck_exponent = 1", "excess_nm, stribeck_speed_rad_s missing"),
         ("color = 1\n" + HEAD + JOINT_TEXT, "the file: 'color' is no key"),
         pytest.param(HEAD + '[[joint]]\nname = "a"\ninertia_kg_m2 = 1' + "0" * 400, "no number", id="10^400"),
@@ -183,7 +183,7 @@ def test_friction_never_pushes(term: Effect) -> None:
         assert np.all(term.torque(MOTION, values) * DQ >= 0.0)
 
 
-@pytest.mark.parametrize("term", [term for term in terms() if term.speed_only], ids=lambda term: term.name)
+@pytest.mark.parametrize("term", [term for term in terms() if term.axis == "speed"], ids=lambda term: term.name)
 def test_a_term_of_the_velocity_alone_sees_nothing_else(term: Effect) -> None:
     values = tuple(0.3 for _ in term.coefficients) + SHAPES[term.name]
     others = {name: 3.0 * getattr(MOTION, name) - 1.0 for name in ("t", "q", "ddq", *KNOWN)}

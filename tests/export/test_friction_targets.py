@@ -15,6 +15,7 @@ from hypothesis import given, strategies as st
 from ruamel.yaml import YAML
 
 import friction_audit
+from friction_audit.effects.effect import SpeedFriction
 from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_model
 from friction_audit.effects.registry import terms
 from friction_audit.errors import InputError, UsageError
@@ -133,7 +134,8 @@ def test_an_sdf_keeps_what_else_is_in_its_axis(axis: str, tmp_path: Path) -> Non
 
 def test_every_friction_of_the_velocity_has_a_formula_in_cpp() -> None:
     names = {term.name for model in (STRIBECK, CUBIC, BENT) for term in model.terms}
-    assert {term.name for term in terms() if term.friction and term.speed_only} <= names  # compared in the next test
+    assert {term.name for term in terms() if isinstance(term, SpeedFriction)} <= names  # compared in the next test
+    assert all(isinstance(term, SpeedFriction) for term in terms() if term.friction and term.axis == "speed")
 
 
 @pytest.mark.skipif(shutil.which("g++") is None, reason="needs a C++ compiler")

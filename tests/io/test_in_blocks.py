@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 
 from friction_audit.compensation.settings import ReplaySettings
 from friction_audit.io.readers import ReadOptions, read_log
@@ -26,6 +26,7 @@ from tests.pinned.test_pinned import same
 
 Change = Callable[[pd.DataFrame], pd.DataFrame]
 
+PLAIN, FEW = ("q", "dq", "tau_interaction"), 4  # channels, and joints of a test that takes no model of the arm
 CHANNELS = ("q", "dq", "tau_J", "gravity", "tau_interaction", "tau_compensation", "tau_passivity")
 
 
@@ -38,7 +39,7 @@ def _small_logs(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture(scope="module")
 def frame() -> pd.DataFrame:
     """Return six joints that swing and one at rest, with a gap and every channel that a torque is made from."""
-    signals = motion(25_000, 7)
+    signals = motion(15_000, 7)
     t, q, dq = signals["t"], signals["q"], signals["dq"]
     q[:, 6], dq[:, 6] = 0.3, 0.0
     rng = np.random.default_rng(0)
@@ -54,9 +55,9 @@ def frame() -> pd.DataFrame:
     return pd.DataFrame({"time": t, **every}).drop(index=range(9000, 9300))
 
 
-def written(frame: pd.DataFrame, folder: Path, *channels: str, **options: Any) -> Path:
-    kept = [name for name in frame if name == "time" or str(name).rpartition("_")[0] in channels]
-    frame[kept].to_parquet(folder / "run.parquet", index=False, row_group_size=7001, **options)
+def written(frame: pd.DataFrame, folder: Path, *channels: str, joints: int = 7, **options: Any) -> Path:
+    kept = frame.columns.str.fullmatch(rf"time|(?:{'|'.join(channels)})_[1-{joints}]")
+    frame.loc[:, kept].to_parquet(folder / "run.parquet", index=False, row_group_size=7001, **options)
     return folder / "run.parquet"
 
 
@@ -144,7 +145,7 @@ def test_a_sound_log_is_estimated_while_it_is_checked(
     frame: pd.DataFrame, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, change: Change, passes: int
 ) -> None:
     """Samples are decoded once more only where the torque is not what the first block shows."""
-    path, usual, counted = written(change(frame), tmp_path, "q", "dq", "tau_interaction"), LogInBlocks.blocks, [0]
+    path, usual, counted = written(change(frame), tmp_path, *PLAIN, joints=FEW), LogInBlocks.blocks, [0]
 
     def blocks(log: LogInBlocks) -> Iterator[LogPart]:
         counted[0] += 1
@@ -157,7 +158,7 @@ def test_a_sound_log_is_estimated_while_it_is_checked(
     assert_same(found, estimate_document(estimate_log(read_log(path), settings)))
 
 
-ROWS, JOINTS = [5000, 5003, 10006, 20001], range(1, 8)
+ROWS, JOINTS = [5000, 5003, 10006, 12_001], range(1, 8)
 
 
 def changed(names: list[str], factor: float) -> Change:
@@ -190,7 +191,7 @@ FAULTS: dict[str, Change] = {
     "no channel": put([f"tau_compensation_{j}" for j in JOINTS], np.nan),
     "no joint": put(["dq_2"], np.nan),
     "wild": put(["q_2", "tau_interaction_1"], 50.0, ROWS),
-    "zeros": put(["q_2"], 0.0, slice(9800, 16_000)),
+    "zeros": put(["q_2"], 0.0, slice(9800, 14_000)),
     "degrees": changed([f"q_{j}" for j in JOINTS], 180.0 / np.pi),
     "rpm": changed([f"dq_{j}" for j in JOINTS], 30.0 / np.pi),
     "unit of time": changed(["time"], 1e3),
@@ -198,7 +199,7 @@ FAULTS: dict[str, Change] = {
     "dead": put(["tau_interaction_4"], 0.5),
     "turns": lambda frame: frame.assign(q_1=frame["q_1"] + 20.0),
     "wrapped": lambda frame: frame.assign(q_2=np.mod(frame["q_2"], 2.0 * np.pi)),
-    "frozen": put(["q_3", "tau_interaction_3"], 0.2, slice(9800, 16_000)),
+    "frozen": put(["q_3", "tau_interaction_3"], 0.2, slice(9800, 14_000)),
     "order": swapped,
     "repeats": with_repeats,
     "gaps": lambda frame: frame.drop(index=[*range(4990, 5010), *range(10_000, 12_000)]),
@@ -207,7 +208,7 @@ FAULTS: dict[str, Change] = {
 
 @pytest.mark.parametrize("fault", FAULTS)
 def test_a_fault_is_handled_block_by_block(frame: pd.DataFrame, tmp_path: Path, fault: str) -> None:
-    path = written(FAULTS[fault](frame), tmp_path, "q", "dq", "tau_interaction", "tau_compensation")
+    path = written(FAULTS[fault](frame), tmp_path, *PLAIN, "tau_compensation", joints=FEW)
     assert assert_same_log(path, {}).source.findings
 
 
@@ -216,8 +217,8 @@ def test_a_fault_is_handled_block_by_block(frame: pd.DataFrame, tmp_path: Path, 
     [
         {"flip": (2,), "torque_scale": (1.5,)},
         {"time_scale": 1.1},
-        {"t_start_s": 3.0, "t_end_s": 17.5},
-        {"t_start_s": 14.0},
+        {"t_start_s": 3.0, "t_end_s": 12.5},
+        {"t_start_s": 9.0},
         {"mapping": {"q": "q_{i}:deg", "dq": "dq_{i}:deg"}},
     ],
 )
@@ -229,7 +230,7 @@ def test_options_hold_block_by_block(
         monkeypatch.setattr("friction_audit.io.readers.reader.WHOLE_BYTES", 0)
     frame = frame.assign(time=frame["time"] + 7.0)
     frame.loc[frame.index[[0, 8000]], "q_1"] = np.nan
-    assert_same_log(written(frame, tmp_path, "q", "dq", "tau_interaction"), own)
+    assert_same_log(written(frame, tmp_path, *PLAIN, joints=FEW), own)
 
 
 @pytest.mark.parametrize("resolution", [1e-9, 1e-3])
@@ -237,7 +238,7 @@ def test_a_late_velocity_is_put_on_time_block_by_block(frame: pd.DataFrame, tmp_
     names, places = [f"dq_{j}" for j in JOINTS], [f"q_{j}" for j in JOINTS]
     late = frame.iloc[8:].assign(**{name: frame[name].to_numpy()[:-8] for name in names})
     late[places] = np.round(late[places] / resolution) * resolution
-    log = assert_same_log(written(late, tmp_path, "q", "dq", "tau_interaction"), {})
+    log = assert_same_log(written(late, tmp_path, *PLAIN, joints=FEW), {})
     assert "dq_late" in [one.code for one in estimate_log(log, AuditSettings()).interaction.warnings]
 
 
@@ -252,7 +253,7 @@ def assert_read_at_once(path: Path) -> None:
 def test_what_needs_all_samples_is_read_at_once(frame: pd.DataFrame, tmp_path: Path, fault: str) -> None:
     if fault == "batches":
         frame = frame.assign(time=frame["time"] + np.where(np.arange(len(frame)) % 2, -9e-4, 0.0))
-    path = written(frame, tmp_path, "q", "dq", "tau_interaction", write_page_checksum=True)
+    path = written(frame, tmp_path, *PLAIN, joints=FEW, write_page_checksum=True)
     if "damage" in fault:
         content = bytearray(path.read_bytes())
         place = len(content) // 2 if fault == "damage" else 1000
@@ -265,10 +266,7 @@ def test_what_needs_all_samples_is_read_at_once(frame: pd.DataFrame, tmp_path: P
 def test_lists_and_exact_clocks_are_read_in_blocks(frame: pd.DataFrame, tmp_path: Path, clock: str) -> None:
     stamps = np.round(frame["time"].to_numpy() * 1e9).astype(np.int64) + 1_700_000_000_000_000_000
     t = {"seconds": frame["time"], "nanoseconds": stamps, "timestamps": pd.to_datetime(stamps)}[clock]
-    lists = {
-        channel: frame[[f"{channel}_{j}" for j in range(1, 8)]].to_numpy().tolist()
-        for channel in ("q", "dq", "tau_interaction")
-    }
+    lists = {channel: frame[[f"{channel}_{j}" for j in range(1, FEW + 1)]].to_numpy().tolist() for channel in PLAIN}
     path = tmp_path / "lists.parquet"
     pd.DataFrame({"time": np.asarray(t), **lists}).to_parquet(path, index=False, row_group_size=7001)
     assert_same_log(path, {})
@@ -290,12 +288,12 @@ def test_a_long_log_is_judged_by_stretches_that_are_spread_over_it(
 ) -> None:
     monkeypatch.setattr("friction_audit.log_in_blocks.MOST_MEANS", 600)
     monkeypatch.setattr("friction_audit.log_in_blocks.STRETCH", 100)
-    path = written(frame, tmp_path, "q", "dq", "tau_interaction")
+    path = written(frame, tmp_path, *PLAIN)
     usual, log = read_log(path), read_log(path, ReadOptions(in_blocks=True))
     assert isinstance(log, LogInBlocks)
     every = coarse_log(usual)
     found = coarse_log(log)
-    assert log.numbers.tolist() == [n for first in range(0, 1235, 300) for n in range(first, min(first + 100, 1235))]
+    assert log.numbers.tolist() == [n for first in range(0, 735, 200) for n in range(first, min(first + 100, 735))]
     np.testing.assert_array_equal(found.dq, every.dq[log.numbers])
     ends = np.flatnonzero(np.diff(log.numbers) > 1)
     assert not found.whole[ends].any()
@@ -319,7 +317,7 @@ FORMS = ("csv", "csv-rostopic", "npz", *BAGS)
 
 @pytest.fixture(scope="module")
 def log() -> JointLog:
-    arrays = {name: np.delete(array, slice(3000, 3300), axis=0) for name, array in motion(6000, 7).items()}
+    arrays = {name: np.delete(array, slice(2000, 2300), axis=0) for name, array in motion(4000, 7).items()}
     arrays["tau_J"] += 0.02 * np.random.default_rng(0).standard_normal(arrays["q"].shape)
     names = tuple(f"panda_joint{j}" for j in range(1, 8))
     source = Source(path="made", sha256="0" * 64, format="made", robot="panda", start_s=1.7e9)
@@ -344,30 +342,10 @@ def assert_in_blocks(path: Path, blocks: int) -> None:
 @pytest.mark.parametrize("dialect", FORMS)
 def test_blocks_are_the_whole(log: JointLog, tmp_path: Path, dialect: str, monkeypatch: pytest.MonkeyPatch) -> None:
     cut_into(333, monkeypatch)
-    shorter = log.take_window(2.0, 4.0) if dialect == "mcap-json" else log  # decoded one by one
+    shorter = log.take_window(1.0, 3.0) if dialect == "mcap-json" else log  # decoded one by one
     path = tmp_path / f"run{next(one.suffix for one in WRITERS if one.name == dialect)}"
     write_log(shorter, path, dialect=dialect)
     assert_in_blocks(path, blocks=2)
-
-
-@pytest.mark.parametrize("order", ["C", "F"])
-@given(rows=st.integers(60, 3001), first=st.integers(0, 5600), count=st.integers(1, 400))
-@settings(max_examples=3, deadline=None, derandomize=True)
-def test_cycles_are_the_same_wherever_blocks_and_gaps_begin(
-    log: JointLog, tmp_path_factory: pytest.TempPathFactory, order: Any, rows: int, first: int, count: int
-) -> None:
-    path, lost = tmp_path_factory.mktemp("lost") / "run.npz", slice(first, first + count)
-    arrays = {name: np.asarray(np.delete(array, lost, axis=0), order=order) for name, array in log.channels().items()}
-    np.savez(path, time=np.delete(log.t, lost), **arrays)  # type: ignore[arg-type]
-    how = AuditSettings(torque=TorqueSettings(gravity="removed"), cycles=CycleSettings(thresholds="auto"))
-    with pytest.MonkeyPatch.context() as patch:
-        cut_into(rows, patch)
-        cut = read_log(path, ReadOptions(in_blocks=True), while_read(how))
-        assert isinstance(cut, LogInBlocks)
-        found, expected = (estimate_log(one, how).cycles for one in (cut, read_log(path)))
-    assert_same(found.start.tolist(), expected.start.tolist())
-    for name, sums in asdict(expected.sums).items():
-        np.testing.assert_allclose(getattr(found.sums, name), sums, rtol=1e-9, atol=1e-12)
 
 
 @pytest.mark.parametrize("fault", ["word", "blank line", "cut", "libfranka"])
@@ -379,9 +357,9 @@ def test_a_text_table_with_a_fault_is_read_at_once(
     path = tmp_path / "run.csv"
     write_log(log, path, dialect="csv-libfranka" if fault == "libfranka" else "csv")
     lines = path.read_text().splitlines()
-    line = lines[4000].split(",")
+    line = lines[2500].split(",")
     faults = {"word": [*line[:3], "oops", *line[4:]], "blank line": []}
-    lines[4000] = ",".join(faults.get(fault, line))
+    lines[2500] = ",".join(faults.get(fault, line))
     lines[-1] = ",".join(lines[-1].split(",")[:5]) if fault == "cut" else lines[-1]
     path.write_text("\n".join(lines) + "\n")
     assert_read_at_once(path)

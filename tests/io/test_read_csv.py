@@ -90,6 +90,11 @@ def test_dates(tmp_path: Path, zone: str | None) -> None:
     log = read_text(tmp_path, frame)
     np.testing.assert_array_equal(log.t, np.arange(300) / 1e3)
     assert log.source.start_s == pd.Timestamp("2024-01-01 12:00", tz=zone or "UTC").timestamp()
+    if zone is None:
+        frame["time"] = frame["time"].dt.strftime("%d.%m.%Y %H:%M:%S,%f")
+        np.testing.assert_array_equal(read_text(tmp_path, frame).t, log.t)
+        frame["time"] = frame["time"].str.replace(".", "/")
+        refused("nor a date .*01/01/2024", read_text, tmp_path, frame)
 
 
 def test_long_table_with_a_row_missing(tmp_path: Path) -> None:

@@ -166,6 +166,16 @@ def test_degrees_of_a_mapped_column(tmp_path: Path, name: str, stated: str) -> N
     assert log.source.findings == ()
 
 
+@pytest.mark.parametrize("stated", ["Winkel {i} (deg)", "Winkel {i} (deg):deg/s", "#2-#4"])
+def test_a_name_that_says_degrees_is_believed_when_it_is_mapped(tmp_path: Path, stated: str) -> None:
+    """Friction at 57 times the speed is a viscous coefficient 57 times too small."""
+    frame = tidy_frame(SAMPLES).rename(columns={f"q_{i}": f"Winkel {i} (deg)" for i in range(1, 4)})
+    frame.iloc[:, 1:4] = np.degrees(frame.iloc[:, 1:4])
+    log = read_text(tmp_path, frame, mapping={"q": stated})
+    np.testing.assert_allclose(log.q, motion(SAMPLES, 3)["q"], atol=1e-9)
+    assert log.source.findings == ()
+
+
 @pytest.mark.parametrize("label", ["{}", "{}.0", "J{}"])
 def test_numbers_of_joints_are_sorted_as_numbers(tmp_path: Path, label: str) -> None:
     frame = long_frame(12)
@@ -189,6 +199,18 @@ def test_rows_of_several_joints_are_never_read_as_one(tmp_path: Path, late_s: fl
     frame = long_frame()
     frame["time"] += late_s * (frame["joint"] - 1)
     refused(words, read_text, tmp_path, frame.rename(columns={"joint": "id"}))
+
+
+@pytest.mark.parametrize("suffix", ["csv", "parquet"])
+def test_rows_of_two_robots_are_refused_by_the_column_that_says_it(tmp_path: Path, suffix: str) -> None:
+    path, one = tmp_path / f"two.{suffix}", tidy_frame(SAMPLES)
+    for names, refusal in (
+        (("left", "left"), None),
+        (("left", "right"), "several robots: column Arm_ID holds left, right"),
+    ):
+        both = pd.concat([one.assign(Arm_ID=names[0])[::2], one.assign(Arm_ID=names[1])[1::2]]).sort_values("time")
+        both.to_csv(path, index=False) if suffix == "csv" else both.to_parquet(path)
+        refused(refusal, read_log, path) if refusal else read_log(path)
 
 
 @pytest.mark.parametrize("suffix", ["csv", "parquet"])

@@ -14,7 +14,8 @@ from friction_audit.errors import UsageError
 from friction_audit.joint_log import Finding, Float, JointLog
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.interaction_torque import extract_interaction
-from friction_audit.preprocessing.settings import TorqueSettings
+from friction_audit.preprocessing.segmentation import segment_cycles
+from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.preprocessing.torque_source import known_arm
 from friction_audit.reporting.notices import sentence_of
 from friction_audit.robot import load_arm
@@ -222,6 +223,14 @@ def test_a_current_gets_no_gravity_of_a_model() -> None:
     assert (found.choice.gravity, found.choice.robot) == ("in-torque", "none")
     with pytest.raises(UsageError, match="is a motor current"):
         extract(current, gravity="model")
+
+
+def test_the_cycles_of_a_joint_do_not_depend_on_which_joints_are_kept() -> None:
+    """With gravity in the torque a cycle ends where every joint of the arm is back, also those not asked for."""
+    log = robot_log("unknown")
+    every, alone = (segment_cycles(extract(log, kept, drive="robot"), CycleSettings()) for kept in (None, (4,)))
+    assert alone.start.tolist() == every.of_joint(3).start.tolist()
+    assert alone.reason.tolist() == every.of_joint(3).reason.tolist()
 
 
 @pytest.mark.parametrize(("robot", "joints"), [("unknown", 1), ("panda", 1), ("panda", 6)])

@@ -142,8 +142,8 @@ VERDICTS_BY_HAND = (NAMED, AMBIGUOUS, NONE, UNEXPLAINED, NOT_TESTABLE, DATA_FAUL
 
 
 def diagnosis(*joints: r.JointDiagnosis, settings: DiagnosisSettings | None = None) -> Diagnosis:
-    discrepancy = r.Discrepancy(joints=joints or VERDICTS_BY_HAND)
-    return Diagnosis(estimate=build_estimate(6), discrepancy=discrepancy, settings=settings or DiagnosisSettings())
+    found = joints or VERDICTS_BY_HAND
+    return Diagnosis(estimate=build_estimate(6), joints=found, settings=settings or DiagnosisSettings())
 
 
 ALL = diagnosis()

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from friction_audit.compensation.settings import ReplaySettings
-from friction_audit.diagnosis.result import Discrepancy
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.joint_log import Finding, JointLog
 from friction_audit.pipeline import AuditSettings, Diagnosis, estimate_log, replay_estimate
@@ -30,8 +29,8 @@ def hostile() -> LogReport:
     lost = Finding(code="truncated", message=HOSTILE, amount=3, damaged=True)
     words: dict[str, Any] = {"robot": HOSTILE, "topic": HOSTILE, "channels": {HOSTILE: HOSTILE}, "findings": (lost,)}
     log = replace(log, joint_names=(HOSTILE,) * 2, source=replace(log.source, path=f"{HOSTILE}.csv", **words))
-    joints = tuple(replace(one, name=HOSTILE, reason=HOSTILE) for one in ALL.discrepancy.joints[:2])
-    found = _report(log, replace(ALL, discrepancy=Discrepancy(joints=joints)), HOSTILE)
+    joints = tuple(replace(one, name=HOSTILE, reason=HOSTILE) for one in ALL.joints[:2])
+    found = _report(log, replace(ALL, joints=joints), HOSTILE)
     return replace(found, reading={HOSTILE: [HOSTILE]})
 
 
@@ -59,7 +58,7 @@ def cut(report: LogReport, *numbers: int) -> LogReport:
     return replace(
         report,
         estimate=replace(estimate, friction=own(estimate.friction)),
-        diagnosis=diagnosis and replace(diagnosis, discrepancy=own(diagnosis.discrepancy)),
+        diagnosis=diagnosis and own(diagnosis),
         replay=replay and replace(replay, replay=own(replay.replay)),
     )
 

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -19,7 +18,7 @@ from friction_audit.drift.two_sides import compare_sides
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import AuditSettings, estimate_log, replay_estimate
-from friction_audit.reporting.figures.panels import CUTOFF_HZ, cutoff_hz, draw_curve, limits, smooth, thin_extremes
+from friction_audit.reporting.figures.panels import CUTOFF_HZ, cutoff_hz, draw_curve, smooth
 from friction_audit.reporting.figures.registry import FIGURES, FigureKind
 from friction_audit.reporting.figures.style import COLUMN_IN, FORMATS, SHEET_IN, STYLE, figure_bytes, load_style
 from tests.reporting import batch_by_hand
@@ -122,19 +121,6 @@ def test_the_users_own_matplotlib_settings_change_nothing() -> None:
         assert FIGURES[0].draw(result_of("estimate"), 1).axes[0].yaxis.label.get_fontsize() == 7.5
 
 
-@given(st.lists(st.floats(-1e3, 1e3), min_size=2, max_size=400), st.integers(8, 60))
-def test_no_extreme_is_lost_and_time_keeps_its_order(values: list[float], most: int) -> None:
-    signal = np.array(values)
-    t, thinned = thin_extremes(np.arange(len(signal), dtype=np.float64), signal, most)
-    width = -(-2 * len(signal) // most)
-    whole = len(signal) // width * width if len(signal) > most else len(signal)
-    assert thinned.min() <= signal[:whole].min()
-    assert thinned.max() >= signal[:whole].max()
-    assert (np.diff(t) > 0).all()
-    assert len(t) <= max(most, 2) + 1 or len(signal) <= most
-    assert (signal[t.astype(int)] == thinned).all()
-
-
 def test_no_line_bridges_a_gap() -> None:
     t, axes = np.append(np.arange(50.0), [90.0, 91.0]), Figure().subplots()
     draw_curve(axes, t, np.ones(52), 100, label="curve")
@@ -149,13 +135,3 @@ def test_a_slow_signal_passes_the_filter_without_delay_and_a_fast_one_is_gone() 
     assert smooth(t[:5], t[:5]) is not None
     assert cutoff_hz(t) == CUTOFF_HZ
     assert cutoff_hz(np.arange(0, 10, 1 / 30)) == pytest.approx(6.0)
-
-
-@given(st.lists(st.floats(-5, 5), min_size=1, max_size=30), st.floats(0.01, 2))
-def test_all_that_is_shown_is_inside_and_one_wild_number_flattens_nothing(values: list[float], width: float) -> None:
-    shown = np.array(values)
-    bottom, top = limits(shown, np.append(shown - width, [-1e6, np.nan]), near=1.5, smallest=0.1) or (0.0, 0.0)
-    assert bottom < shown.min()
-    assert top > shown.max()
-    assert top - bottom < 3.0 * max(np.ptp(shown), 0.1)
-    assert limits(np.array([np.nan]), shown, near=1.5, smallest=0.1) is None

@@ -16,7 +16,7 @@ HARMLESS = ("plain", "no cycles", "batch", "batch twenty joints", "batch nothing
 CASES = ("hostile", "twenty joints", "batch hostile", *(pytest.param(one, marks=THOROUGH) for one in HARMLESS))
 """The worst, and those that are harmless next to them."""
 # Widths of a phone, a tablet and a laptop, and of A4 between margins of 14 mm at 96 dots to the inch. [px]
-WIDTHS, PAPER = (360, 390, 768, 1280, 1440, 1920), 688
+WIDTHS, PAPER = (360, 768, 1280, 1920), 688
 # Tables that are wider than their column.
 SCROLLED = """[...document.querySelectorAll('.scroll')].filter((one) => one.checkVisibility())
     .filter((one) => one.scrollWidth > one.clientWidth + 1).map((one) => one.getAttribute('aria-label'))"""

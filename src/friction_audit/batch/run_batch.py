@@ -101,6 +101,9 @@ def gather(
     failed = tuple(FailedLog(name_of(log, one.topic), one.message) for log, one in faults)
     sessions, warnings = identify([(log, one) for log, worked in found for one in worked.sessions])
     ledger.name_sessions(sessions, key)
+    if cut := [session.path for session in sessions if session.damaged]:
+        part = "damaged, part of it is left out; the rest counts as a session: copy it again, or take it out"
+        warnings = (*warnings, f"{'; '.join(few(cut, MOST_NAMED, ' files'))}: {part}")
     return sessions, failed, (*standing.warnings, *warnings)
 
 

@@ -2,7 +2,7 @@
 
 import math
 import socket
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import nullcontext, suppress
 from dataclasses import replace
 from functools import partial
@@ -30,7 +30,7 @@ from friction_audit.preprocessing.energy_cycles import KEPT, EnergyCycles
 from friction_audit.preprocessing.interaction import Caution
 
 if TYPE_CHECKING:
-    from friction_audit.diagnosis.result import Discrepancy
+    from friction_audit.diagnosis.result import JointDiagnosis
 
 READINGS = 2  # a log that changes while it is read (a link to it made, a copy not finished) is read once more
 QUARTERS = (0.25, 0.5, 0.75)
@@ -70,7 +70,7 @@ def _arms(settings: BatchSettings, path: Path, topic: str = "") -> Worked:
         log = read_log(path, replace(settings.reading, topic=topic) if topic else settings.reading)
         estimate = estimate_log(log, settings.audit)
         asked = settings.diagnosis
-        session = session_of(estimate, None if asked is None else diagnose_estimate(estimate, asked).discrepancy)
+        session = session_of(estimate, () if asked is None else diagnose_estimate(estimate, asked).joints)
         return Worked(sha256=session.sha256, sessions=(replace(session, topic=topic),))
     except SeveralLogsError as several:
         arms = [_arms(settings, path, one) for one in several.topics]
@@ -88,7 +88,7 @@ def _arms(settings: BatchSettings, path: Path, topic: str = "") -> Worked:
     return Worked(sha256="", faults=(replace(fault, lasting=False),))  # a log that cannot even be read
 
 
-def session_of(estimate: Estimate, discrepancy: "Discrepancy | None" = None) -> Session:
+def session_of(estimate: Estimate, diagnoses: "Sequence[JointDiagnosis]" = ()) -> Session:
     """Return what is kept of an estimate."""
     log, interaction, source = estimate.log, estimate.interaction, estimate.log.source
     choice = interaction.choice
@@ -106,7 +106,7 @@ def session_of(estimate: Estimate, discrepancy: "Discrepancy | None" = None) -> 
         start_from="nothing" if source.start_s is None else "log",
         duration_s=log.duration_s,
         conditions=Conditions(**made, torque=choice.source, payload=payload, rate_hz=log.rate_hz),
-        joints=_summaries(estimate, discrepancy),
+        joints=_summaries(estimate, diagnoses),
         warnings=(*dict.fromkeys(findings), *interaction.warnings),
         codes=tuple(dict.fromkeys((*unit, *codes))),
         damaged=any(finding.damaged for finding in source.findings),
@@ -115,10 +115,10 @@ def session_of(estimate: Estimate, discrepancy: "Discrepancy | None" = None) -> 
     )
 
 
-def _summaries(estimate: Estimate, discrepancy: "Discrepancy | None") -> tuple[JointSummary, ...]:
+def _summaries(estimate: Estimate, diagnoses: "Sequence[JointDiagnosis]") -> tuple[JointSummary, ...]:
     """Return a few numbers per joint that was estimated, instead of a million samples."""
     interaction, cycles, temperature = estimate.interaction, estimate.cycles, estimate.log.temperature
-    diagnoses = {} if discrepancy is None else {joint.joint: joint for joint in discrepancy.joints}
+    by_joint = {one.joint: one for one in diagnoses}
     port = interaction.torque  # F_m + u moves the joint and its friction: a logged compensator's help counts [N m]
     if interaction.compensation is not None:
         port = port + interaction.compensation
@@ -127,7 +127,7 @@ def _summaries(estimate: Estimate, discrepancy: "Discrepancy | None") -> tuple[J
         moving = np.flatnonzero(np.abs(interaction.dq[:, column]) > cycles.standstill_rad_s[column])
         velocity = interaction.dq[moving, column]
         low, median, high = np.quantile(np.abs(velocity), QUARTERS).tolist() if len(moving) else [NAN] * 3
-        diagnosed = diagnoses.get(joint.joint)
+        diagnosed = by_joint.get(joint.joint)
         by_energy = joint.method == "energy"
         coefficients = (joint.coulomb, joint.viscous) if by_energy else (UNDETERMINED, UNDETERMINED)
         found.append(

@@ -17,7 +17,7 @@ from friction_audit.io.files import whole_file
 from friction_audit.io.writers.tables import write_rows
 from friction_audit.reporting.drift import BatchSummary, batch_lines, write_batch_document
 from friction_audit.reporting.drift_sessions import session_columns
-from friction_audit.reporting.drift_words import junit_text, limit_sentences
+from friction_audit.reporting.drift_words import junit_text, limit_sentences, limits_beyond_all
 from friction_audit.reporting.html.batch_page import draw, drawings_of, write_page
 from friction_audit.reporting.html.page import Figure
 from friction_audit.reporting.notices import reason_lines
@@ -60,6 +60,7 @@ def _summarise(batch: Batch, standing: Standing, command: str) -> BatchSummary:
     every = {"reading": chain.reading_settings(asked.reading), **asdict(asked.audit), "drift": asdict(batch.drift)}
     every["diagnosis"] = None if asked.diagnosis is None else asdict(asked.diagnosis)
     beyond, unknown = limit_sentences(report, batch.limits)
+    warnings = (*warnings, *limits_beyond_all(report, batch.limits))
     return BatchSummary(
         report=report, failed=failed, exceeded=beyond, cannot_tell=unknown, warnings=warnings,
         settings=to_json(every), command=command, computed=standing.new, known=standing.known,

@@ -90,13 +90,13 @@ def command(
             subjects = diagnosis_subjects(estimate, settings)
             estimate = without_samples(estimate)  # most of the memory, released before processes are forked
             recorded = estimate.log
-            discrepancy = diagnose_subjects(subjects, settings, share)
-            found = Diagnosis(estimate=estimate, discrepancy=discrepancy, settings=settings)
+            diagnosed = diagnose_subjects(subjects, settings, share)
+            found = Diagnosis(estimate=estimate, joints=diagnosed, settings=settings)
         from friction_audit.diagnosis.result import UNANSWERED
         from friction_audit.reporting.diagnosis import diagnose_document, diagnose_lines, diagnose_tables
         from friction_audit.reporting.notices import diagnose_notices
 
-        joints, json = found.discrepancy.joints, shared.general.json
+        joints, json = found.joints, shared.general.json
         answered = not all(joint.verdict in UNANSWERED and not joint.traceback for joint in joints)
         if not json:
             chain.warn_about(recorded, diagnose_notices(found), stages, marked=answered)
@@ -136,6 +136,6 @@ def _write_model(found: "Diagnosis", out: ResultFolder, voice: Voice) -> None:
     from friction_audit.effects.joint_model import save_model
 
     path = out.folder / MODEL
-    augmented, lacking = augment_models(found.discrepancy, found.estimate.log, found.settings.model)
+    augmented, lacking = augment_models(found.joints, found.estimate.log, found.settings.model)
     voice.warn(f"{path}: joint {joint}: {lack}" for joint, lack in lacking)
     save_model(augmented, path, overwrite=out.overwrite)

@@ -127,7 +127,7 @@ def _report(
     friction: opt.EstimateOptions,
 ) -> int:
     from friction_audit.reporting.diff import CHANGES, DIFF, diff_lines
-    from friction_audit.reporting.drift_words import limit_sentences
+    from friction_audit.reporting.drift_words import limit_sentences, limits_beyond_all
     from friction_audit.reporting.notices import notice_lines
     from friction_audit.reporting.table import to_json
     from friction_audit.reporting.words import in_unit
@@ -140,7 +140,7 @@ def _report(
     out.write_csv(TABLE, CHANGES.file(sides.joints, "coefficients"))
     out.write_figures({"diff": sides}, [joint.joint for joint in sides.joints], sides.unit, voice)
     if not json:
-        voice.warn(notice_lines(warnings))
+        voice.warn([*notice_lines(warnings), *limits_beyond_all(sides.report, limits)])
     show(text, lambda: diff_lines(sides, beyond, unknown), json=json)
     if beyond or unknown:
         return EXCEEDED if beyond else UNTESTABLE

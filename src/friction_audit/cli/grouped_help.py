@@ -104,7 +104,9 @@ def with_option_groups(command: Callable[..., None]) -> Callable[..., None]:
 
     def run(context: typer.Context, **values: Any) -> None:  # noqa: ANN401 - any option
         choices = [one.name.removesuffix("_hz") for one in fields(TorqueSettings)]
-        given = GIVEN.set(command_line(context, leave_out=choices) if "gravity" in values else "")
+        again = command_line(context, leave_out=choices) if "gravity" in values else ""
+        writes = " --output " in again or context.command.name in ("report", "plot")
+        given = GIVEN.set(again + " --overwrite" * (writes and values.get("overwrite") is False))
         values[CONTEXT] = context
         try:
             command(**{p.name: _filled(p.name, p.annotation, values) for p in parameters})
@@ -167,7 +169,8 @@ def load_config(context: typer.Context, path: Path | None) -> Path | None:
         raise typer.BadParameter(f"{path}: cannot be read: {error.strerror}") from error
     except ValueError as error:
         raise typer.BadParameter(f"{path}: not TOML with options: {printable(str(error))}") from error
-    options = _options(context)
+    offered = [p for p in context.command.params if p.param_type_name == "option" and p.name not in NOT_IN_FILES]
+    options = {max(option.opts, key=len).removeprefix("--"): option for option in offered}
     if unknown := few([shortened(printable(key), LONGEST_KEY) for key in values if key not in options]):
         named = ", ".join(f"{key}{near_misses(key, tuple(options))}" for key in unknown)
         listed = "" if "?" in named else f" (options of this command: {', '.join(options)})"
@@ -175,11 +178,6 @@ def load_config(context: typer.Context, path: Path | None) -> Path | None:
     given = {options[key].name: _as_given(value, several=options[key].multiple) for key, value in values.items()}
     context.default_map = given
     return path
-
-
-def _options(context: typer.Context) -> dict[str, Any]:
-    options = [p for p in context.command.params if p.param_type_name == "option" and p.name not in NOT_IN_FILES]
-    return {max(option.opts, key=len).removeprefix("--"): option for option in options}
 
 
 def _as_given(value: Any, *, several: bool) -> Any:  # noqa: ANN401 - any TOML value

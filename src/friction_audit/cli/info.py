@@ -78,6 +78,8 @@ def _read(path: Path, options: "ReadOptions", topics: "tuple[Topic, ...]", voice
         return chain.read(path, options, voice)
     part = chain.read(path, replace(options, t_end_s=FIRST_S), voice)
     rows = {topic.name: topic.messages for topic in topics}.get(part.source.topic or path.name)
+    if part.t[-1] < FIRST_S - 1.0 and (rows is None or len(part.t) > rows // 2):
+        return part  # it is no longer
     held = "" if rows is None else f"; the file has {rows} {'messages' if part.source.topic else 'rows'}"
     message = f"the first {FIRST_S:g} s, {len(part.t)} samples{held}; --full reads the whole log"
     finding = Finding(code="first_part", message=message, amount=FIRST_S)

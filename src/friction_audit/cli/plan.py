@@ -141,7 +141,7 @@ def _tasks_of_log(source: Path, start: "tuple[float, ...] | None", shared: opt.L
     with voice.step("diagnose"):
         estimate = estimate_log(log, chain.audit_settings(shared))
         subjects = diagnosis_subjects(estimate, settings)
-        found = Diagnosis(estimate=estimate, discrepancy=diagnose_subjects(subjects, settings), settings=settings)
+        found = Diagnosis(estimate=estimate, joints=diagnose_subjects(subjects, settings), settings=settings)
     pose = np.median(log.q, axis=0).tolist() if start is None else start
-    pairs = list(zip(subjects, found.discrepancy.joints, strict=True))
+    pairs = list(zip(subjects, found.joints, strict=True))
     return tasks_of(diagnose_document(found), source, pose, names=log.joint_names, subjects=pairs)

@@ -89,7 +89,7 @@ def command(
         exported = out.write_exports(made.report_tables(report), recorded, stages)
     lines = [made.lead_sentence(report), *map(str, (*files.values(), *exported))]
     show(lambda: made.REPORT.json(report, report.unit), lambda: lines, json=json)
-    joints = () if report.diagnosis is None else report.diagnosis.discrepancy.joints
+    joints = () if report.diagnosis is None else report.diagnosis.joints
     chain.exit_for_bugs(joints, voice, report.unanswered)
     chain.require_one(estimate.log, estimate.friction.joints)
     chain.conclude(recorded, made.report_notices(report), strict=wanted.strict)

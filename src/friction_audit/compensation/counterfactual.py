@@ -38,7 +38,6 @@ from friction_audit.preprocessing.velocity import filter_velocity
 
 CUTOFF_HZ = 20.0  # of the velocity, as in the torque regression
 SHORTEST_CYCLE = 4  # samples
-CONSTANT = ("offset", "torque_bias")  # terms of a constant torque
 LEAST_INERTIA_KG_M2 = 1e-3  # no motor with its gear has less; what seems to was recorded without its inertia
 
 
@@ -154,7 +153,7 @@ def tables_of_file(model: JointModel | None, motion: Motion) -> Tables:
             "taken out; without it the motion cannot be predicted; put that of the joint into the file, or use "
             "--assume same-motion"
         )
-    friction = [term for term in model.terms if term.effect.speed_only and term.name not in CONSTANT]
+    friction = [term for term in model.terms if term.effect.axis == "speed"]
     forwards, backwards = tabulate(0.0, friction, motion)[0].speed
     if min(forwards.min(), -backwards.max()) < 0.0:
         raise AnalysisError("its model's friction pushes at some speed, and a joint that pushes cannot be simulated")

@@ -6,13 +6,14 @@ its end. A torque that is wrong by e for a time T moves the velocity by e T / B:
 the noise of the torque, the floor that no model goes below.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.diagnosis.prepare import Subject
-from friction_audit.diagnosis.result import Discrepancy, JointDiagnosis, SimulationGap
+from friction_audit.diagnosis.result import JointDiagnosis, SimulationGap
 from friction_audit.dynamics.forward import simulate_along
 from friction_audit.dynamics.torque_tables import rms
 from friction_audit.effects.joint_data import JointData
@@ -32,7 +33,7 @@ LEAST_S = 0.05
 
 
 def augment_models(
-    found: Discrepancy, log: JointLog, nominal: ArmModel | None
+    found: Sequence[JointDiagnosis], log: JointLog, nominal: ArmModel | None
 ) -> tuple[ArmModel, list[tuple[int, str]]]:
     """Add the effects that were found to the nominal model of each joint of the log that was diagnosed.
 
@@ -41,7 +42,7 @@ def augment_models(
     """
     joints: list[JointModel | None] = [None] * len(log.joint_names) if nominal is None else [*nominal.joints]
     lacking, known = [], {term.name for term in terms()}
-    for joint in (joint for joint in found.joints if joint.augmented):
+    for joint in (joint for joint in found if joint.augmented):
         cycles = 0 if joint.traces is None else len(np.unique(joint.traces.cycle))
         origin = Provenance(method=METHOD, log=log.source.path, sha256=log.source.sha256, cycles=cycles)
         try:

@@ -8,13 +8,13 @@ the scale is estimated. Innovations of a contact are left out before the next on
 """
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.diagnosis.problem import RegressionProblem
 from friction_audit.diagnosis.samples import Index, NoiseModel
-from friction_audit.effects.slow import Contact
 from friction_audit.joint_log import Float
 
 Marks = NDArray[np.bool_]
@@ -35,6 +35,13 @@ MOST_CYCLES = 0.6  # share of the cycles with a contact: what is more frequent i
 MOST = 100  # moments that are looked at: what stands out more often is no event
 TINY = float(np.finfo(float).tiny)
 SIGMA_PER_MEDIAN, SIGMA_PER_NINTH_DECILE = 1.4826, 0.6080  # of the absolute value of a normal variable
+
+
+class Contact(NamedTuple):
+    """One stretch of time in which something touches the arm."""
+
+    start_s: float
+    stop_s: float
 
 
 class MatchedFilters:
@@ -62,8 +69,8 @@ class MatchedFilters:
         white = noise.whiten(np.stack([residual, problem.y - residual, *errors]))
         self.innovations = np.where(samples.breakaway, 0.0, white)
 
-    def sums(self, kept: Marks, which: int, first: int, last: int) -> tuple[Float, Float]:
-        """Products with innovations, and energies, of pushes that begin at slots first to last, shape (f, k) each."""
+    def sums(self, kept: Marks, which: slice, first: int, last: int) -> tuple[Float, Float]:
+        """Products with some innovations, and energies, of pushes that begin at slots first to last, (f, i or 1, k)."""
         lags, reach = self.operator.shape[1], self.reach
         known = np.flatnonzero(kept & (self.slot >= first) & (self.slot < last + reach))
         operator, innovations, slot = self.operator[known], self.innovations[which, known], self.slot[known] - first
@@ -74,9 +81,10 @@ class MatchedFilters:
             begin = (slot[:, None] + wide - np.arange(wide)).ravel()
             inside = slice(wide, wide + last - first)
             n = inside.stop + reach
-            products.append(np.bincount(begin, (white * innovations[:, None]).ravel(), n)[inside])
-            energies.append(np.bincount(begin, (white**2).ravel(), n)[inside])
-        return np.stack(products), np.stack(energies)
+            every = (white * one[:, None] for one in innovations)
+            products.append([np.bincount(begin, one.ravel(), n)[inside] for one in every])
+            energies.append([np.bincount(begin, (white**2).ravel(), n)[inside]])
+        return np.array(products), np.array(energies)
 
 
 class Reference:
@@ -180,18 +188,15 @@ def _stand_out(filters: MatchedFilters, reference: Reference) -> list[tuple[int,
     from scipy.special import ndtri, stdtrit
 
     kept, slots = np.ones(len(filters.slot), bool), int(filters.slot[-1]) + 1
-    products, energy = filters.sums(kept, 0, 0, slots)
-    least_seen = np.maximum(LEAST_SEEN * np.median(energy[:, filters.slot], axis=1, keepdims=True), TINY)
+    products, energy = filters.sums(kept, slice(None), 0, slots)
+    least_seen = np.maximum(LEAST_SEEN * np.median(energy[..., filters.slot], axis=-1, keepdims=True), TINY)
 
     def outputs_of(products: Float, energy: Float) -> Float:
         return np.asarray(np.where(energy > least_seen, products / np.sqrt(np.maximum(energy, least_seen)), 0.0))
 
-    whole = outputs_of(products, energy)
-    usual = np.array([[max(robust_scale(one), TINY)] for one in whole])
-    whole = whole / usual
-    modelled, *wrong = (
-        outputs_of(*filters.sums(kept, k, 0, slots)) / usual for k in range(1, len(filters.innovations))
-    )
+    every = outputs_of(products, energy)
+    usual = np.array([[max(robust_scale(one), TINY)] for one in every[:, 0]])
+    whole, modelled, *wrong = every.transpose(1, 0, 2) / usual
     outputs, chance = whole.copy(), 0.5 * BY_CHANCE / max(int(np.count_nonzero(whole)), 1)
     near, found, any_known = max(round(NEAR_S / filters.slot_s), 1), [], False
     barred = np.zeros(outputs.shape[1], bool)
@@ -215,5 +220,5 @@ def _stand_out(filters: MatchedFilters, reference: Reference) -> list[tuple[int,
         stop = at + len(filters.pushes[k]) + filters.operator.shape[1] - 1
         kept &= (filters.slot < at) | (filters.slot >= stop)
         first, last = max(at - filters.reach, 0), min(stop, slots)
-        outputs[:, first:last] = outputs_of(*filters.sums(kept, 0, first, last)) / usual
+        outputs[:, first:last] = outputs_of(*filters.sums(kept, slice(1), first, last))[:, 0] / usual
     return found if any_known else []

@@ -149,11 +149,11 @@ def own_velocity(log: JointLog) -> JointLog:
         if np.sum(left**2) > MOST_OF_ITS_OWN * np.sum(change**2):
             return log
     # Where no position changes, the sample is a repeated one unless all move by less than two of their smallest steps.
-    apart = np.clip(np.arange(n)[:, None] + [-NEAR, NEAR], 0, n - 1)
-    way = np.abs(np.diff(log.q[apart], axis=1)[:, 0] / np.diff(log.t[apart], axis=1))[1:] * step
+    before, after = np.maximum(np.arange(1, n) - NEAR, 0), np.minimum(np.arange(1, n) + NEAR, n - 1)
+    way = np.abs(log.q[after] - log.q[before]) * step / (log.t[after] - log.t[before])[:, None]
     size = np.min(np.abs(slope * step), axis=0, where=slope != 0, initial=np.inf)
-    new = np.append(True, ~np.all((slope == 0) | (size == np.inf), axis=1) | np.all(way < 2.0 * size, axis=1))
-    dq = np.gradient(log.q[new], log.t[new], axis=0)[np.maximum(np.cumsum(new) - 1, 0)]
+    new = np.append(True, np.any(slope != 0, axis=1) | np.all(way < 2.0 * size, axis=1))
+    dq = np.gradient(log.q[new], log.t[new], axis=0)[np.cumsum(new) - 1]
     return replace(log, dq=dq, source=replace(log.source, channels={**log.source.channels, "dq": DERIVATIVE}))
 
 
@@ -174,11 +174,11 @@ def _constant_channels(log: JointLog, interaction: Interaction, data: JointData)
 def _velocity(interaction: Interaction, data: JointData) -> tuple[DataFinding, ...]:
     """Compare the logged dq with the change of q: dq(t) = scale * (dq/dt of q)(t - delay)."""
     good = data.valid
-    dq = data.dq if data.logged_dq is None else data.logged_dq
+    q, dq = data.q if data.logged_q is None else data.logged_q, data.dq if data.logged_dq is None else data.logged_dq
     noise = judged("dq_noise", data.dead_speed_rad_s)
     if good.any() and not data.used.any() and np.ptp(data.q[good]) < RESTING_RAD:
         return (noise,)
-    slope = np.gradient(data.q, data.step_s)
+    slope = np.gradient(q, data.step_s)
     if not good.any() or not np.any(slope[good]):
         return (judged("dq_against_q", 0.0, why=": the position does not change"),)
     design = np.column_stack([slope, -np.gradient(slope, data.step_s)])[good]

@@ -13,7 +13,7 @@ from friction_audit.diagnosis.nonlinear import Estimates, intervals
 from friction_audit.diagnosis.prepare import Subject
 from friction_audit.diagnosis.procedure import State, accepted, fitted, nominal, select, sizes
 from friction_audit.diagnosis.residual_checks import residual_of
-from friction_audit.diagnosis.result import Discrepancy, JointDiagnosis, NamedEffect, ResidualCheck, Traces, Verdict
+from friction_audit.diagnosis.result import JointDiagnosis, NamedEffect, ResidualCheck, Traces, Verdict
 from friction_audit.diagnosis.samples import make_samples
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.diagnosis.validation import gains, gap, held_out, wild_cluster_bootstrap
@@ -37,7 +37,7 @@ ENOUGH = 0.5  # share of the explainable power that names must explain, or nothi
 
 def diagnose_subjects(
     subjects: Sequence[Subject], settings: DiagnosisSettings, report: Callable[[float], None] | None = None
-) -> Discrepancy:
+) -> tuple[JointDiagnosis, ...]:
     """Diagnose joints side by side; ``report`` takes the share of them that is done."""
     candidates = [c for c in effects() if settings.candidates is None or c.name in settings.candidates]
 
@@ -66,7 +66,7 @@ def diagnose_subjects(
         diagnosed.append(joint)
         if report is not None:
             report(len(diagnosed) / joints)
-    return Discrepancy(joints=tuple(diagnosed))
+    return tuple(diagnosed)
 
 
 def diagnose_joint(subject: Subject, effects: Sequence[Effect], settings: DiagnosisSettings) -> JointDiagnosis:

@@ -74,7 +74,7 @@ class Block:
 
     def possible(self, coefficients: Float) -> bool:
         """Whether signs and sizes are physically possible."""
-        return bool(self.effect.admissible(self.whole(coefficients), self.shape))
+        return bool(self.effect.possible(self.whole(coefficients), self.shape))
 
 
 @dataclass(eq=False)
@@ -197,9 +197,19 @@ class Dictionary:
                         nominals[place] = replace(baseline, **dict(zip(names, values, strict=True)))
                         again.append(place)
         grid = [shapes[k] for k in again]
-        for places, rows in effect.regressors_of(data, [nominals[k] for k in again], grid, self.problem.columns):
+        for places, rows in self._regressors(effect, [nominals[k] for k in again], grid):
             for k, columns in zip(places, rows.reshape(len(places), -1, rows.shape[-1]), strict=True):
                 yield again[k], columns
+
+    def _regressors(
+        self, effect: Effect, nominals: Sequence[Nominal], grid: Sequence[Nonlinear]
+    ) -> Iterator[tuple[Sequence[int], Float]]:
+        """Yield places and columns on the samples, from what an effect needs of the fine grid: half, without memory."""
+        if not effect.memoryless:
+            return effect.regressors_of(self.problem.data, nominals, grid, self.problem.columns)
+        (read, data, seen), nominal = self.problem.near, nominals[0]  # all have one
+        one = replace(nominal, torque=nominal.torque[read])
+        return effect.regressors_of(data, [one] * len(grid), grid, seen)
 
     def rebuild(self, baseline: Nominal, y: Float) -> None:
         """Build again what follows from the nominal model, better known; the response without other effects, (m,)."""
@@ -212,8 +222,8 @@ class Dictionary:
 
     def columns_at(self, block: Block, shape: Nonlinear, baseline: Nominal) -> Float:
         """Columns of a block's effect at another point, shape (p, m)."""
-        fine = block.effect.regressor(self.problem.data, baseline, shape)[:, block.there]
-        return self.problem.columns(fine)
+        _, columns = next(self._regressors(block.effect, [baseline], [shape]))
+        return columns.reshape(-1, columns.shape[-1])[block.there]
 
     def torques_at(self, block: Block, shapes: Sequence[Nonlinear], nominals: Sequence[Nominal]) -> Float:
         """Torques of an effect whose coefficient follows, each on its own nominal model, shape (k, m)."""
@@ -251,8 +261,7 @@ class Dictionary:
 
     def bounds(self, block: Block) -> dict[str, tuple[float, float]]:
         """From where to where nonlinear parameters may be refined: the grid and half as much again."""
-        effect, data = block.effect, self.problem.data
-        tried = effect.grid(data) or effect.identifiable_part(data)
+        effect, tried = block.effect, block.effect.grid(self.problem.data)
         free = {parameter.name: parameter for parameter in effect.nonlinear if not parameter.whole}
         found = {}
         for name in (name for name in block.shape if name in free):
@@ -266,8 +275,6 @@ class Dictionary:
 
     def spacing(self, block: Block, name: str) -> float:
         """Distance of the closest point of the grid to the next one."""
-        effect, data = block.effect, self.problem.data
-        tried = effect.grid(data) or effect.identifiable_part(data)
-        values = np.unique([s[name] for s in tried if name in s])
+        values = np.unique([s[name] for s in block.effect.grid(self.problem.data) if name in s])
         away = np.abs(values - values[np.argmin(np.abs(values - block.shape[name]))]) if len(values) else values
         return float(away[away > 0].min()) if np.any(away > 0) else 0.2 * abs(block.shape[name]) + 1e-9

@@ -96,7 +96,7 @@ class Gram:
         for effect, which, there, at in self._kinds:
             whole = np.zeros(there.shape)
             whole[there] = coefficients[which][columns < self.widths[which, None]]
-            out[which] = effect.admissible(whole.T, at)
+            out[which] = effect.possible(whole.T, at)
         return out
 
     def of(self, block: Block) -> Float:

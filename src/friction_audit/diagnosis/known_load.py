@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from friction_audit.dynamics.motion import INERTIAL_PARAMETERS, RigidBody
 from friction_audit.joint_log import Float
+from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.even_grid import on_finer_grid
 from friction_audit.preprocessing.interaction import TorqueChoice
 from friction_audit.robot.arm import Arm, chunks
@@ -110,9 +111,13 @@ def _columns(
     """Entries (p,) of the regressor, zero if not kept, by chunks, so that few are there as doubles, (p, n)."""
     out = np.zeros((len(kept), len(motion[0])), np.float32)
     joints, links, places = (one[kept] for one in entries)
-    for part in chunks(out.shape[1]):
-        moved = motion[0][part], motion[1][part], motion[2][part]
-        out[kept, part] = sign * regressor_entries(arm, moved, joints, links, places).T
+    parts, (q, dq, ddq) = [*chunks(out.shape[1])], motion
+
+    def fill(k: int) -> None:
+        moved = q[parts[k]], dq[parts[k]], ddq[parts[k]]
+        out[kept, parts[k]] = sign * regressor_entries(arm, moved, joints, links, places).T
+
+    per_joint(fill, len(parts))
     return out
 
 

@@ -85,7 +85,7 @@ class Projection:
         free = self.given.free(self.gram.whiten(columns))
         coefficients = np.linalg.lstsq(free @ free.T, free @ self.given.left, rcond=1e-10)[0]
         left = self.given.left - coefficients @ free
-        possible = self.block.effect.admissible(self.block.whole(coefficients), shape)
+        possible = self.block.effect.possible(self.block.whole(coefficients), shape)
         cost = self.cost(float(left @ left)) if possible else np.inf
         inside = np.vstack([self.given.basis, np.linalg.qr(free.T)[0].T])
         return Point(x, cost, coefficients, left, inside, columns)
@@ -120,7 +120,8 @@ class Projection:
         if not np.isfinite(point.cost):
             return None
         # Where the torque jumps the cost has no slope: Brent's line search first (effects_unlogged_compensation_70003).
-        for unit in np.eye(len(names))[[name in self.block.effect.jumps for name in names]]:
+        jumps = [one.name for one in self.block.effect.nonlinear if one.jumps]
+        for unit in np.eye(len(names))[[name in jumps for name in names]]:
             from scipy.optimize import minimize_scalar  # most diagnoses need none of it
 
             best = minimize_scalar(lambda x, unit=unit: self.at(x * unit).cost, bounds=(-1, 1), method="bounded")

@@ -1,9 +1,8 @@
 """Interaction -> Subject: torque and motion of each joint through one low-pass, on one even grid, and their audit.
 
-Velocity and acceleration are derivatives of the position where those err less than the logged velocity: the position of
-a Panda is a hundred times quieter, and drivers log differences of the position after a filter, some milliseconds late.
-Elsewhere they come from the mean of both velocities. Position and torque were sampled together; a velocity that lags
-them would look like a delay.
+Velocity and acceleration are derivatives of the position where those err less than the logged velocity: drivers log
+differences of the position after a filter, some milliseconds late. Elsewhere they, and the position, come from the mean
+of both. Position and torque were sampled together; a velocity that lags them would look like a delay.
 """
 
 from dataclasses import dataclass, replace
@@ -33,13 +32,13 @@ from friction_audit.preprocessing.even_grid import MOVING_RAD_S, LowPass
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.sign import coarse_log
 from friction_audit.preprocessing.torque_source import CHANNELS
-from friction_audit.preprocessing.velocity import complementary_mean, crossover_of, find_lag, noise_of_both
+from friction_audit.preprocessing.velocity import complementary_mean, crossover_of, find_lag, noise_of_both, position_of
 from friction_audit.robot import Arm
 
 # Parts of a long recording, the way from each to the next, and the time in which springs and bristles forget that.
 PART_S, BRIDGE_S, FORGOTTEN_S = 60.0, 2.0, 3.0
 SHARED = ("t", "others_dq", "others_ddq", "others_torque")  # of all joints of a log
-Index = NDArray[np.int64]
+Index, Bools = NDArray[np.int64], NDArray[np.bool_]
 DEAD_SIGMAS = 5.0  # standard deviations of the filtered velocity's noise, above which the direction is certain
 DEAD_SHARE = 1e-3  # and of the usual speed, which is what the stop band lets through next to a standstill
 TINY_SPEED = 1e-6
@@ -99,6 +98,8 @@ def prepare(
             torque = torque + low_pass.of(t, interaction.compensation[fresh, joint])
         # Copies: columns of a matrix of all joints are read at an eighth of the speed.
         q, own_dq = (np.ascontiguousarray(every[:, column]) for every in (all_q, all_dq))
+        if derived_from == "dq":
+            q = position_of(q, own_dq, all_ddq[:, column], valid, low_pass.step_s, crossover_hz)
         usual = float(np.quantile(np.abs(own_dq[valid]), 0.95)) if valid.any() else 0.0
         noise = max(grid_noise(own_dq[valid]), rounding * (slope_gain if derived_from == "q" else 1.0))
         dead = max(DEAD_SIGMAS * noise, DEAD_SHARE * usual, TINY_SPEED)
@@ -120,6 +121,7 @@ def prepare(
             valid=valid,
             dead_speed_rad_s=dead,
             derived_from=derived_from,
+            logged_q=None if derived_from == "q" else all_q[:, column],
             logged_dq=logged_dq[:, column],
             load=None if load is None else np.ascontiguousarray(load[:, column]),
             rigid=None if rigid is None else rigid[column],
@@ -182,7 +184,6 @@ def spread_parts(data: JointData, most_s: float, known: dict[str, Any]) -> Joint
         cycle=np.where(counts, joined(whole), -1),
         moving=joined(data.moving.astype(np.float64)) == 1.0,
         valid=counts & (joined(data.valid.astype(np.float64)) == 1.0),
-        logged_dq=None,
         **changed,
         **known,
     )
@@ -198,12 +199,7 @@ def _cubics(data: JointData, end: Index, begin: Index, samples: int) -> tuple[Fl
 
 
 def _filtered_motion(
-    log: JointLog,
-    low_pass: LowPass,
-    t: Float,
-    fresh: NDArray[np.bool_] | slice,
-    valid: NDArray[np.bool_],
-    slope_gain: float,
+    log: JointLog, low_pass: LowPass, t: Float, fresh: Bools | slice, valid: Bools, slope_gain: float
 ) -> tuple[list[Float], list[tuple[str, float, float, float]]]:
     """Position, velocity, acceleration, logged velocity, (n, j) each; per joint source, crossover, rounding, noise.
 
@@ -223,14 +219,13 @@ def _filtered_motion(
         logged = low_pass.of(t, log.dq[fresh, column])
         derived = log.source.channels.get("dq") == DERIVATIVE
         of_q, of_dq = (resolution(read[:, column]) / 12.0**0.5 for read in (log.q, log.dq))
-        late = lag[column] * acceleration[column]
         # The noise of a position by late or uneven stamps grows with the speed: rests, where they prevail, hide it.
         moves = np.abs(logged) > MOVING_RAD_S
         seen = moves if FEWEST_SAMPLES < np.count_nonzero(moves) < 0.5 * len(moves) else slice(None)
         apart = noise_of_both(slope, logged, valid, low_pass.step_s, lag[column])
         white = apart * (slope_gain / np.sqrt(2.0 * median_step(log.t)), np.sqrt(low_pass.corner_hz))
         of_slope = max(grid_noise(slope[seen]), slope_gain * of_q, white[0])
-        of_logged = np.hypot(max(grid_noise(logged[seen]), of_dq, white[1]), late)
+        of_logged = np.hypot(max(grid_noise(logged[seen]), of_dq, white[1]), lag[column] * acceleration[column])
         source, crossover_hz = "q" if derived or of_slope < of_logged else "dq", 0.0
         if source == "q":
             dq, ddq = slope, np.gradient(slope, low_pass.t)
@@ -328,11 +323,13 @@ def subjects_of(
     prepared, clock = [*prepare(interaction, cycles, log, arm)], audit_clock(log)
     joined: dict[str, Any] = {}
     for findings in per_joint(lambda k: audit_data(log, interaction, prepared[k], clock), len(prepared)):
-        data = spread_parts(prepared.pop(0), settings.at_most_s, joined)  # of a long log, the rest is freed at once
+        # The audit alone has looked at what was logged; of a long log, the rest is freed at once.
+        data = replace(prepared.pop(0), logged_q=None, logged_dq=None)
+        data = spread_parts(data, settings.at_most_s, joined)
         number, found = interaction.joint_numbers[data.joint], friction.joints[data.joint]
         subjects.append(
             Subject(
-                data=replace(data, logged_dq=None),  # the audit alone has looked at it
+                data=data,
                 number=number,
                 name=interaction.joint_names[data.joint],
                 findings=findings,

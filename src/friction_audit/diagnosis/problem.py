@@ -172,6 +172,12 @@ class RegressionProblem:
         """Columns of the fine grid, shape (n, p), on the samples, shape (p, m)."""
         return np.ascontiguousarray(self.samples.of(fine).T)
 
+    @cached_property
+    def near(self) -> tuple[Index, JointData, Callable[[Float], Float]]:
+        """Where the filter reads the fine grid, the joint there, and what makes samples of its columns."""
+        read, samples = self.samples.near(len(self.data.t))
+        return read, self.data.at(read), lambda fine: np.ascontiguousarray(samples.of(fine).T)
+
     def without(self, dropped: NDArray[np.bool_]) -> "RegressionProblem":
         """The problem without some samples, shape (m,)."""
         kept = np.flatnonzero(~dropped)
@@ -236,11 +242,11 @@ def _age(follows: NDArray[np.bool_]) -> Index:
 
 def _curves(data: JointData, samples: Samples) -> tuple[Curve, ...]:
     most = int(np.clip(len(np.unique(samples.cycle)) // MOST_CYCLES_PER_KNOT, 2, KNOTS))
-    found = []
+    found, (read, near) = [], samples.near(len(data.t))
     for axis in AXES:
         values = axis.value(data)
         if values is not None and len(knots := knots_of(values, data.used, most)) > 1:  # no constant
-            columns = np.ascontiguousarray(samples.of(curve(values, knots, data.dq)).T)
+            columns = np.ascontiguousarray(near.of(curve(values[read], knots, data.dq[read])).T)
             found.append(Curve(axis, columns, values[samples.fine]))
     return tuple(found)
 

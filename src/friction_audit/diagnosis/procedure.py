@@ -14,7 +14,6 @@ from friction_audit.diagnosis.validation import gains
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.joint_model import JointModel
-from friction_audit.effects.slow import Contact
 from friction_audit.joint_log import Float
 
 LEAST_Z = 2.0  # standard errors by which a held-out residual must shrink
@@ -40,7 +39,7 @@ class State:
         self.problem, self.dictionary = problem, dictionary
         self.gram = Gram(problem, noise, nuisances, dictionary.blocks)
         self.active: list[Block] = []
-        self.contacts: tuple[Contact, ...] = ()
+        self.contacts: tuple[contact_events.Contact, ...] = ()
         self.disturbed: RegressionProblem | None = None  # with the samples of the contacts
         self.folds: dict[str, int] | None = None
         training = Training(self.gram)
@@ -163,7 +162,7 @@ def plausible(problem: RegressionProblem, nuisances: Sequence[Nuisance], baselin
 
 def _formula_error(block: Block) -> float:
     """Share of an effect's torque that its formula may get wrong."""
-    if block.effect.exact:
+    if block.effect.misses == "nothing":
         return 0.0
     return TRANSMISSION_ERROR if block.effect.transmits else EFFECT_ERROR
 
@@ -198,7 +197,7 @@ def _may_absorb_error(state: State, active: Sequence[Block], block: Block, other
 
     What a torque of the position or of the time alone misses is of the same quantity: a free curve over it holds that.
     """
-    if not other.effect.even:
+    if other.effect.misses == "any":
         return True
     problem = state.problem
     values = next(axis.value(problem.data) for axis in AXES if axis.name == other.effect.axis)

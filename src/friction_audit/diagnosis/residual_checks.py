@@ -73,7 +73,7 @@ def competing_structure(gram: Gram, active: Sequence[Block], block: Block) -> st
     nested: R. Davidson, J. G. MacKinnon, Econometrica 49 (1981) 781. A constant, or a torque of the position, is part
     of many curves. So is an effect part of a curve over its own quantity, unless it holds torque of the nominal model.
     """
-    if block.effect.exact or block.effect.even:
+    if block.effect.misses != "any":
         return ""
     given, own = Projected(Training(gram), [b for b in active if b is not block]), gram.of(block)
     evidence, effect_rss = given.evidence(own), given.and_also(own).rss

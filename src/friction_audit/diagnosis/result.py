@@ -1,4 +1,4 @@
-"""Discrepancy: what a diagnosis says of every joint, and all that a figure of it needs."""
+"""What a diagnosis says of a joint, and all that a figure of it needs."""
 
 from dataclasses import dataclass, field
 from typing import Literal, get_args
@@ -185,10 +185,3 @@ class JointDiagnosis:
     def added(self) -> tuple[NamedEffect, ...]:
         """The effects of the augmented model: contact events are in no model, their samples are left out."""
         return tuple(effect for effect in self.effects if effect.name != CONTACT_EVENT)
-
-
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Discrepancy:
-    """What a diagnosis says of a log: one entry per joint."""
-
-    joints: tuple[JointDiagnosis, ...]

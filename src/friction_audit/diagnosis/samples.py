@@ -9,9 +9,8 @@ reversal is smeared alike in both. The corner is 25 Hz, above the frequencies of
 the first resonance of a Panda (26 to 28 Hz); it is lower where the noise of inertia times acceleration would come near
 that of the torque, and would be taken for a spring.
 
-Where a joint leaves a standstill there is one sample of another kind: torque and columns extrapolated from the
-standstill to the moment of break-away. It is noisier than the others, and its weight is lower in proportion. Without
-these samples effects_stiction_16001, 16002, 16003 and 16005 are adequate.
+Where a joint leaves a standstill there is one noisier sample: torque and columns extrapolated to the moment of
+break-away. Without these samples effects_stiction_16001, 16002, 16003 and 16005 are adequate.
 """
 
 from collections.abc import Sequence
@@ -29,7 +28,7 @@ from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.effects.transmission import MOTION_BELOW_HZ, motion_below
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
-from friction_audit.preprocessing.even_grid import filtered, kaiser_low_pass
+from friction_audit.preprocessing.even_grid import filtered, kaiser_low_pass, within
 from friction_audit.preprocessing.velocity import MEDIAN_OF_DENSITY, noise_density
 
 Index = NDArray[np.int64]
@@ -83,6 +82,14 @@ class Samples:
         if len(self.onsets.onset):
             out[:, self.breakaway] = self.onsets.of(rows.T).T
         return out[0] if columns.ndim == 1 else out.T
+
+    def near(self, n: int) -> tuple[Index, "Samples"]:
+        """Where the filter reads a fine grid of n samples, and what makes the samples of columns given there alone."""
+        half, last = len(self.kernel) // 2, self.onsets.samples
+        begins = np.append(np.maximum(self.fine - half, 0), last[:, 0])
+        read = within(begins, np.append(np.minimum(self.fine + half + 1, n), last[:, -1] + 1), n)
+        onsets = replace(self.onsets, samples=np.searchsorted(read, last))
+        return read, replace(self, every=1, place=np.searchsorted(read, self.fine), onsets=onsets)
 
 
 @lru_cache(maxsize=1)  # of a joint they are needed to count its cycles, then to build its problem

@@ -16,6 +16,7 @@ import numpy as np
 from friction_audit.diagnosis.dictionary import Block
 from friction_audit.diagnosis.gram import Fit, Gram, Training
 from friction_audit.diagnosis.result import Evidence
+from friction_audit.effects.registry import PART_OF, same_as
 from friction_audit.joint_log import Float
 
 PRIOR = 13.0  # 2 ln of the prior odds against any one effect
@@ -85,9 +86,11 @@ class Projected:
     def evidence(self, white: Float) -> float:
         """2 ln of the Bayes factor of whitened columns, shape (k, m); those that depend on each other count once."""
         free = self.free(white)
-        coefficients, _, rank, _ = np.linalg.lstsq(free.T, self.left, rcond=1e-6)
-        left = max(float(np.sum((self.left - coefficients @ free) ** 2)), 1e-9 * self.rss)
-        return float(occam(self.samples * np.log(self.rss / left), rank))
+        sizes, directions = np.linalg.eigh(free @ free.T)
+        kept = sizes > max(1e-12 * sizes[-1], 1e-300)
+        along = directions.T[kept] @ (free @ self.left)
+        left = max(float(self.left @ self.left - np.sum(along**2 / sizes[kept])), 1e-9 * self.rss)
+        return float(occam(self.samples * np.log(self.rss / left), int(np.count_nonzero(kept))))
 
 
 @dataclass(eq=False)
@@ -150,7 +153,7 @@ class Search:
 
     def carried(self, active: Sequence[Block]) -> bool:
         """Whether the cycles can carry the numbers of these effects; a constant, which cannot stand in, is free."""
-        return sum(b.p + b.numbers for b in active if not b.effect.exact) <= self.most_numbers
+        return sum(b.p + b.numbers for b in active if b.effect.misses != "nothing") <= self.most_numbers
 
     def _impossible(self, active: Sequence[Block]) -> list[Block]:
         fit = self.training.fit(active)
@@ -302,12 +305,13 @@ def indistinguishable(
     """Names that the log cannot separate from a selected effect."""
     close = (c for c in competing if c.two_ln_bayes_factor < INDISTINGUISHABLE)
     names = [c.name for c in close if c.correlation > ALIKE]
-    exact = {b.name for b in gram.blocks if b.effect.exact}
+    exact = {b.name for b in gram.blocks if b.effect.misses == "nothing"}
     # A curve that bends little over the range contains a constant: an offset may be most of it.
     names += [c.name for c in competing if c.name in exact and c.correlation > SAME and c.name not in names]
-    names += [name for name in block.effect.indistinguishable if name not in names]
+    names += same_as(block.name) - {block.name, *names}
     others = [b for b in active if b is not block]
-    parts = [b.name for b in others if b.name in block.effect.part_of or _leans(Training(gram), block, b, others)]
+    wholes = PART_OF.get(block.name, ())
+    parts = [b.name for b in others if b.name in wholes or _leans(Training(gram), block, b, others)]
     return (*names, *(name for name in parts if name not in names))
 
 

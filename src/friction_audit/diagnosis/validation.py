@@ -38,10 +38,11 @@ def held_out(
     The nuisances of effects that are replaced are left out as well: what stands for an effect must not hide it.
     """
     model = _Model(gram, active, [] if extra is None else [extra], replaced)
-    residual, innovation = model.predict(np.arange(len(model.prior)))
-    out = np.empty((2, len(gram.y)))
-    out[:, gram.order] = residual, innovation
-    return HeldOut(residual=out[0], innovation=out[1], rms=float(np.sqrt(np.mean(residual**2))))
+    every, out = np.arange(len(model.prior)), np.empty((2, len(gram.y)))
+    coefficients = model.coefficients(every)
+    out[0, gram.order] = model.left(gram.problem.y[gram.order], model.raw, coefficients)
+    out[1, gram.order] = model.left(gram.y, model.white, coefficients)
+    return HeldOut(residual=out[0], innovation=out[1], rms=float(np.sqrt(np.mean(out[0] ** 2))))
 
 
 class _Model:
@@ -61,20 +62,23 @@ class _Model:
         self.grams = np.stack([white[:, f] @ white[:, f].T for f in gram.slices])
         self.rights = np.stack([white[:, f] @ gram.y[f] for f in gram.slices])
 
-    def predict(self, which: Index) -> tuple[Float, Float]:
-        """What some of the columns, fitted to the other folds, leave of each sample, and of its innovation."""
-        gram = self.gram
+    def coefficients(self, which: Index) -> Float:
+        """Of some of the columns, fitted to all folds but one each, shape (folds, k)."""
         grams, rights = self.grams[:, which[:, None], which], self.rights[:, which]
         total, right = grams.sum(axis=0) + np.diag(self.prior[which]), rights.sum(axis=0)
         scale = np.sqrt(np.maximum(np.diag(grams.sum(axis=0)), 1e-300))
         inverses = np.linalg.pinv((total - grams) / scale[:, None] / scale, rcond=1e-11, hermitian=True)
-        coefficients = np.einsum("fij,fj->fi", inverses, (right - rights) / scale) / scale
-        residual, innovation = gram.problem.y[gram.order], gram.y.copy()
-        raw, white = self.raw[which], self.white[which]
-        for own, part in zip(coefficients, gram.slices, strict=True):
-            residual[part] -= own @ raw[:, part]
-            innovation[part] -= own @ white[:, part]
-        return residual, innovation
+        return np.asarray(np.einsum("fij,fj->fi", inverses, (right - rights) / scale) / scale)
+
+    def left(self, y: Float, rows: Float, coefficients: Float) -> Float:
+        """What rows, shape (k, m), leave of the fold that their coefficients do not know."""
+        every = zip(coefficients, self.gram.slices, strict=True)
+        return np.concatenate([y[part] - own @ rows[:, part] for own, part in every])
+
+    def rms(self, which: Index) -> float:
+        """Root mean square of what some of the columns leave. [N m]"""
+        y = self.gram.problem.y[self.gram.order]
+        return float(np.sqrt(np.mean(self.left(y, self.raw[which], self.coefficients(which)) ** 2)))
 
 
 class Gain(NamedTuple):
@@ -122,7 +126,7 @@ def gap(gram: Gram, active: Sequence[Block]) -> tuple[Gap, HeldOut, HeldOut]:
     every, wide = np.arange(len(model.prior)), [len(c.columns) for c in gram.problem.curves]
     base, *curves = np.split(every, len(every) - sum(wide) + np.cumsum([0, *wide[:-1]]))
     tried = [every, *(np.append(base, one) for one in curves)] if wide else []
-    floor = min([after.rms, *(float(np.sqrt(np.mean(model.predict(one)[0] ** 2))) for one in tried)])
+    floor = min([after.rms, *map(model.rms, tried)])
     return measure_gap(before.residual, after.residual, floor, gram.problem.samples.cycle), before, after
 
 

@@ -84,7 +84,16 @@ class Motion:
         return np.sign(self.dq) if self.way is None else self.way
 
 
-# How a term takes part in a forward simulation, see ``effects.effect.Effect.forward``.
+# How a term takes part in a forward simulation:
+# - ``instant``: by its torque at the instant, load, temperature and other joints as recorded; where the past matters
+#   too, its torque along the motion is iterated.
+# - ``bristle``: by a torque that builds up with the path since a reversal.
+# - ``delay``: the torque that drives the joint was read late; the columns act on ``Motion.rest``.
+# - ``spring``: the measured side is ahead of the side of friction by the torque between them, times the parameter whose
+#   name ends on ``_rad_per_nm``; farther up to the one that ends on ``soft_nm``.
+# - ``gap``: the measured side moves within a gap, of the full width of the parameter whose name ends on ``_rad``.
+# Of both ``far_share`` is the part of the inertia on the side of friction; the parameter that ends on ``damping_ratio``
+# damps the ringing, on flanks at the frequency that ends on ``_hz``.
 Forward = Literal["instant", "bristle", "delay", "spring", "gap"]
 
 

@@ -15,7 +15,7 @@ controller starts the joint, some milliseconds make it another: it tells nothing
 more than that. Then the joint had been loaded with more than sliding takes.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import product
@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import Effect, Nonlinear
-from friction_audit.effects.joint_data import SIGMA_PER_MEDIAN, JointData, Nominal, grid_noise, moves, shares_of_span
+from friction_audit.effects.joint_data import SIGMA_PER_MEDIAN, JointData, Nominal, grid_noise, shares_of_span
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 
@@ -178,19 +178,20 @@ class Stiction(Effect):
             left = np.exp(-slid / path)
             yield from ((k, (aged[age] * left)[:, None]) for k, (age, own) in enumerate(many) if own == path)
 
+    def tries(self, data: JointData) -> Iterable[Sequence[float]]:
+        return product(AGEINGS_S, (AT_ONCE_RAD, *shares_of_span(data, SPAN_SHARES)))
 
-def lasting(data: JointData) -> tuple[Nonlinear, ...]:
-    """Return what any starts show: an excess that fades over a path, however the torque rose at break-away."""
-    starts, _ = _starts(data)
-    enough = starts >= FEWEST_BREAKAWAYS
-    return tuple(at for at in STICTION.grid(data) if enough and at["renewal_rad"] != AT_ONCE_RAD)
+    def identifiable_part(self, data: JointData) -> tuple[Nonlinear, ...]:
+        """Return what any starts show: an excess that fades over a path, however the torque rose at break-away."""
+        enough = _starts(data)[0] >= FEWEST_BREAKAWAYS
+        return tuple(at for at in self.grid(data) if enough and at["renewal_rad"] != AT_ONCE_RAD)
 
 
-def slow_starts(data: JointData, nominal: Nominal) -> str | None:
+def slow_starts(data: JointData, _nominal: Nominal) -> str | None:
     """The motion that is lacking for an excess that is gone at once."""
     starts, telling = _starts(data)
     if telling >= FEWEST_BREAKAWAYS:
-        return moves(data, nominal)
+        return None
     return (
         f"the joint breaks away from a standstill {starts} times, {telling} of them under a torque that rises "
         "slowly or falls after the start: let it stand still for a tenth of a second or more, then raise the "
@@ -239,9 +240,7 @@ STICTION = Stiction(
         Parameter("ageing_s", "s", "time constant at rest", lower=1e-4, upper=1e3),
         Parameter("renewal_rad", "rad", "path of the decay", lower=1e-7, upper=1.0),
     ),
-    not_identifiable=slow_starts,
-    identifiable_part=lasting,
-    tries=lambda data: product(AGEINGS_S, (AT_ONCE_RAD, *shares_of_span(data, SPAN_SHARES))),
+    requires=slow_starts,
     record="start slowly at least 15 times after rests from 0.1 to 10 s",
     separate={
         "presliding": "start after rests from 0.1 to 10 s and reverse without any: only stiction needs the rest",

@@ -1,6 +1,6 @@
 """Effects that come late: friction after the speed, the reading after the torque."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import product
 from math import exp
 
@@ -8,8 +8,8 @@ import numpy as np
 
 from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.transmission import far_side, simple_torque
-from friction_audit.effects.effect import Effect, between
-from friction_audit.effects.joint_data import JointData, Nominal, moves, reversals
+from friction_audit.effects.effect import Each, Effect, Points
+from friction_audit.effects.joint_data import JointData, Nominal, reversals
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.even_grid import EvenSpline, first_order
@@ -29,6 +29,8 @@ class FrictionalLag(Effect):
     Tribol. 112 (1990) 147). The excess e at rest is 0 for viscous friction alone.
     """
 
+    needs_nominal = True
+
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield friction at the lagged speed less that at the present one; equal lags have their speed in common."""
         far, speed, sign = far_side(motion), np.abs(motion.dq), motion.direction
@@ -43,17 +45,14 @@ class FrictionalLag(Effect):
                 stribeck = excess * far.coulomb_nm * (np.exp(-seen / fading) - now[fading])
                 yield place, (sign * (viscous + stribeck))[:, None]
 
+    def tries(self, data: JointData) -> list[Sequence[float]]:
+        """Return viscous friction, and Stribeck friction of several sizes and widths, by all lags."""
+        usual = float(np.quantile(np.abs(data.dq), 0.95)) or 1.0
+        return [(lag, excess, share * usual) for (excess, share), lag in product(STRIBECK, LAGS_S.tolist())]
 
-def lags(data: JointData) -> list[Sequence[float]]:
-    """Return viscous friction, and Stribeck friction of several sizes and widths, by all lags."""
-    usual = float(np.quantile(np.abs(data.dq), 0.95)) or 1.0
-    return [(lag, excess, share * usual) for (excess, share), lag in product(STRIBECK, LAGS_S.tolist())]
 
-
-def different_speeds(data: JointData, nominal: Nominal) -> str | None:
+def different_speeds(data: JointData, _nominal: Nominal) -> str | None:
     """Peak speeds of the cycles that differ by a tenth: one sinusoid cannot separate it from delay and inertia."""
-    if lacking := moves(data, nominal):
-        return lacking
     cycle, speed = data.cycle[data.used], np.abs(data.dq[data.used])
     peak = np.zeros(int(cycle.max()) + 1)
     np.maximum.at(peak, cycle, speed)
@@ -66,16 +65,13 @@ FRICTIONAL_LAG = FrictionalLag(
     name="frictional_lag",
     label="friction follows speed late",
     axis="acceleration",
-    coefficients=(Parameter("lagging_share", "1", "share of friction that lags", lower=0.0, upper=2.0),),
+    coefficients=(Parameter("lagging_share", "1", "share of friction that lags", lower=0.0, upper=LARGEST_SHARE),),
     nonlinear=(
         Parameter("friction_lag_s", "s", "lag of friction", lower=1e-4, upper=10.0),
         Parameter("lagging_excess", "1", "Stribeck friction at rest over Coulomb", lower=0.0, upper=5.0),
         Parameter("lag_speed_rad_s", "rad/s", "Stribeck velocity", lower=1e-4, upper=1e2),
     ),
-    needs_nominal=True,
-    not_identifiable=different_speeds,
-    tries=lags,
-    possible=lambda found, _: between(0.0, found[0], LARGEST_SHARE),
+    requires=different_speeds,
     record="repeat motions of equal speed with different accelerations",
     separate={"time_delay": "repeat motions of equal speed with different accelerations, and carry a load"},
 )
@@ -97,6 +93,12 @@ class TimeDelay(Effect):
     early.
     """
 
+    needs_nominal = True
+    recorder = (
+        "a low-pass filter in the recorder or the torque's electronics does the same: filter q and dq alike, or record "
+        "the torque unfiltered"
+    )
+
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield (rest(t - s) - rest(t)) / s, first and last value held, of the torque with the load or without."""
         for loaded in {bool(round(with_load)) for _, with_load in many}:
@@ -108,6 +110,18 @@ class TimeDelay(Effect):
                 if bool(round(with_load)) is loaded:
                     yield place, ((spline.ahead(-step / spacing) - rest) / step)[:, None]
 
+    def tries(self, data: JointData) -> Iterable[Sequence[float]]:
+        """Yield all delays, of friction and inertia alone and, where there is a load, of all that the sensor bears."""
+        loads = (0.0,) if data.load is None else (0.0, 1.0)
+        yield from ((sign * step, load) for load, sign, step in product(loads, (1.0, -1.0), STEPS_S))
+
+    def possible(self, coefficients: Float, at: Points) -> Each:
+        share, least = coefficients[0] / at[STEP], LEAST_SHARE * (abs(at[STEP]) > STEPS_S[0])
+        return (least < share) & (share <= LARGEST_SHARE)
+
+    def coefficient_of(self, at: Points) -> Each:
+        return at[STEP]
+
 
 TIME_DELAY = TimeDelay(
     name="time_delay",
@@ -118,20 +132,9 @@ TIME_DELAY = TimeDelay(
         Parameter(STEP, "s", "delay for which jumps are right", lower=-1.0, upper=1.0),
         Parameter.choice("delayed_load", "1 if the load is late too", 0.0, 1.0),
     ),
-    needs_nominal=True,
-    # All delays, of friction and inertia alone and, where there is a load, of all that the sensor bears.
-    tries=lambda data: (
-        (sign * step, load)
-        for load, sign, step in product((0.0, 1.0)[: 1 if data.load is None else 2], (1.0, -1.0), STEPS_S)
-    ),
-    possible=lambda found, at: between(LEAST_SHARE * (abs(at[STEP]) > STEPS_S[0]), found[0] / at[STEP], LARGEST_SHARE),
-    coefficient_of=lambda at: at[STEP],
     forward="delay",
-    not_identifiable=reversals,
+    requires=reversals,
     record="reverse sharply at two or more clearly different speeds",
-    recorder="a low-pass filter in the recorder or the torque's electronics does the same: filter q and dq alike, or "
-    "record the torque unfiltered",
-    part_of=("backlash", "joint_elasticity"),  # pairs_joint_elasticity+friction_step_90018
     separate={
         "backlash": "reverse sharply with and without a load: a gap opens where the load changes its sign",
         "joint_elasticity": "reverse sharply, slowly and fast: a spring rings, a delay shifts",

@@ -7,76 +7,71 @@ over the nonlinear parameters only. Effects whose formulas are alike share a mod
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar, Literal, TypeAlias
 
 import numpy as np
 
 from friction_audit.dynamics.motion import Forward, Motion
-from friction_audit.effects.joint_data import JointData, Nominal, moves
+from friction_audit.effects.joint_data import FEWEST_SAMPLES, JointData, Nominal
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 
-# Values of nonlinear parameters by name: a point of the grid.
+# Values of nonlinear parameters by name: a point of the grid; of one point or of k of them, shape (k,) each.
 Nonlinear = Mapping[str, float]
-
-
-def free(*_: object) -> Any:  # noqa: ANN401 - it returns nothing
-    """Stand for what an effect does not have: a coefficient that follows, or a formula in C++."""
-    raise NotImplementedError("this effect has neither a coefficient that follows nor a formula in C++")
-
-
-def between(low: Any, value: Any, high: float) -> Any:  # noqa: ANN401 - of one point or of many
-    """Return whether a coefficient is above a bound and at most another."""
-    return (low < value) & (value <= high)
+Points = Mapping[str, Any]
+Each: TypeAlias = Any  # a number or an answer of one point, or of each of k, shape (k,)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Effect:
-    """One effect: data, and in a subclass ``columns`` or ``columns_of_many``, where they need more ``regressors``."""
+    """One effect; a subclass has its formula, ``columns`` or ``columns_of_many``, and what else is its own."""
 
     name: str  # from the vocabulary of the program, or ``inertia``, ``coulomb``, ``viscous``, ``offset``
     label: str  # a few words for people
-    axis: str  # quantity on which it shows: speed, position, displacement, time, acceleration, load, neighbour
+    # Quantity on which it shows: position, displacement, time, acceleration, load, neighbour, or speed, where its
+    # torque follows from the velocity alone.
+    axis: str
     # Parameters in which the torque is linear, one per column; empty for an effect that no joint model can hold.
     coefficients: tuple[Parameter, ...] = ()
     nonlinear: tuple[Parameter, ...] = ()  # the other parameters
     friction: bool = False  # True if it is dissipated
-    speed_only: bool = False  # True if it follows from the velocity alone
-    needs_nominal: bool = False  # True if its columns hold torque of the nominal model and change with that
-    exact: bool = False  # True if its formula cannot be wrong, as that of a constant cannot
-    even: bool = False  # True if neither it nor what its formula misses depends on the direction
-    # Why a log cannot show it, i.e. which motion is lacking; None if it can.
-    not_identifiable: Callable[[JointData, Nominal], str | None] = moves
-    # The part of the grid that a log shows although ``not_identifiable`` says what it cannot.
-    identifiable_part: Callable[[JointData], tuple[Nonlinear, ...]] = lambda _: ()
-    # Nonlinear parameters to try on a joint, in order or by name; those that are lacking have none.
-    tries: Callable[[JointData], Iterable[Sequence[float] | Nonlinear]] = lambda _: [()]
-    # Whether coefficients are physically possible, of one point of the grid or of many; within their bounds where None.
-    possible: Callable[[Float, Mapping[str, Any]], Any] | None = None
-    # Coefficient, where it follows from the nonlinear parameters, of one column that acts on the nominal torque.
-    coefficient_of: Callable[[Nonlinear], float] = free
-    # How it takes part in a forward simulation:
-    # - ``instant``: by its torque at the instant, load, temperature and other joints as recorded; where the past
-    #   matters too, its torque along the motion is iterated.
-    # - ``bristle``: by a torque that builds up with the path since a reversal.
-    # - ``delay``: the torque that drives the joint was read late; the columns act on ``Motion.rest``.
-    # - ``spring``: the measured side is ahead of the side of friction by the torque between them, times the parameter
-    #   whose name ends on ``_rad_per_nm``; farther up to the one that ends on ``soft_nm``.
-    # - ``gap``: the measured side moves within a gap, of the full width of the parameter whose name ends on ``_rad``.
-    # Of both ``far_share`` is the part of the inertia on the side of friction; the parameter that ends on
-    # ``damping_ratio`` damps the ringing, on flanks at the frequency that ends on ``_hz``.
-    forward: Forward = "instant"
+    forward: Forward = "instant"  # how it takes part in a forward simulation
+    # What the log of a joint that moves lacks to show it; None if nothing.
+    requires: Callable[[JointData, Nominal], str | None] = lambda *_: None
     record: str = ""  # the motion on which it shows itself best
     separate: Mapping[str, str] = field(default_factory=dict)  # motions by easily confused effects; a pair stands once
-    recorder: str = ""  # what in the recording makes the same torque, and what to do
-    jumps: tuple[str, ...] = ()  # nonlinear parameters at whose value its torque jumps
-    indistinguishable: tuple[str, ...] = ()  # effects that no motion of this kind separates from it
-    part_of: tuple[str, ...] = ()  # effects that it may be a part of where they are found too
-    # Of a friction that follows from the velocity alone: its torque as an expression of C++ of the velocity ``dq``, its
-    # size ``pace`` and its sign ``way``, which is smooth at standstill. From all parameters in order, and the name of
-    # the array of ``cpp_table``, which the expression reads by ``between(table, place)``.
-    in_cpp: Callable[[Sequence[float], str], str] = free
-    cpp_table: Callable[[Sequence[float]], Float | None] = lambda _: None
+
+    # What some effects have of their own.
+
+    needs_nominal: ClassVar[bool] = False  # True if its columns hold torque of the nominal model and change with that
+    # What its formula may miss: any torque, one that is the same in both directions, or nothing, as that of a constant.
+    misses: ClassVar[Literal["any", "even", "nothing"]] = "any"
+    recorder: ClassVar[str] = ""  # what in the recording makes the same torque, and what to do
+
+    def tries(self, data: JointData) -> Iterable[Sequence[float] | Nonlinear]:
+        """Return nonlinear parameters to try on a joint, in order or by name; those that are lacking have none."""
+        return [()]
+
+    def identifiable_part(self, data: JointData) -> tuple[Nonlinear, ...]:
+        """Return what of the grid a log shows although ``not_identifiable`` says what it cannot."""
+        return ()
+
+    def possible(self, coefficients: Float, at: Points) -> Each:
+        """Return whether coefficients, shape (q,), or (q, k) of k points, are physically possible."""
+        pairs = zip(self.coefficients, coefficients, strict=False)
+        return np.all([(one.lower < value) & (value <= one.upper) for one, value in pairs], axis=0)
+
+    def coefficient_of(self, at: Points) -> Each:
+        """Return the coefficient where it ``follows`` from the nonlinear parameters."""
+        return 1.0
+
+    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
+        """Return why a log cannot show it, i.e. which motion is lacking; None if it can."""
+        if np.count_nonzero(data.used) < FEWEST_SAMPLES:
+            return "hardly any motion: move back and forth for several cycles"
+        return self.requires(data, nominal)
+
+    # The formula.
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return the torque per unit of each coefficient, shape (n, p), at the nonlinear parameters in order."""
@@ -85,18 +80,6 @@ class Effect:
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield place and columns for many values, in any order; instead of ``columns`` where they share work."""
         yield from ((place, self.columns(motion, values)) for place, values in enumerate(many))
-
-    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        """Return what ``tries`` says, by the names of the parameters; one empty mapping without any."""
-        names, points = [one.name for one in self.nonlinear], self.tries(data)
-        return tuple(at if isinstance(at, Mapping) else dict(zip(names, at, strict=False)) for at in points)
-
-    def admissible(self, coefficients: Float, at: Mapping[str, Any]) -> Any:  # noqa: ANN401 - one answer or k
-        """Return whether coefficients, shape (q,), or (q, k) of k points, are physically possible."""
-        if self.possible is not None:
-            return self.possible(coefficients, at)
-        pairs = zip(self.coefficients, coefficients, strict=False)
-        return np.all([between(one.lower, value, one.upper) for one, value in pairs], axis=0)
 
     def regressors(self, data: JointData, nominal: Nominal, grid: Sequence[Nonlinear]) -> Iterator[tuple[int, Float]]:
         """Yield place and columns on the samples of a joint, shape (n, p), for points of the grid, in any order."""
@@ -120,15 +103,25 @@ class Effect:
 
     # Derived.
 
+    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
+        """Return what ``tries`` says, by the names of the parameters; one empty mapping without any."""
+        names, points = [one.name for one in self.nonlinear], self.tries(data)
+        return tuple(at if isinstance(at, Mapping) else dict(zip(names, at, strict=False)) for at in points)
+
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """All parameters: coefficients, then nonlinear ones."""
         return self.coefficients + self.nonlinear
 
     @property
+    def memoryless(self) -> bool:
+        """Whether it follows from the joint's own motion and load at the same instant."""
+        return self.axis in ("speed", "position", "load")
+
+    @property
     def follows(self) -> bool:
-        """Whether its coefficient follows from the nonlinear parameters."""
-        return self.coefficient_of is not free
+        """Whether it is on the way of the torque to the sensor: its one coefficient follows from the others."""
+        return self.forward in ("delay", "spring", "gap")
 
     @property
     def transmits(self) -> bool:
@@ -143,3 +136,16 @@ class Effect:
     def values(self, at: Nonlinear) -> tuple[float, ...]:
         """Return the nonlinear parameters in order; an optional one that is lacking has its default."""
         return tuple(at.get(p.name, p.default) if p.optional else at[p.name] for p in self.nonlinear)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SpeedFriction(Effect):
+    """Friction that follows from the velocity alone, which other programs can hold."""
+
+    # Its torque in C++, from the parameters by their places, the velocity ``dq``, its size ``pace`` and its sign
+    # ``way``, which is smooth at standstill.
+    cpp: str = ""
+
+    def in_cpp(self, values: Sequence[float], table: str) -> tuple[str, Float | None]:
+        """Return the torque at all parameters in C++, and the array that it reads by ``between(table, place)``."""
+        return self.cpp.format(*values), None

@@ -1,7 +1,8 @@
 """What one joint did and what drove it, on an even grid; measures for grids of effects; what a log lacks."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,6 +59,7 @@ class JointData:
     valid: NDArray[np.bool_]  # samples that are not next to a hole, a stale stretch or an end of the filter
     dead_speed_rad_s: float  # below it the direction is not certain [rad/s]
     derived_from: str = "dq"  # what velocity and acceleration were taken from, "q" or "dq"
+    logged_q: Float | None = None  # position as it was logged, through the same filter; ``q`` where None [rad]
     logged_dq: Float | None = None  # velocity as it was logged, through the same filter; ``dq`` where None [rad/s]
     # what the sensor bears besides, signed as the torque: gravity, and inertia that was taken away; predicted [N m]
     load: Float | None = None
@@ -89,6 +91,15 @@ class JointData:
     def way(self) -> Float:
         """Mean sign of the velocity over the cell of each sample, shape (n,)."""
         return mean_sign(self.t, self.dq, self.ddq)
+
+    def at(self, places: NDArray[np.int64]) -> "JointData":
+        """The joint by itself at some of its samples, of which the first two follow each other."""
+        names = ("t", "q", "dq", "ddq", "torque", "temperature", "load", "cycle", "moving", "valid")
+        own: dict[str, Any] = {
+            name: None if (all_of := getattr(self, name)) is None else all_of[places] for name in names
+        }
+        own |= dict.fromkeys(("others_dq", "others_ddq", "others_torque"), np.empty((len(places), 0)))
+        return replace(self, **own, logged_q=None, logged_dq=None, rigid=None)
 
     def motion(self, rest: Float | None = None) -> Motion:
         """The input of an effect's columns; ``rest`` is the torque of the nominal model, shape (n,)."""
@@ -155,44 +166,32 @@ def displacement(data: JointData) -> Float:
     return np.where(still, 0.0, data.q - data.q[np.maximum.accumulate(since)])
 
 
-# What a log must hold for an effect to be identifiable: None, or one sentence that names the motion it lacks.
+# What a log of a joint that moves must hold for an effect to be identifiable: None, or a sentence about what it lacks.
 
 
-def moves(data: JointData, _nominal: Nominal) -> str | None:
-    """Some motion at all."""
-    few = int(data.used.sum()) < FEWEST_SAMPLES
-    return "hardly any motion: move back and forth for several cycles" if few else None
-
-
-def both_directions(data: JointData, nominal: Nominal) -> str | None:
+def both_directions(data: JointData, _nominal: Nominal) -> str | None:
     """At least a tenth of the moving time in either direction."""
-    if lacking := moves(data, nominal):
-        return lacking
     mixed = 0.1 <= float(np.mean(data.dq[data.used] > 0)) <= 0.9  # noqa: PLR2004 - a tenth either way
     return None if mixed else "motion in one direction only: move over the same range both ways"
 
 
-def speed_range(data: JointData, nominal: Nominal, ratio: float) -> str | None:
+def speed_range(data: JointData, _nominal: Nominal, ratio: float) -> str | None:
     """95th over 5th percentile of speed at least the ratio."""
-    if lacking := moves(data, nominal):
-        return lacking
     slow, fast = np.percentile(np.abs(data.dq[data.used]), [5, 95])
     if fast >= ratio * slow:
         return None
     return f"the speed varies by a factor of {fast / slow:.1f}: vary it by at least {ratio:g}, slow to fast"
 
 
-def span(data: JointData, nominal: Nominal, least_rad: float) -> str | None:
+def span(data: JointData, _nominal: Nominal, least_rad: float) -> str | None:
     """Range of positions of the moving joint at least so many radians."""
-    if lacking := moves(data, nominal):
-        return lacking
     low, high = reach(data)
     few = f"the joint spans {high - low:.2f} rad: move it over at least {least_rad:g} rad"
     return few if high - low < least_rad else None
 
 
-def reversals(data: JointData, nominal: Nominal) -> str | None:
+def reversals(data: JointData, _nominal: Nominal) -> str | None:
     """Reversals among the training cycles and among the held-out ones; a direction holds until the other is certain."""
     found = np.count_nonzero(np.diff(np.sign(data.dq[np.abs(data.dq) > data.dead_speed_rad_s])))
     few = f"{found} reversals: turn the direction of motion at least {FEWEST_REVERSALS} times"
-    return moves(data, nominal) or (few if found < FEWEST_REVERSALS else None)
+    return few if found < FEWEST_REVERSALS else None

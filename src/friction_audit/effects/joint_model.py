@@ -13,8 +13,8 @@ import numpy as np
 
 from friction_audit.dynamics.motion import Motion, Term
 from friction_audit.effects.effect import Effect
-from friction_audit.effects.registry import near_names, term_of, terms
-from friction_audit.errors import AnalysisError, InputError, shortened
+from friction_audit.effects.registry import term_of, terms
+from friction_audit.errors import AnalysisError, InputError, near_misses, shortened
 from friction_audit.io.files import read_toml, whole_file
 from friction_audit.joint_log import Float
 
@@ -185,7 +185,7 @@ def _joint_faults(table: Mapping[str, Any], where: str) -> Iterator[str]:
     known = {term.name: term for term in terms() if term.name != "inertia"}
     for name, values in (found if isinstance(found, dict) else {}).items():
         if name not in known:
-            yield f"{where}: {name!r} is no term{near_names(name, list(known))}, expected {', '.join(known)}"
+            yield f"{where}: {name!r} is no term, expected {', '.join(known)}{near_misses(name, known)}"
             continue
         parameters = known[name].parameters
         needed = [one.name for one in parameters if not one.optional]
@@ -198,7 +198,7 @@ def _faults(table: object, kinds: Mapping[str, type], needed: Sequence[str], whe
         yield f"{where} is no table"
         return
     strange = (shortened(key, LONGEST_VALUE) for key in table if key not in kinds)
-    yield from (f"{where}: {key!r} is no key{near_names(key, list(kinds))}" for key in strange)
+    yield from (f"{where}: {key!r} is no key{near_misses(key, kinds)}" for key in strange)
     if missing := [key for key in needed if key not in table]:
         yield f"{where}: {', '.join(missing)} missing"
     wrong = (key for key, kind in kinds.items() if key in table and not _is_of(table[key], kind))

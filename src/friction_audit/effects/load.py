@@ -1,6 +1,6 @@
 """Effects of what the joint bears: friction that grows with the load, gravity that is wrong."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache, partial
 from itertools import product
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.effect import Effect, Nonlinear
+from friction_audit.effects.effect import Each, Effect, Nonlinear, Points
 from friction_audit.effects.joint_data import JointData, Nominal, both_directions, span
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
@@ -27,6 +27,8 @@ class LoadDependentFriction(Effect):
     load.
     """
 
+    needs_nominal = True
+
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return sgn(dq) |load|^p and, where the power's direction counts, sgn(load) |load|^p as columns."""
         exponent, directed, static = values
@@ -35,6 +37,13 @@ class LoadDependentFriction(Effect):
             load = load + motion.rest
         size = np.abs(load) ** exponent
         return np.stack([motion.direction * size, np.sign(load) * size * round(directed)]).T
+
+    def tries(self, data: JointData) -> Iterable[Sequence[float]]:
+        # The load is all that goes through the gear, or what the link weighs: both are in the literature.
+        yield from ((p, d, *static) for d, p, static in product((0.0, 1.0), EXPONENTS, ((), (1.0,))))
+
+    def possible(self, coefficients: Float, at: Points) -> Each:
+        return (coefficients[0] > 0) & (abs(coefficients[1]) <= coefficients[0])  # resists, whichever way power flows
 
 
 def _changing_load(data: JointData, nominal: Nominal) -> str | None:
@@ -63,11 +72,7 @@ LOAD_DEPENDENT_FRICTION = LoadDependentFriction(
             "load_static", "1 if the load is the weight alone, without inertial torque", 0.0, 1.0, optional=True
         ),
     ),
-    needs_nominal=True,
-    not_identifiable=_changing_load,
-    # The load is all that goes through the gear, or what the link weighs: both are in the literature.
-    tries=lambda _: ((p, d, *static) for d, p, static in product((0.0, 1.0), EXPONENTS, ((), (1.0,)))),
-    possible=lambda found, _: (found[0] > 0) & (abs(found[1]) <= found[0]),  # resists, whichever way the power flows
+    requires=_changing_load,
     record="pass the same places with loads that differ by a factor of 3",
     separate={
         "position_dependent_friction": "pass the same places with another payload or posture",
@@ -101,6 +106,10 @@ class GravityError(Effect):
     columns of gravity in the arm's regressor; Atkeson, An, Hollerbach, Int. J. Robotics Research 5(3), 1986).
     """
 
+    memoryless = False  # the model of the arm knows it at other times
+
+    misses = "even"
+
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return the columns of one source of the error; those of the others are zero."""
         source = round(values[0])
@@ -126,14 +135,17 @@ class GravityError(Effect):
                 found[:, PLACES[~independent(data)]] = 0.0
             yield place, found if several else found[:, :OF_ONE]
 
+    def tries(self, data: JointData) -> list[tuple[float]]:
+        """Return the joint's angle, and what the model of the arm lets pull at it."""
+        rigid = data.rigid
+        links = () if rigid is None else tuple(k for n, k in enumerate(rigid.links) if rigid.weight[:, n].any())
+        several = (SEVERAL,) if np.count_nonzero(independent(data).reshape(len(OF_LINKS), -1).any(axis=1)) > 1 else ()
+        tilt = () if rigid is None else (TILT,)
+        return [(float(source),) for source in (OWN_ANGLE, *links, *several, *tilt)]
 
-def sources(data: JointData) -> list[tuple[float]]:
-    """Return the joint's angle, and what the model of the arm lets pull at it."""
-    rigid = data.rigid
-    links = () if rigid is None else tuple(k for n, k in enumerate(rigid.links) if rigid.weight[:, n].any())
-    several = (SEVERAL,) if np.count_nonzero(independent(data).reshape(len(OF_LINKS), -1).any(axis=1)) > 1 else ()
-    tilt = () if rigid is None else (TILT,)
-    return [(float(source),) for source in (OWN_ANGLE, *links, *several, *tilt)]
+    def possible(self, coefficients: Float, at: Points) -> Each:
+        # Of either sign; of several links not what no arm carries.
+        return (np.round(at[SOURCE]) != SEVERAL) | np.all(np.abs(coefficients) <= MOST_KG, axis=0)
 
 
 @lru_cache(maxsize=1)
@@ -184,11 +196,7 @@ GRAVITY_ERROR = GravityError(
         *_of_another("last"),
     ),
     nonlinear=(Parameter.choice(SOURCE, "0 own angle, -1 base, -2 several links, else number of the link", SEVERAL),),
-    even=True,
-    not_identifiable=partial(span, least_rad=0.3),
-    tries=sources,
-    # Of either sign; of several links not what no arm carries.
-    possible=lambda found, at: (np.round(at[SOURCE]) != SEVERAL) | np.all(np.abs(found) <= MOST_KG, axis=0),
+    requires=partial(span, least_rad=0.3),
     record="move through at least 1.5 rad, with rests at several places",
     separate={
         "torque_bias": "move through at least 1.5 rad, with rests at several places",

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from friction_audit.dynamics.motion import INERTIAL_PARAMETERS, Motion
-from friction_audit.effects.effect import Effect
-from friction_audit.effects.joint_data import JointData, Nominal, moves
+from friction_audit.effects.effect import Each, Effect, Points
+from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 
@@ -30,11 +30,10 @@ class TorqueCrosstalk(Effect):
             columns[:, 1] = sensed[:, joint + 1]
         return columns
 
-
-def sides(data: JointData) -> list[tuple[float]]:
-    """Return the neighbours that there are, each and both."""
-    before, after = data.own_column > 0, data.own_column + 1 < data.others_torque.shape[1]
-    return [(side,) for side, there in ((-1.0, before), (1.0, after), (0.0, before and after)) if there]
+    def tries(self, data: JointData) -> list[tuple[float]]:
+        """Return the neighbours that there are, each and both."""
+        before, after = data.own_column > 0, data.own_column + 1 < data.others_torque.shape[1]
+        return [(side,) for side, there in ((-1.0, before), (1.0, after), (0.0, before and after)) if there]
 
 
 def _loaded_neighbours(data: JointData, nominal: Nominal) -> str | None:
@@ -42,8 +41,6 @@ def _loaded_neighbours(data: JointData, nominal: Nominal) -> str | None:
     neighbours = [k for k in (joint - 1, joint + 1) if 0 <= k < joints]
     if not neighbours:
         return "the log has one joint: record its neighbours too"
-    if lacking := moves(data, nominal):
-        return lacking
     change = data.others_torque[data.used][:, neighbours].std(axis=0).max()
     few = "the torque of the neighbours hardly changes: load them, also while this joint rests"
     return few if change < CHANGE_PER_COULOMB * abs(nominal.coulomb_nm) else None
@@ -54,13 +51,12 @@ TORQUE_CROSSTALK = TorqueCrosstalk(
     label="torque of a neighbour leaks in",
     axis="neighbour",
     coefficients=(
-        Parameter("crosstalk_before", "1", "share of the previous joint's torque"),
-        Parameter("crosstalk_after", "1", "share of the next joint's torque"),
+        # A sensor feels its own load best.
+        Parameter("crosstalk_before", "1", "share of the previous joint's torque", lower=-1.0, upper=1.0),
+        Parameter("crosstalk_after", "1", "share of the next joint's torque", lower=-1.0, upper=1.0),
     ),
     nonlinear=(Parameter.choice("crosstalk_side", "-1 previous joint, 1 next joint, 0 both", -1, 1),),
-    not_identifiable=_loaded_neighbours,
-    tries=sides,
-    possible=lambda found, _: np.all(np.abs(found) < 1, axis=0),  # a sensor feels its own load best
+    requires=_loaded_neighbours,
     record="push against a neighbour while the arm rests",
     separate={"inertial_coupling": "move one joint at a time, then push against a neighbour at rest"},
 )
@@ -104,21 +100,25 @@ class InertialCoupling(Effect):
                 columns[:, -INERTIAL_PARAMETERS:] = rigid.tip
         return columns
 
+    def tries(self, data: JointData) -> list[tuple[float]]:
+        """Return the neighbours and the arm's model; sources with many coefficients where there are many cycles."""
+        joints, joint = data.others_dq.shape[1], data.own_column
+        model = data.rigid is not None and data.rigid.inertial is not None
+        columns = len(np.unique(data.cycle[data.used])) // CYCLES_PER_COLUMN
+        tried = (
+            (BEFORE, joint > 0),
+            (AFTER, joint + 1 < joints),
+            (BOTH, 0 < joint < joints - 1),
+            (ALL, joints > 1 and 2 * (joints - 1) <= columns),
+            (MODEL, model),
+            (TIP, model and columns >= 1 + INERTIAL_PARAMETERS),
+        )
+        return [(float(source),) for source, there in tried if there]
 
-def sources(data: JointData) -> list[tuple[float]]:
-    """Return the neighbours and the arm's model; sources with many coefficients where there are many cycles."""
-    joints, joint = data.others_dq.shape[1], data.own_column
-    model = data.rigid is not None and data.rigid.inertial is not None
-    columns = len(np.unique(data.cycle[data.used])) // CYCLES_PER_COLUMN
-    tried = (
-        (BEFORE, joint > 0),
-        (AFTER, joint + 1 < joints),
-        (BOTH, 0 < joint < joints - 1),
-        (ALL, joints > 1 and 2 * (joints - 1) <= columns),
-        (MODEL, model),
-        (TIP, model and columns >= 1 + INERTIAL_PARAMETERS),
-    )
-    return [(float(source),) for source, there in tried if there]
+    def possible(self, coefficients: Float, at: Points) -> Each:
+        # Either sign is possible, for a rotor may turn against its neighbour; not that of what no arm carries.
+        share_and_mass = np.abs(coefficients[2 * JOINTS :][:2])
+        return np.all(share_and_mass.T <= (LARGEST_SHARE, LARGEST_MASS_KG), axis=-1)
 
 
 def _moving_neighbours(data: JointData, _nominal: Nominal) -> str | None:
@@ -150,9 +150,6 @@ INERTIAL_COUPLING = InertialCoupling(
             *(BEFORE, TIP),
         ),
     ),
-    not_identifiable=_moving_neighbours,
-    tries=sources,
-    # Either sign is possible, for a rotor may turn against its neighbour; not that of what no arm carries.
-    possible=lambda found, _: np.all(np.abs(found[2 * JOINTS :][:2]).T <= (LARGEST_SHARE, LARGEST_MASS_KG), axis=-1),
+    requires=_moving_neighbours,
     record="move the neighbours one at a time, also while this joint rests",
 )

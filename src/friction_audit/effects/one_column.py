@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.effect import Effect
-from friction_audit.effects.joint_data import JointData, Nominal, both_directions, moves
+from friction_audit.effects.effect import Effect, SpeedFriction
+from friction_audit.effects.joint_data import JointData, Nominal, both_directions
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 
@@ -26,10 +26,21 @@ class OneColumn(Effect):
         return self.of(motion)[:, None]
 
 
-def stated_inertia(data: JointData, nominal: Nominal) -> str | None:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SimpleFriction(OneColumn, SpeedFriction):
+    """Coulomb and viscous friction."""
+
+
+class Constant(OneColumn):
+    """A torque that is constant in motion."""
+
+    misses = "nothing"
+
+
+def stated_inertia(_data: JointData, nominal: Nominal) -> str | None:
     """The number or the motion that is lacking; at one frequency gravity is its alternative."""
     if "inertia_kg_m2" in nominal.declared:
-        return moves(data, nominal)
+        return None
     return (
         "the inertia was fitted to this log, so it cannot be wrong: state it (--joint-model with inertia_kg_m2), and "
         "move at two or more frequencies"
@@ -44,44 +55,39 @@ NOMINAL = (
         coefficients=(Parameter("inertia_kg_m2", "kg m^2", "reflected inertia", lower=0.0),),
         of=lambda motion: motion.ddq,
     ),
-    OneColumn(
+    SimpleFriction(
         name="coulomb",
         label="Coulomb friction",
         axis="speed",
         coefficients=(Parameter("coulomb_nm", "N m", "friction at any speed", lower=0.0),),
         friction=True,
-        speed_only=True,
         of=lambda motion: motion.direction,  # 0 at rest, where friction is what holds the joint
-        in_cpp=lambda values, _: f"{values[0]!r} * way",
+        cpp="{0!r} * way",
     ),
-    OneColumn(
+    SimpleFriction(
         name="viscous",
         label="viscous friction",
         axis="speed",
         coefficients=(Parameter("viscous_nms_per_rad", "N m s/rad", "friction per velocity", lower=0.0),),
         friction=True,
-        speed_only=True,
         of=lambda motion: motion.dq,
-        in_cpp=lambda values, _: f"{values[0]!r} * dq",
+        cpp="{0!r} * dq",
     ),
     OneColumn(
         name="offset",
         label="constant torque",
         axis="time",
         coefficients=(Parameter("offset_nm", "N m", "torque offset"),),
-        speed_only=True,
         of=lambda motion: np.ones(len(motion.t)),
     ),
 )
 
-ASYMMETRIC_COULOMB = OneColumn(
+ASYMMETRIC_COULOMB = Constant(
     name="asymmetric_coulomb",
     label="friction differs by direction",
     axis="speed",
     coefficients=(Parameter("coulomb_half_difference_nm", "N m", "half of the difference, forward minus backward"),),
-    speed_only=True,
-    exact=True,
-    not_identifiable=both_directions,
+    requires=both_directions,
     record="pass the same places in both directions, with rests",
     separate={
         "torque_bias": "let the joint rest unloaded for 2 s: a bias is read at rest too, friction is not",
@@ -90,8 +96,6 @@ ASYMMETRIC_COULOMB = OneColumn(
         "torque_drift": "let the joint rest unloaded for 2 s early and late: a drift is read at rest too, "
         "friction is not",
     },
-    indistinguishable=("torque_bias",),
-    part_of=("torque_drift",),
     of=lambda motion: np.abs(np.sign(motion.dq)),
 )
 
@@ -102,8 +106,7 @@ ASYMMETRIC_VISCOUS = OneColumn(
     coefficients=(
         Parameter("viscous_half_difference_nms_per_rad", "N m s/rad", "half of the difference, forward minus backward"),
     ),
-    speed_only=True,
-    not_identifiable=both_directions,
+    requires=both_directions,
     record="pass the same places slowly and fast in both directions",
     separate={
         "torque_bias": "pass the same places slowly and fast in both directions",
@@ -112,21 +115,16 @@ ASYMMETRIC_VISCOUS = OneColumn(
     of=lambda motion: np.abs(motion.dq),
 )
 
-TORQUE_BIAS = OneColumn(
+TORQUE_BIAS = Constant(
     name="torque_bias",
     label="offset of the torque sensor",
     axis="time",
     coefficients=(Parameter("torque_bias_nm", "N m", "interaction torque as read without a load"),),
-    speed_only=True,
-    exact=True,
-    even=True,
-    not_identifiable=both_directions,
+    requires=both_directions,
     record="let the joint rest unloaded for 2 s",
     separate={
         "torque_drift": "zero the sensor and let the joint rest unloaded for 2 s early and late: a drift comes back"
     },
-    indistinguishable=("asymmetric_coulomb",),
-    part_of=("torque_drift",),
     of=lambda motion: np.ones(len(motion.t)),  # at rest too
 )
 
@@ -135,7 +133,7 @@ INERTIA_ERROR = OneColumn(
     label="the stated inertia is wrong",
     axis="acceleration",
     coefficients=(Parameter("extra_inertia_kg_m2", "kg m^2", "true minus stated inertia"),),
-    not_identifiable=stated_inertia,
+    requires=stated_inertia,
     record="repeat the motions at two or more clearly different speeds",
     separate={"inertial_coupling": "move one joint at a time"},
     of=lambda motion: motion.ddq,

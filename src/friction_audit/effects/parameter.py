@@ -16,6 +16,7 @@ class Parameter:
     lower: float = -inf  # smallest value that makes sense
     upper: float = inf  # largest value that makes sense
     whole: bool = False  # True for a choice by number, between which there is nothing
+    jumps: bool = False  # True for one at whose value the torque jumps
     optional: bool = False  # True for a number that a file of a model may lack
     default: float = 0.0  # what an optional number is where it is lacking
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.effect import Effect, Nonlinear
+from friction_audit.effects.effect import Each, Effect, Nonlinear, Points
 from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, both_directions, reach, span, speeds
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
@@ -77,18 +77,17 @@ class PositionDependentFriction(Effect):
                     columns[0], columns[1] = bell * (c * cosine + s * sine), bell * (c * sine - s * cosine)
                 yield place, columns.T
 
-
-def waves(data: JointData) -> list[Nonlinear]:
-    """Return waves from half a period over the range on, half a period apart; bells and waves under them, 1.5 apart."""
-    low, high = reach(data)
-    length = max(high - low, 1e-3)
-    wide = [{ORDER: float(np.pi / length * k)} for k in range(1, WAVES + 1)]
-    bells = [
-        {CENTRE: float(low + (k + 0.5) * 1.5 * length / parts), WIDTH: float(length / parts)}
-        for parts in PATCHES
-        for k in range(int(parts / 1.5))
-    ]
-    return [*wide, *bells, *({ORDER: 1.0 / bell[WIDTH], **bell} for bell in bells)]
+    def tries(self, data: JointData) -> list[Nonlinear]:
+        """Return waves from half a period over the range on, half a period apart; bells and waves in them, 1.5."""
+        low, high = reach(data)
+        length = max(high - low, 1e-3)
+        wide = [{ORDER: float(np.pi / length * k)} for k in range(1, WAVES + 1)]
+        bells = [
+            {CENTRE: float(low + (k + 0.5) * 1.5 * length / parts), WIDTH: float(length / parts)}
+            for parts in PATCHES
+            for k in range(int(parts / 1.5))
+        ]
+        return [*wide, *bells, *({ORDER: 1.0 / bell[WIDTH], **bell} for bell in bells)]
 
 
 POSITION_DEPENDENT_FRICTION = PositionDependentFriction(
@@ -105,8 +104,7 @@ POSITION_DEPENDENT_FRICTION = PositionDependentFriction(
         Parameter(WIDTH, "rad", "half width of the stretch", lower=1e-4, default=EVERYWHERE, optional=True),
     ),
     friction=True,
-    tries=waves,
-    not_identifiable=lambda data, nominal: both_directions(data, nominal) or span(data, nominal, 0.5),
+    requires=lambda data, nominal: both_directions(data, nominal) or span(data, nominal, 0.5),
     record="pass every place four times in each direction",
     separate={
         "torque_ripple": "pass every place four times in each direction",
@@ -136,14 +134,13 @@ class TorqueRipple(Effect):
         wave = Wave(motion.q)
         yield from ((place, wave.of(order).T) for place, (order,) in enumerate(many))
 
-
-def orders(data: JointData) -> list[tuple[float]]:
-    """Return orders so close to each other that none between two is missed, where the time of a search allows."""
-    first, last = order_range(data)
-    # Of the position while the joint moves: orders that differ by one over it are others.
-    spread = max(float(np.std(data.q[data.used])) if data.used.any() else 0.0, 1e-3)
-    step = np.clip((last - first) / MOST_ORDERS, FINEST / spread, COARSEST / spread)
-    return [(order,) for order in np.arange(first, last, step)[:MOST_ORDERS].tolist() or [first]]
+    def tries(self, data: JointData) -> list[tuple[float]]:
+        """Return orders so close to each other that none between two is missed, where the time of a search allows."""
+        first, last = order_range(data)
+        # Of the position while the joint moves: orders that differ by one over it are others.
+        spread = max(float(np.std(data.q[data.used])) if data.used.any() else 0.0, 1e-3)
+        step = np.clip((last - first) / MOST_ORDERS, FINEST / spread, COARSEST / spread)
+        return [(order,) for order in np.arange(first, last, step)[:MOST_ORDERS].tolist() or [first]]
 
 
 def order_range(data: JointData) -> tuple[float, float]:
@@ -163,8 +160,7 @@ TORQUE_RIPPLE = TorqueRipple(
         Parameter("ripple_sin_nm", "N m", "sine amplitude"),
     ),
     nonlinear=(Parameter("ripple_order", "1", "waves per revolution", lower=0.0, upper=1e5),),
-    not_identifiable=partial(span, least_rad=0.5),
-    tries=orders,
+    requires=partial(span, least_rad=0.5),
     record="pass slowly and steadily over five periods of the ripple",
     separate={"joint_elasticity": "repeat slow, steady motions at two speeds: a ripple's frequency goes with speed"},
 )
@@ -186,6 +182,8 @@ class CableSpring(Effect):
     other. A linear spring about another centre is one about this centre with a preload.
     """
 
+    misses = "even"
+
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return the stretch d = q - c less what is free of it, and its cube, and ones, as columns."""
         centre, free = values
@@ -201,20 +199,21 @@ class CableSpring(Effect):
         for place, at in enumerate(grid):
             yield place, self.columns(motion, self.values(at)) if at else np.column_stack(straight)
 
+    def tries(self, data: JointData) -> list[Sequence[float] | Nonlinear]:
+        """Return no free stretch, then all between edges but the one that leaves nothing, and the straight spring."""
+        low, high = reach(data)
+        # Whole numbers, for neighbours on a grid must not differ by rounding only.
+        pairs = [(a, b) for a in range(PARTS) for b in range(a + STEP, PARTS + 1, STEP) if b - a < PARTS]
+        places = [(PARTS, NONE), *((a + b, 0.5 * (b - a) / PARTS) for a, b in pairs)]
+        length = high - low
+        return [*((low + 0.5 * twice / PARTS * length, free * length) for twice, free in places), STRAIGHT]
 
-def free_stretches(data: JointData) -> list[Sequence[float] | Nonlinear]:
-    """Return no free stretch, then all between edges but the one that leaves nothing, and the straight spring."""
-    low, high = reach(data)
-    # Whole numbers, for neighbours on a grid must not differ by rounding only.
-    pairs = [(a, b) for a in range(PARTS) for b in range(a + STEP, PARTS + 1, STEP) if b - a < PARTS]
-    places = [(PARTS, NONE), *((a + b, 0.5 * (b - a) / PARTS) for a, b in pairs)]
-    length = high - low
-    return [*((low + 0.5 * twice / PARTS * length, free * length) for twice, free in places), STRAIGHT]
+    def possible(self, coefficients: Float, at: Points) -> Each:
+        return (coefficients[0] > 0) & (coefficients[0] + coefficients[1] > 0)  # pulls back, also stretched by a radian
 
 
 CABLE_SPRING = CableSpring(
     name="cable_spring",
-    indistinguishable=("joint_limit_stop",),
     label="a cable pulls the joint back",
     axis="position",
     coefficients=(
@@ -226,10 +225,7 @@ CABLE_SPRING = CableSpring(
         Parameter("cable_centre_rad", "rad", "neutral position"),
         Parameter("cable_free_rad", "rad", "slack to either side", lower=0.0),
     ),
-    even=True,
-    not_identifiable=partial(span, least_rad=0.8),
-    tries=free_stretches,
-    possible=lambda found, _: (found[0] > 0) & (found[0] + found[1] > 0),  # still pulls back stretched by a radian
+    requires=partial(span, least_rad=0.8),
     record="move through all of the range",
     separate={
         "joint_limit_stop": "move through all of the range: a stop is there at its ends only",
@@ -251,6 +247,8 @@ class JointLimitStop(Effect):
     Mechanics 42 (1975) 440: the torque grows with a power of the depth, and so does the damping; a plain damper too.
     """
 
+    misses = "even"
+
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return (depth / 0.1 rad)^n at the upper and the lower stop, dq while one is touched, that times the power."""
         upper, lower, exponent = values
@@ -261,18 +259,19 @@ class JointLimitStop(Effect):
         columns[:, at] = up, -down, dq, dq * (up + down)
         return columns.T
 
+    def tries(self, data: JointData) -> list[Sequence[float]]:
+        """Return a stop at the upper end, at the lower one and at both, at several depths."""
+        low, high = float(data.q.min()), float(data.q.max())
+        length = high - low
+        tried = product(((1.0, 0.0), (0.0, 1.0), (1.0, 1.0)), DEPTHS, EXPONENTS)
+        return [(high - up * deep * length, low + down * deep * length, n) for (up, down), deep, n in tried]
 
-def stops(data: JointData) -> list[Sequence[float]]:
-    """Return a stop at the upper end, at the lower one and at both, at several depths."""
-    low, high = float(data.q.min()), float(data.q.max())
-    length = high - low
-    tried = product(((1.0, 0.0), (0.0, 1.0), (1.0, 1.0)), DEPTHS, EXPONENTS)
-    return [(high - up * deep * length, low + down * deep * length, n) for (up, down), deep, n in tried]
+    def possible(self, coefficients: Float, at: Points) -> Each:
+        return np.all(coefficients[:2] >= 0, axis=0) & (coefficients[0] + coefficients[1] > 0)  # stops push back
 
 
 JOINT_LIMIT_STOP = JointLimitStop(
     name="joint_limit_stop",
-    indistinguishable=("cable_spring",),
     label="a stop near the end of the range",
     axis="position",
     coefficients=(
@@ -286,10 +285,7 @@ JOINT_LIMIT_STOP = JointLimitStop(
         Parameter("stop_lower_rad", "rad", "position of the lower stop"),
         Parameter("stop_exponent", "1", "exponent of the depth", lower=0.5, upper=5.0),
     ),
-    even=True,
-    not_identifiable=partial(span, least_rad=0.5),
-    tries=stops,
-    possible=lambda found, _: np.all(found[:2] >= 0, axis=0) & (found[0] + found[1] > 0),  # stops push back
+    requires=partial(span, least_rad=0.5),
     record="move through all of the range",
     separate={"contact_event": "go to the same place again: a stop is still there"},
 )

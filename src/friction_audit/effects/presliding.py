@@ -12,7 +12,7 @@ Canudas de Wit et al., IEEE Trans. Autom. Control 40 (1995) 419, eq. (1)-(3)), w
 stiffness times a time. Without that damping nothing depends on the rate.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import product
 from math import exp
 
@@ -21,7 +21,7 @@ import numpy as np
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import Effect
-from friction_audit.effects.joint_data import reversals, shares_of_span
+from friction_audit.effects.joint_data import JointData, reversals, shares_of_span
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 
@@ -39,14 +39,20 @@ class Presliding(Effect):
         """Yield what bristles in the place of Coulomb friction add, z + T dz/dt - sgn(dq); equal bristles are one."""
         sign, steps = motion.direction, np.diff(motion.t)
         # The step of even times, of which a derivative takes a tenth of the work, or the times themselves.
-        even = len(steps) > 0 and np.ptp(steps) <= EVEN * np.mean(steps)
-        times: Float | float = float(np.mean(steps)) if even else motion.t
+        even = len(steps) > 1 and np.ptp(steps) <= EVEN * np.mean(steps)
         for reach, exponent in dict.fromkeys((reach, exponent) for reach, exponent, _ in many):
             alike = [place for place, one in enumerate(many) if tuple(one[:2]) == (reach, exponent)]
             z = bristle(motion.q, reach, exponent)
-            rate = np.gradient(z, times) if any(many[place][2] > 0.0 for place in alike) else np.zeros(len(z))
             for place in alike:
-                yield place, (z + many[place][2] * rate - sign)[:, None]
+                damping = many[place][2]
+                if even:
+                    yield place, _damped(z, sign, damping / float(np.mean(steps)))[:, None]
+                else:
+                    rate = np.gradient(z, motion.t) if damping > 0.0 else np.zeros(len(z))
+                    yield place, (z + damping * rate - sign)[:, None]
+
+    def tries(self, data: JointData) -> Iterable[Sequence[float]]:
+        return ((reach, *kind) for kind, reach in product(KINDS, shares_of_span(data, SPAN_SHARES)))
 
 
 def bristle(q: Float, reach_rad: float, exponent: float) -> Float:
@@ -84,6 +90,17 @@ def _stops(path: Float, slips: Float, stiffness: Float) -> Float:
 
 
 @compiled()
+def _damped(z: Float, sign: Float, steps: float) -> Float:
+    """Return z - sgn(dq) and the change of z, by central differences, over so many even steps, shape (n,)."""
+    out, last = np.empty_like(z), len(z) - 1
+    for i in range(1, last):
+        out[i] = z[i] - sign[i] + 0.5 * steps * (z[i + 1] - z[i - 1])
+    out[0] = z[0] - sign[0] + steps * (z[1] - z[0])
+    out[last] = z[last] - sign[last] + steps * (z[last] - z[last - 1])
+    return out
+
+
+@compiled()
 def _dahl(path: Float, exponent: float) -> Float:
     z = np.zeros(len(path))
     missing, sign, bend = 1.0, 1.0, exponent - 1.0
@@ -113,10 +130,8 @@ PRESLIDING = Presliding(
         Parameter("bristle_damping_s", "s", "damping over stiffness", lower=0.0, upper=1.0),
     ),
     forward="bristle",
-    not_identifiable=reversals,
-    tries=lambda data: ((reach, *kind) for kind, reach in product(KINDS, shares_of_span(data, SPAN_SHARES))),
+    requires=reversals,
     record="reverse at least 20 times, over short and long ways",
-    part_of=("backlash", "joint_elasticity"),  # effects_backlash_120003
     separate={
         "backlash": "reverse slowly with hardly any load: a gap gives no torque at all, then an impact",
         "frictional_lag": "reverse at different accelerations: presliding goes by the path, a lag by the time",

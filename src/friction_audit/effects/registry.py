@@ -1,12 +1,11 @@
 """All effects by name. Importing this module loads no numerics: effects are imported when they are first used."""
 
-import difflib
 from collections.abc import Sequence
 from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from friction_audit.errors import AnalysisError
+from friction_audit.errors import AnalysisError, near_misses
 
 if TYPE_CHECKING:
     from friction_audit.effects.effect import Effect
@@ -50,6 +49,14 @@ FAMILIES = {
         "unlogged_compensation": "speed",
     },
 }
+# Effects that no motion of one kind separates, and effects that may be a part of others where these are found too.
+INDISTINGUISHABLE = ({"asymmetric_coulomb", "torque_bias"}, {"cable_spring", "joint_limit_stop"})
+PART_OF = {
+    "asymmetric_coulomb": ("torque_drift",),
+    "torque_bias": ("torque_drift",),
+    "presliding": ("backlash", "joint_elasticity"),  # effects_backlash_120003
+    "time_delay": ("backlash", "joint_elasticity"),  # pairs_joint_elasticity+friction_step_90018
+}
 MODULES = {name: module for members in FAMILIES.values() for name, module in members.items()}
 NAMES = tuple(MODULES)
 FAMILY_OF = {name: family for family, members in FAMILIES.items() for name in members}
@@ -80,14 +87,13 @@ def term_of(name: str) -> "Effect":
     """Return a term by name; AnalysisError, with those that are near, if there is none."""
     known = {term.name: term for term in terms()}
     if name not in known:
-        raise AnalysisError(f"{name!r} is no term{near_names(name, list(known))}; expected {', '.join(known)}")
+        raise AnalysisError(f"{name!r} is no term; expected {', '.join(known)}{near_misses(name, known)}")
     return known[name]
 
 
-def near_names(name: str, names: list[str]) -> str:
-    """Return `` (did you mean ...?)``, or nothing where no name is near."""
-    near = difflib.get_close_matches(name, names, 1)
-    return f" (did you mean {near[0]}?)" if near else ""
+def same_as(name: str) -> set[str]:
+    """Return an effect with those that no motion of one kind separates from it."""
+    return next((alike for alike in INDISTINGUISHABLE if name in alike), {name})
 
 
 def motion_between(one: str, other: str) -> str:

@@ -1,12 +1,11 @@
 """Effects that come with the time of the recording: slowly, at one moment, or for stretches of it."""
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.effect import Effect, Nonlinear
+from friction_audit.effects.effect import Each, Effect, Points
 from friction_audit.effects.joint_data import JointData, Nominal, both_directions
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
@@ -31,8 +30,6 @@ AT_ONCE = 1e-5  # length of a step, as a share of the log's: less than a sample
 RAMPS = 16  # neighbours overlap by half, for from a step there is no way downhill to a ramp that lies between two
 LENGTH = 0.12  # how long a ramp takes, as a share of the log's length; a ramp of the whole log would be a warm-up
 
-KNOTS = 5  # points of the curve through one contact, nothing at its ends
-
 
 class TorqueDrift(Effect):
     """Drift of the torque sensor's zero during a recording, nothing at its start.
@@ -41,6 +38,8 @@ class TorqueDrift(Effect):
     others catch more of one with as many numbers, and a ramp or a settling needs only the first of them.
     """
 
+    misses = "even"
+
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield sin((i - 1/2) pi x) for i = 1..4, x the share of the recording that is over; 0 for waves not meant."""
         length = motion.t[-1] - motion.t[0]
@@ -48,6 +47,9 @@ class TorqueDrift(Effect):
         waves = np.sin(np.pi * share * (np.arange(WAVES)[:, None] + 0.5))
         for place, (number,) in enumerate(many):
             yield place, (waves * (np.arange(WAVES)[:, None] < (round(number) or WAVES))).T
+
+    def tries(self, data: JointData) -> list[tuple[float]]:
+        return [(float(waves),) for waves in range(1, WAVES + 1)]
 
 
 def _many_cycles(data: JointData, nominal: Nominal) -> str | None:
@@ -75,9 +77,7 @@ TORQUE_DRIFT = TorqueDrift(
             optional=True,
         ),
     ),
-    even=True,
-    not_identifiable=_many_cycles,
-    tries=lambda _: ((float(waves),) for waves in range(1, WAVES + 1)),
+    requires=_many_cycles,
     record="let the joint rest unloaded for 2 s early and late",
     separate={
         "warm_up": "pass the same places in both directions early and late, with rests",
@@ -102,12 +102,14 @@ class WarmUp(Effect):
         cold = np.exp(fading)
         return np.stack([motion.direction * cold, motion.dq * cold]).T
 
+    def tries(self, data: JointData) -> list[Sequence[float]]:
+        """Return time constants by the length of the log; rates by the range of the temperature, where there is one."""
+        length, rise = float(np.ptp(data.t)), 0.0 if data.temperature is None else float(np.ptp(data.temperature))
+        by_temperature = [(FOREVER * length, decay / rise) for decay in DECAYS] if rise >= LEAST_K else []
+        return [*((share * length, UNFELT_PER_K) for share in TIMES), *by_temperature]
 
-def _coolings(data: JointData) -> list[Sequence[float]]:
-    """Return time constants by the length of the log; rates by the range of the temperature, where there is one."""
-    length, rise = float(np.ptp(data.t)), 0.0 if data.temperature is None else float(np.ptp(data.temperature))
-    by_temperature = [(FOREVER * length, decay / rise) for decay in DECAYS] if rise >= LEAST_K else []
-    return [*((share * length, UNFELT_PER_K) for share in TIMES), *by_temperature]
+    def possible(self, coefficients: Float, at: Points) -> Each:
+        return np.any(coefficients > 0, axis=0)  # a cold joint has more friction of one kind at least
 
 
 def _long_enough(data: JointData, nominal: Nominal) -> str | None:
@@ -129,9 +131,7 @@ WARM_UP = WarmUp(
         Parameter("warm_up_per_k", "1/K", "share lost per kelvin", lower=0.0, upper=100.0),
     ),
     friction=True,
-    not_identifiable=_long_enough,
-    tries=_coolings,
-    possible=lambda found, _: np.any(found > 0, axis=0),  # a cold joint has more friction of one kind at least
+    requires=_long_enough,
     record="record from a cold start, slow and fast motions early and late",
     separate={
         "friction_step": "record on for one and a half times as long: warming slows down, a step is over",
@@ -153,13 +153,12 @@ class FrictionStep(Effect):
             columns[:, first:stop] *= np.clip(0.5 + (motion.t[first:stop] - moment) / length, 0.0, 1.0)
         return columns.T
 
-
-def _moments(data: JointData) -> list[Sequence[float]]:
-    """Return steps at many _moments, and ramps at some."""
-    start, length = float(data.t[0]), float(np.ptp(data.t))
-    steps = [(k / MOMENTS, AT_ONCE) for k in range(2, MOMENTS - 1)]
-    ramps = [(k / RAMPS, LENGTH) for k in range(1, RAMPS)]
-    return [(start + share * length, part * length) for share, part in (*steps, *ramps)]
+    def tries(self, data: JointData) -> list[Sequence[float]]:
+        """Return steps at many moments, and ramps at some."""
+        start, length = float(data.t[0]), float(np.ptp(data.t))
+        steps = [(k / MOMENTS, AT_ONCE) for k in range(2, MOMENTS - 1)]
+        ramps = [(k / RAMPS, LENGTH) for k in range(1, RAMPS)]
+        return [(start + share * length, part * length) for share, part in (*steps, *ramps)]
 
 
 def _cycles_around(data: JointData, nominal: Nominal) -> str | None:
@@ -181,37 +180,16 @@ FRICTION_STEP = FrictionStep(
         Parameter("step_length_s", "s", "duration of the change", lower=0.0),
     ),
     friction=True,
-    not_identifiable=_cycles_around,
-    tries=_moments,
+    requires=_cycles_around,
     record="record at least 4 cycles before and after the change",
     separate={"contact_event": "record at least 4 cycles before and after the moment: a contact passes"},
 )
 
 
-class Contact(NamedTuple):
-    """One stretch of time in which something touches the arm."""
-
-    start_s: float
-    stop_s: float
-
-
-class ContactEvent(Effect):
-    """Something touches the arm now and then, for stretches that a diagnosis finds and adds to the empty grid."""
-
-    def regressors(self, data: JointData, nominal: Nominal, grid: Sequence[Nonlinear]) -> Iterator[tuple[int, Float]]:
-        """Yield hats over each contact, shape (n, contacts * KNOTS); a column of zeros where there is none."""
-        for place, at in enumerate(grid):
-            hats = [np.zeros((len(data.t), 1))] if not at else []
-            for k in range(1, len(at) // 2 + 1):
-                knots = np.linspace(at[f"start_{k}_s"], at[f"stop_{k}_s"], KNOTS + 2)
-                hats += [np.interp(data.t, knots, hat, left=0.0, right=0.0)[:, None] for hat in np.eye(KNOTS + 2)[1:-1]]
-            yield place, np.hstack(hats)
-
-
-CONTACT_EVENT = ContactEvent(
+# Found by a detector of its own, which leaves out its samples: it has no columns.
+CONTACT_EVENT = Effect(
     name="contact_event",
     label="short contact with the arm",
     axis="time",
-    possible=lambda _, at: bool(at),  # any torque, where there was a contact
     record="record again with no person and no object near the arm",
 )

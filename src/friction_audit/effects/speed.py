@@ -1,20 +1,20 @@
 """Friction that follows from the speed alone: Stribeck's, one that is curved, one that a compensator takes away."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import lru_cache, partial
 from itertools import product
 
 import numpy as np
 
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.effect import Effect
+from friction_audit.effects.effect import Each, Effect, Points, SpeedFriction
 from friction_audit.effects.joint_data import JointData, Nominal, both_directions, speed_range, speeds
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 
 # Shares of the log's high speed between which friction may fade: beyond, no film has built up within the log.
 LOWEST, HIGHEST = 0.01, 0.4
-STRIBECK_RAD_S, WIDTH_RAD_S, FASTEST_RAD_S = 1e-6, 1e-4, 10.0  # bounds of those speeds
+SLOWEST, NARROW, FASTEST = 1e-6, 1e-4, 10.0  # bounds of those speeds [rad/s]
 EXPONENTS = (0.5, 1.0, 2.0)
 
 CARREAU = 2.0  # degrees of freedom of Carreau's bend, whose sharpness is 0
@@ -32,10 +32,10 @@ def low_speeds(data: JointData, count: int, slowest: float) -> list[float]:
     """Return speeds below which friction may fade, by those of the log, within bounds."""
     (fast,) = speeds(data, 95.0)
     tried = np.geomspace(LOWEST * fast, HIGHEST * fast, count)
-    return [float(speed) for speed in np.clip(tried, slowest, FASTEST_RAD_S)]
+    return [float(speed) for speed in np.clip(tried, slowest, FASTEST)]
 
 
-class Stribeck(Effect):
+class Stribeck(SpeedFriction):
     """More friction at low speed, which fades as the lubricant's film builds up.
 
     Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30(7), 1994, eq. (5): the excess falls as
@@ -47,6 +47,9 @@ class Stribeck(Effect):
         fading = np.exp(-(np.abs(motion.dq / speed) ** exponent))
         return np.asarray(motion.direction * fading)[:, None]
 
+    def tries(self, data: JointData) -> Iterable[Sequence[float]]:
+        return product(low_speeds(data, 8, SLOWEST), EXPONENTS)
+
 
 STRIBECK = Stribeck(
     name="stribeck",
@@ -54,14 +57,12 @@ STRIBECK = Stribeck(
     axis="speed",
     coefficients=(Parameter("stribeck_excess_nm", "N m", "static minus Coulomb friction", lower=0.0),),
     nonlinear=(
-        Parameter("stribeck_speed_rad_s", "rad/s", "Stribeck velocity", lower=STRIBECK_RAD_S, upper=FASTEST_RAD_S),
+        Parameter("stribeck_speed_rad_s", "rad/s", "Stribeck velocity", lower=SLOWEST, upper=FASTEST),
         Parameter("stribeck_exponent", "1", "Stribeck exponent", lower=0.2, upper=5.0),
     ),
     friction=True,
-    speed_only=True,
-    not_identifiable=partial(speed_range, ratio=8.0),
-    tries=lambda data: product(low_speeds(data, 8, STRIBECK_RAD_S), EXPONENTS),
-    in_cpp=lambda v, _: f"{v[0]!r} * way * std::exp(-std::pow(pace / {v[1]!r}, {v[2]!r}))",
+    cpp="{0!r} * way * std::exp(-std::pow(pace / {1!r}, {2!r}))",
+    requires=partial(speed_range, ratio=8.0),
     record="move steadily at speeds that differ by a factor of 8, very slow to fast",
     separate={
         "nonlinear_viscous": "move steadily at speeds that differ by a factor of 8 and more, very slow to fast",
@@ -74,7 +75,7 @@ STRIBECK = Stribeck(
 )
 
 
-class NonlinearViscous(Effect):
+class NonlinearViscous(SpeedFriction):
     """Viscous friction that is no straight line: it thins, saturates or grows with the speed.
 
     P. J. Carreau, Rheological equations from molecular network theories, Transactions of the Society of Rheology 16
@@ -98,22 +99,24 @@ class NonlinearViscous(Effect):
             friction = friction * ((speed**2 + pace**2) / (speed**2 + 1.0)) ** (exponent / 2.0)
         return np.asarray(motion.direction * friction[:-1] / friction[-1])[:, None]
 
+    def in_cpp(self, values: Sequence[float], table: str) -> tuple[str, Float | None]:
+        torque, exponent, speed, sharpness = values
+        squares = f"({speed * speed!r} + pace * pace) / {speed * speed + 1.0!r}"
+        if sharpness == 0.0:
+            return f"{torque!r} * way * pace * std::pow({squares}, {(exponent - 1.0) / 2.0!r})", None
+        steep, per_angle = float(np.exp(-0.5 * sharpness)) / speed, (TABLE - 1) / (np.pi / 2.0)
+        here, at_one = (f"between({table}, std::atan({x} * {steep!r}) * {per_angle!r})" for x in ("pace", "1.0"))
+        formula = f"{torque!r} * way * {here} / {at_one} * std::pow({squares}, {exponent / 2.0!r})"
+        return formula, bend_table(CARREAU * np.exp(sharpness))
 
-def nonlinear_viscous_in_cpp(values: Sequence[float], table: str) -> str:
-    """Return the formula of ``NonlinearViscous`` in C++."""
-    torque, exponent, speed, sharpness = values
-    squares = f"({speed * speed!r} + pace * pace) / {speed * speed + 1.0!r}"
-    if sharpness == 0.0:
-        return f"{torque!r} * way * pace * std::pow({squares}, {(exponent - 1.0) / 2.0!r})"
-    steep, per_angle = float(np.exp(-0.5 * sharpness)) / speed, (TABLE - 1) / (np.pi / 2.0)
-    here, at_one = (f"between({table}, std::atan({x} * {steep!r}) * {per_angle!r})" for x in ("pace", "1.0"))
-    return f"{torque!r} * way * {here} / {at_one} * std::pow({squares}, {exponent / 2.0!r})"
+    def tries(self, data: JointData) -> list[Sequence[float]]:
+        """Return plain powers, and friction that saturates at some speeds of the log."""
+        (fast,) = speeds(data, 95.0).tolist()
+        return [*((n, NO_BEND * fast) for n in POWERS), *product([0.0], (BENDS * fast).tolist(), SHARPNESSES)]
 
-
-def curves(data: JointData) -> list[Sequence[float]]:
-    """Return plain powers, and friction that saturates at some speeds of the log."""
-    (fast,) = speeds(data, 95.0).tolist()
-    return [*((n, NO_BEND * fast) for n in POWERS), *product([0.0], (BENDS * fast).tolist(), SHARPNESSES)]
+    def possible(self, coefficients: Float, at: Points) -> Each:
+        # A curve that flattens must rise: if it fell, friction would fall steeply with speed, which is Stribeck's.
+        return (coefficients[0] > 0) | (at["curved_viscous_exponent"] > 1.0)
 
 
 def bend(pace: Float, freedom: float) -> Float:
@@ -148,13 +151,7 @@ NONLINEAR_VISCOUS = NonlinearViscous(
         ),
     ),
     friction=True,
-    speed_only=True,
-    not_identifiable=partial(speed_range, ratio=5.0),
-    # A curve that flattens must rise: if it fell, friction would fall steeply with speed, which is Stribeck's.
-    possible=lambda found, at: (found[0] > 0) | (at["curved_viscous_exponent"] > 1.0),
-    tries=curves,
-    in_cpp=nonlinear_viscous_in_cpp,
-    cpp_table=lambda values: bend_table(CARREAU * np.exp(values[-1])) if values[-1] else None,
+    requires=partial(speed_range, ratio=5.0),
     record="move at speeds that differ by a factor of 5 and more",
     separate={
         "time_delay": "repeat motions of equal speed with different accelerations",
@@ -179,6 +176,9 @@ class UnloggedCompensation(Effect):
             return -(np.sign(speed) * (np.abs(speed) > 1.0))[:, None]
         return np.asarray(np.tanh(skew) - np.tanh(speed + skew))[:, None]
 
+    def tries(self, data: JointData) -> Iterable[Sequence[float]]:
+        return ((width, *form) for width, form in product(low_speeds(data, 6, NARROW), FORMS))
+
 
 def stated_friction(data: JointData, nominal: Nominal) -> str | None:
     """The numbers or the motion that are lacking: less of a fitted friction is all that a compensator leaves."""
@@ -196,13 +196,10 @@ UNLOGGED_COMPENSATION = UnloggedCompensation(
     axis="speed",
     coefficients=(Parameter("unlogged_nm", "N m", "compensator torque at high speed", lower=0.0),),
     nonlinear=(
-        Parameter("unlogged_width_rad_s", "rad/s", "velocity scale near zero", lower=WIDTH_RAD_S, upper=FASTEST_RAD_S),
+        Parameter("unlogged_width_rad_s", "rad/s", "velocity scale near zero", lower=NARROW, upper=FASTEST, jumps=True),
         Parameter("unlogged_skew", "1", "shift of its sigmoid", lower=-2.0, upper=2.0),
         Parameter.choice("unlogged_form", "0 smooth, 1 dead band", 0.0, 1.0),
     ),
-    speed_only=True,
-    not_identifiable=stated_friction,
-    tries=lambda data: ((w, *form) for w, form in product(low_speeds(data, 6, WIDTH_RAD_S), FORMS)),
+    requires=stated_friction,
     record="log the commanded torque",
-    jumps=("unlogged_width_rad_s",),
 )

@@ -4,9 +4,9 @@ Both have a far side, which carries friction and most of the inertia, and are fo
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import sqrt
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from friction_audit.dynamics.transmission import (
     flank_stiffness,
     simple_torque,
 )
-from friction_audit.effects.effect import Effect, Nonlinear, between
+from friction_audit.effects.effect import Each, Effect, Nonlinear, Points
 from friction_audit.effects.joint_data import (
     CORNER_HZ,
     JointData,
@@ -54,12 +54,20 @@ def jumps_and_inertia(data: JointData, nominal: Nominal) -> str | None:
     return reversals(data, nominal) or (None if nominal.inertia_kg_m2 > 0.0 else inertia)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
 class Link(Effect):
     """A spring or a gap: those of many parameters are followed side by side."""
 
-    # From the values, a far side and the torque that this usually takes (RMS).
-    link: Callable[[FarSide, float, Sequence[float]], Transmission]
+    needs_nominal = True
+    # Share of the coefficient that it follows from above which it is possible.
+    least: ClassVar[float]
+
+    def link(self, far: FarSide, usual_nm: float, values: Sequence[float]) -> Transmission:
+        """Return the link of some values to a far side that usually takes so much torque (RMS)."""
+        raise NotImplementedError
+
+    def possible(self, coefficients: Float, at: Points) -> Each:
+        share = coefficients[0] / self.coefficient_of(at)
+        return (self.least < share) & (share <= LARGEST_SHARE)
 
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield columns for many values; all have one far side."""
@@ -138,37 +146,52 @@ SOFT_SHARES = (1.0, 4.0)
 MUCH_DAMPED = 0.15
 
 
-def springs(data: JointData) -> list[Nonlinear]:
-    """Return springs that ring below the corner of the regression, or twist by more than the noise of the position."""
-    far, usual = far_side(data.motion(data.torque)), float(np.sqrt(np.mean(data.torque**2))) or 1.0
-    # Stiffnesses on which the inertia in the torque rings at all frequencies, falling from the stiffest. [N m/rad]
-    inertia, hz = far.inertia_kg_m2 or USUAL_INERTIA_KG_M2, np.array([MOTION_BELOW_HZ, CORNER_HZ, *RINGING_HZ])
-    smooth_at, corner, *_ = ringing = inertia * (2.0 * np.pi * hz) ** 2
-    between = ringing[2:][(ringing[2:] > SOFTEST_NM_PER_RAD) & (ringing[2:] < STIFFEST_NM_PER_RAD)]
-    every = np.append(STIFFEST_NM_PER_RAD, between[::-1])
-    # Friction's jump, twice the Coulomb friction, must twist it by more than twice the noise of the position.
-    stiffest = max(corner, far.coulomb_nm / max(grid_noise(data.q, differences=4), np.finfo(float).tiny))
-    # Every second stiffness is tried for springs that are soft at first; the projection finds those between. Those
-    # that ring where hardly more than noise moves the measured side are tried with a smooth motion too, those that
-    # ring below the corner with more damping and with less inertia on the far side.
-    fast, slow, smooth = every[every > smooth_at], every[every < corner], {"motion_below_hz": MOTION_BELOW_HZ}
-    soft = [{"soft_nm": share * usual} for share in SOFT_SHARES]
-    tries: tuple[tuple[Float, dict[str, float]], ...] = (
-        (every, {"damping_ratio": DAMPING_RATIO}),
-        *((every[::2], one | {"damping_ratio": DAMPING_RATIO}) for one in soft),
-        (fast, smooth | {"damping_ratio": DAMPING_RATIO}),
-        *((fast[::2], one | smooth) for one in soft),
-        (slow[::2], {"damping_ratio": MUCH_DAMPED}),
-        *((slow[::2], {"far_share": share, "damping_ratio": MUCH_DAMPED}) for share in FAR_SHARES),
-    )
-    seen = ((stiffness, other) for tried, other in tries for stiffness in tried.tolist() if stiffness <= stiffest)
-    return [{"spring_nm_per_rad": stiffness, **other} for stiffness, other in seen]
+class JointElasticity(Link):
+    """A spring between the measured side and the side of friction.
+
+    The regressor is built for one stiffness and given per compliance: what the spring adds to the torque grows with the
+    compliance as long as the joint rings faster than it is moved, and no longer does where it rings with the motion.
+    """
+
+    least = LEAST_OF_SPRING
+
+    def link(self, far: FarSide, usual_nm: float, values: Sequence[float]) -> Transmission:
+        stiffness, soft_nm, damping_ratio, share = values
+        return Transmission(
+            stiffness_nm_per_rad=stiffness, soft_nm=soft_nm, damping_ratio=damping_ratio, far_share=share
+        )
+
+    def tries(self, data: JointData) -> list[Nonlinear]:
+        """Return springs that ring below the regression's corner, or twist by more than the noise of the position."""
+        far, usual = far_side(data.motion(data.torque)), float(np.sqrt(np.mean(data.torque**2))) or 1.0
+        # Stiffnesses on which the inertia in the torque rings at all frequencies, from the stiffest. [N m/rad]
+        inertia, hz = far.inertia_kg_m2 or USUAL_INERTIA_KG_M2, np.array([MOTION_BELOW_HZ, CORNER_HZ, *RINGING_HZ])
+        smooth_at, corner, *_ = ringing = inertia * (2.0 * np.pi * hz) ** 2
+        between = ringing[2:][(ringing[2:] > SOFTEST_NM_PER_RAD) & (ringing[2:] < STIFFEST_NM_PER_RAD)]
+        every = np.append(STIFFEST_NM_PER_RAD, between[::-1])
+        # Friction's jump, twice the Coulomb friction, must twist it by more than twice the noise of the position.
+        stiffest = max(corner, far.coulomb_nm / max(grid_noise(data.q, differences=4), np.finfo(float).tiny))
+        # Every second stiffness is tried for springs that are soft at first; the projection finds those between. Those
+        # that ring where hardly more than noise moves the measured side are tried with a smooth motion too, those that
+        # ring below the corner with more damping and with less inertia on the far side.
+        fast, slow, smooth = every[every > smooth_at], every[every < corner], {"motion_below_hz": MOTION_BELOW_HZ}
+        soft = [{"soft_nm": share * usual} for share in SOFT_SHARES]
+        tries: tuple[tuple[Float, dict[str, float]], ...] = (
+            (every, {"damping_ratio": DAMPING_RATIO}),
+            *((every[::2], one | {"damping_ratio": DAMPING_RATIO}) for one in soft),
+            (fast, smooth | {"damping_ratio": DAMPING_RATIO}),
+            *((fast[::2], one | smooth) for one in soft),
+            (slow[::2], {"damping_ratio": MUCH_DAMPED}),
+            *((slow[::2], {"far_share": share, "damping_ratio": MUCH_DAMPED}) for share in FAR_SHARES),
+        )
+        seen = ((stiffness, other) for tried, other in tries for stiffness in tried.tolist() if stiffness <= stiffest)
+        return [{"spring_nm_per_rad": stiffness, **other} for stiffness, other in seen]
+
+    def coefficient_of(self, at: Points) -> Each:
+        return 1.0 / at["spring_nm_per_rad"]
 
 
-# A spring between the measured side and the side of friction. The regressor is built for one stiffness and given per
-# compliance: what the spring adds to the torque grows with the compliance as long as the joint rings faster than it is
-# moved, and no longer does where it rings with the motion.
-JOINT_ELASTICITY = Link(
+JOINT_ELASTICITY = JointElasticity(
     name="joint_elasticity",
     label="a spring between motor and link",
     axis="acceleration",
@@ -188,15 +211,8 @@ JOINT_ELASTICITY = Link(
         ),
         FAR_SHARE,
     ),
-    needs_nominal=True,
-    coefficient_of=lambda at: 1.0 / at["spring_nm_per_rad"],
-    possible=lambda found, at: between(LEAST_OF_SPRING, found[0] / (1.0 / at["spring_nm_per_rad"]), LARGEST_SHARE),
     forward="spring",
-    not_identifiable=jumps_and_inertia,
-    tries=springs,
-    link=lambda _far, _usual_nm, v: Transmission(
-        stiffness_nm_per_rad=v[0], soft_nm=v[1], damping_ratio=v[2], far_share=v[3]
-    ),
+    requires=jumps_and_inertia,
     record="repeat the motions at two or more clearly different speeds",
     separate={
         "backlash": "reverse slowly with hardly any load: a gap gives no torque at all, a spring does",
@@ -214,31 +230,36 @@ SOFT, MIDDLE, RINGING, HARD = (
 )
 
 
-def flanks_of(far: FarSide, usual_nm: float, values: Sequence[float]) -> Transmission:
-    """Return the gap of some values with the flanks to a far side that usually takes so much torque (RMS)."""
-    gap, contact_hz, damping_ratio, share = values
-    return Transmission(
-        stiffness_nm_per_rad=flank_stiffness(share * far.inertia_kg_m2, contact_hz, gap, usual_nm),
-        damping_ratio=damping_ratio,
-        gap_rad=gap,
-        far_share=share,
-    )
+class Backlash(Link):
+    """A gap between the measured side and the side of friction.
+
+    Where the torque changes sign the far side flies free, friction alone on it, until the measured side has crossed the
+    gap and strikes it on the other flank.
+    """
+
+    least = LEAST_OF_GAP
+
+    def link(self, far: FarSide, usual_nm: float, values: Sequence[float]) -> Transmission:
+        gap, contact_hz, damping_ratio, share = values
+        return Transmission(
+            stiffness_nm_per_rad=flank_stiffness(share * far.inertia_kg_m2, contact_hz, gap, usual_nm),
+            damping_ratio=damping_ratio,
+            gap_rad=gap,
+            far_share=share,
+        )
+
+    def tries(self, data: JointData) -> list[Nonlinear]:
+        """Return all widths on soft flanks, and on harder ones that a smooth motion strikes; some with less inertia."""
+        widths = shares_of_span(data, SPAN_SHARES)
+        calm = {"motion_below_hz": MOTION_BELOW_HZ}
+        kinds: tuple[dict[str, float], ...] = (SOFT, RINGING, MIDDLE | calm, HARD | calm)
+        return [
+            *({"gap_rad": width, **kind} for kind in kinds for width in widths),
+            *({"gap_rad": width, **SOFT, "far_share": share} for share in FAR_SHARES for width in widths[::2]),
+        ]
 
 
-def gaps(data: JointData) -> list[Nonlinear]:
-    """Return all widths on soft flanks, and on harder ones that a smooth motion strikes; some with less inertia."""
-    widths = shares_of_span(data, SPAN_SHARES)
-    calm = {"motion_below_hz": MOTION_BELOW_HZ}
-    kinds: tuple[dict[str, float], ...] = (SOFT, RINGING, MIDDLE | calm, HARD | calm)
-    return [
-        *({"gap_rad": width, **kind} for kind in kinds for width in widths),
-        *({"gap_rad": width, **SOFT, "far_share": share} for share in FAR_SHARES for width in widths[::2]),
-    ]
-
-
-# A gap between the measured side and the side of friction. Where the torque changes sign the far side flies free,
-# friction alone on it, until the measured side has crossed the gap and strikes it on the other flank.
-BACKLASH = Link(
+BACKLASH = Backlash(
     name="backlash",
     label="free play at a reversal",
     axis="displacement",
@@ -251,13 +272,8 @@ BACKLASH = Link(
         Parameter("flank_damping_ratio", "1", "damping ratio in contact", default=CONTACT_DAMPING_RATIO, **RATIO),
         FAR_SHARE,
     ),
-    needs_nominal=True,
-    coefficient_of=lambda _: 1.0,
-    possible=lambda found, _: between(LEAST_OF_GAP, found[0], LARGEST_SHARE),
     forward="gap",
-    not_identifiable=jumps_and_inertia,
-    tries=gaps,
-    link=flanks_of,
+    requires=jumps_and_inertia,
     record="reverse slowly at least 20 times with hardly any load",
     separate={"contact_event": "reverse again at the same places: a gap opens at every reversal"},
 )

@@ -15,6 +15,7 @@ import numpy as np
 
 from friction_audit.drift.session import COEFFICIENTS
 from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.effect import SpeedFriction
 from friction_audit.effects.joint_model import FittedTerm, JointModel, load_model, simple_model
 from friction_audit.errors import AnalysisError, InputError, UsageError
 from friction_audit.io.files import read_document
@@ -79,7 +80,7 @@ def friction_law(joint: int, name: str, model: JointModel | str, speeds: Float, 
     """Return the friction law of a joint's model over speeds; ``armature``: its inertia is the motor's, reflected."""
     if isinstance(model, str):
         raise AnalysisError(model)
-    terms = tuple(term for term in model.terms if term.effect.friction and term.effect.speed_only)
+    terms = tuple(term for term in model.terms if isinstance(term.effect, SpeedFriction))
     if not terms:
         raise AnalysisError(f"joint {joint} ({name}): its model has no friction that follows from the velocity")
     left_out = tuple(term.name for term in model.terms if term not in terms)

@@ -7,7 +7,7 @@ from math import pi
 from xml.sax.saxutils import quoteattr
 
 from friction_audit import __version__
-from friction_audit.effects.joint_model import FittedTerm
+from friction_audit.effects.effect import SpeedFriction
 from friction_audit.export.friction_law import ExportedJoint, number
 
 NO_IDENTIFIER = re.compile(r"\W|^(?=\d)")  # what USD refuses in the name of a prim
@@ -181,8 +181,15 @@ def render(template: str, joints: Sequence[ExportedJoint]) -> bytes:
 
 def _values(joint: ExportedJoint) -> dict[str, object]:
     law, (coulomb, viscous, *_) = joint.law, joint.fitted.coefficients
-    names = [f"k_{term.name}_{law.joint}" for term in law.terms]
-    pairs = list(zip(law.terms, names, strict=True))
+    formulas, tables = [], []
+    for term in law.terms:
+        assert isinstance(term.effect, SpeedFriction)
+        name = f"k_{term.name}_{law.joint}"
+        formula, table = term.effect.in_cpp(term.values, name)
+        formulas.append(formula)
+        if table is not None:
+            wrapped = re.sub(r"(.{90,110}?) ", r"\1\n    ", ", ".join(map(repr, table.tolist())))
+            tables.append(f"\ninline constexpr std::array<double, {len(table)}> {name}{{\n    {wrapped}}};\n")
     return {
         "joint": law.joint,
         "name": joint.name,
@@ -192,17 +199,9 @@ def _values(joint: ExportedJoint) -> dict[str, object]:
         "damping": joint.damping,
         "error": joint.fitted.error_nm,
         "armature": law.inertia_kg_m2,
-        "terms": [term.effect.in_cpp(term.values, name) for term, name in pairs],
-        "tables": [table for pair in pairs if (table := _table(*pair))],
+        "terms": formulas,
+        "tables": tables,
     }
-
-
-def _table(term: FittedTerm, name: str) -> str:
-    table = term.effect.cpp_table(term.values)
-    if table is None:
-        return ""
-    wrapped = re.sub(r"(.{90,110}?) ", r"\1\n    ", ", ".join(map(repr, table.tolist())))
-    return f"\ninline constexpr std::array<double, {len(table)}> {name}{{\n    {wrapped}}};\n"
 
 
 def decimal(value: float) -> str:

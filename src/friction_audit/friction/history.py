@@ -77,6 +77,8 @@ class TorqueRegression:
     condition_number: float = NAN  # of the scaled regression matrix
     correlation: float = NAN  # between the Coulomb and the viscous coefficient
     delay_s: float = NAN  # by which the torque is late after the motion, if that is certain [s]
+    # Coulomb [N m] and viscous [N m s/rad] coefficient if friction may change slowly at reversals; None if it does not
+    turning: tuple[float, float] | None = None
     # why it cannot stand alone for the friction of the joint; empty if it can, or if that was not asked
     doubt: str = ""
 

@@ -31,11 +31,16 @@ def cautions_of(joint: JointFriction) -> Iterator[Caution]:
 
 
 def not_simultaneous(joint: JointFriction) -> Iterator[Caution]:
-    """Yield a caution where the torque is certainly late after the motion, or early."""
-    delay_s = np.nan if joint.regression is None else joint.regression.delay_s
+    """Yield a caution where the torque is certainly late after the motion, or early, or slow at reversals."""
+    if joint.regression is None:
+        return
+    delay_s, turning = joint.regression.delay_s, joint.regression.turning
     if np.isfinite(delay_s):
         numbers = {"ms": 1e3 * abs(delay_s), "late": "late" if delay_s > 0.0 else "early"}
         yield Caution(code="torque_delayed", joint=joint.joint, numbers=numbers)
+    elif turning is not None:
+        numbers = dict(zip(UNITS, turning, strict=True))
+        yield Caution(code="slow_reversals", joint=joint.joint, numbers=numbers)
 
 
 def repeated(joint: JointFriction, kept: EnergyCycles) -> Iterator[Caution]:

@@ -46,8 +46,12 @@ LEAST_ONE_WAY = 0.1  # share of the samples that each direction has at least, or
 LEAST_FRICTION_SHARE = 0.85
 # Share of the residual that another joint's velocity may explain: 0.92, 0.96 where two share gears, else at most 0.40.
 LARGEST_COUPLED_SHARE = 0.5
-# Half widths of 95 % that the jerk's coefficient must differ from zero, and the inertia's; a shorter delay is harmless.
-CERTAIN, SHORTEST_DELAY_S = 2.5, 2e-3
+# Half widths of 95 % that the coefficients of jerk and inertia must differ from zero; of the jerk the second is enough
+# where the viscous coefficient leaves its interval with it. A shorter delay is harmless.
+CERTAIN, LIKELY, SHORTEST_DELAY_S = 2.5, 1.5, 2e-3
+# The direction, averaged over so long, stands for a low-pass of 2 Hz. The share of Coulomb friction that follows it is
+# 0.3 and more in filtered logs, at most 0.08 where no friction builds up over a distance.
+TURN_S, LEAST_FOLLOWING, SURE = 0.3, 0.25, 3.0
 HUBER = 1.345  # residuals beyond so many standard deviations lose weight: 95 % efficiency where the noise is normal
 SIGMA_PER_MEDIAN = 1 / 0.6744897501960817  # standard deviation of a normal variable over its median absolute value
 REWEIGHTINGS = 9
@@ -84,25 +88,43 @@ def regress_torque(
         samples=len(found.torque),
         condition_number=condition,
         correlation=correlation,
-        delay_s=_delay(found),
+        delay_s=_delay(found, fit),
+        turning=_turning(found),
         doubt=doubt,
     )
 
 
-def _delay(rows: "_Rows") -> float:
+def _fit_with(rows: "_Rows", name: str, column: Float) -> Fit:
+    """Fit one column more."""
+    columns, instruments = (np.vstack([one.T, column]).T for one in (rows.columns, rows.instruments))
+    equations, clipping = _gather(replace(rows, names=(*rows.names, name), columns=columns, instruments=instruments))
+    fit = fit_windows(equations, len(equations.normal))
+    return replace(fit, error=clipping * fit.error)
+
+
+def _delay(rows: "_Rows", plain: Fit) -> float:
     """Return how late the torque is, NaN if that is not certain. [s]
 
     Of a torque that is late by d, the inertia leaves -d B times the jerk. Noise of the jerk makes it too small.
     """
-    columns, instruments = (np.vstack([one.T, rows.jerk]).T for one in (rows.columns, rows.instruments))
-    more = replace(rows, names=(*rows.names, "jerk"), columns=columns, instruments=instruments)
-    equations, clipping = _gather(more)
-    fit = fit_windows(equations, len(equations.normal))
-    (jerk, jerk_half), (inertia, inertia_half) = (
-        (float(one[0]) for one in fit.column(name)) for name in ("jerk", "inertia")
-    )
-    is_certain = abs(jerk) > CERTAIN * clipping * jerk_half and inertia > CERTAIN * clipping * inertia_half
+    fit = _fit_with(rows, "jerk", rows.jerk)
+    columns = (fit.column(name) for name in ("jerk", "inertia", "viscous"))
+    (jerk, jerk_half), (inertia, inertia_half), (viscous, _) = ((float(one[0]), float(two[0])) for one, two in columns)
+    old = plain.coefficient("viscous")
+    sure = CERTAIN if old.low <= viscous <= old.high else LIKELY
+    is_certain = abs(jerk) > sure * jerk_half and inertia > CERTAIN * inertia_half
     return -jerk / inertia if is_certain and abs(jerk) > SHORTEST_DELAY_S * inertia else np.nan
+
+
+def _turning(rows: "_Rows") -> tuple[float, float] | None:
+    """Return both coefficients if friction may change slowly at reversals, None if it changes at once.
+
+    A linear relation holds between signals of one low-pass, but the sign of a filtered velocity is not filtered.
+    """
+    fit = _fit_with(rows, "turning", rows.turning - rows.columns[:, 0])
+    columns = (fit.column(name) for name in ("turning", "coulomb", "viscous"))
+    (follows, half), (coulomb, _), (viscous, _) = ((float(value[0]), float(width[0])) for value, width in columns)
+    return (coulomb, viscous) if follows > SURE * half and follows > LEAST_FOLLOWING * coulomb > 0.0 else None
 
 
 def _doubt(rows: "_Rows", fit: Fit, condition: float) -> str:
@@ -159,6 +181,7 @@ class _Rows:
     instruments: Float
     torque: Float
     jerk: Float
+    turning: Float
     stroke: NDArray[np.int64]
     place: NDArray[np.int64]
 
@@ -173,6 +196,7 @@ class RegressionRows:
         self.around = around = block + block // 2 + 1
         self._spacing = max(int(1.0 / (ROW_RATE_HZ * self._step_s) + NEARLY_WHOLE), samples // MOST_ROWS, 1)
         self._index = np.arange(around, samples - around, self._spacing)
+        self._turn = int(0.5 * TURN_S / self._step_s)
         self._smooth = partial(filter_velocity, rate_hz=rate_hz, cutoff_hz=CUTOFF_HZ)
         # The step of the clock, weighted as the filter weighs the samples around. The filter counts samples: its slope
         # belongs to their mean step, not to two stamps around a lost sample, of which each may err by a part of a step.
@@ -209,6 +233,9 @@ class RegressionRows:
         signals = (np.ascontiguousarray(one) for one in (part.t, part.q[:, column]))
         windows = (np.ndarray((len(index), 2 * around + 1), buffer=one, **view) for one in signals)
         times, places = (one - one[:, around, None] for one in windows)
+        # The mean direction around each row, from sums of all before; short of samples where the log ends.
+        sums = np.append(0.0, np.cumsum(np.sign(velocity)))
+        ends = np.clip(index + self._turn * np.array([[-1], [1]]) + [[0], [1]], 0, len(velocity))
         by_position = differences(*((signal @ self._blocks).T for signal in (times, places)))
         found = {
             "lasting": part.t[index + around] - part.t[index - around],
@@ -220,6 +247,7 @@ class RegressionRows:
             "jerk": (far[:, 0] - 2.0 * far[:, 1] + far[:, 2]) / (around * self._step_s) ** 2,
             **dict(zip(("gravity_x", "gravity_y"), _gravity(part, column, index), strict=True)),
             **dict(zip(("velocity by position", "acceleration by position"), by_position, strict=True)),
+            "turning": np.diff(sums[ends], axis=0)[0] / np.diff(ends, axis=0)[0],
             "torque": self._filtered(load, index),
         }
         for name, values in found.items():
@@ -255,6 +283,7 @@ class RegressionRows:
             instruments=np.array([*(columns | by_position).values()]).T,
             torque=own["torque"],
             jerk=own["jerk"],
+            turning=own["turning"],
             stroke=np.cumsum(np.diff(direction, prepend=direction[:1]) != 0),
             place=place,
         )

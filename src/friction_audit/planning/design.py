@@ -24,7 +24,7 @@ from friction_audit.diagnosis.problem import RegressionProblem
 from friction_audit.diagnosis.samples import NoiseModel
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_model import FittedTerm
-from friction_audit.effects.registry import effect_of
+from friction_audit.effects.registry import same_as
 from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.joint_log import Float
 from friction_audit.planning.task import Joint, subject_of
@@ -275,7 +275,7 @@ def value_of_separation(about: Information, counts: Float) -> Float:
     """Return the compound T-criterion of designs (..., c)."""
     names, found = about.separation(counts)
     weight = np.array([1.0 if name in about.truths else OTHERS for name in names])
-    same = [[name in (one, *effect_of(one).indistinguishable) for name in names] for one in about.truths]
+    same = [[name in same_as(one) for name in names] for one in about.truths]
     return np.asarray(np.sum(np.where(same, 0.0, weight) * found / (found + ENOUGH), axis=(-2, -1)))
 
 

@@ -13,7 +13,7 @@ from friction_audit.diagnosis.result import Verdict
 from friction_audit.diagnosis.samples import Index
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_model import FittedTerm
-from friction_audit.effects.registry import effect_of, effects
+from friction_audit.effects.registry import effect_of, effects, same_as
 from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.friction.history import Coefficient
 from friction_audit.io.writers.tables import Trajectory
@@ -139,8 +139,8 @@ def _designed(about: design.Information, duration_s: float) -> tuple[Index, bool
     """Return how often each candidate is run, and whether at both ends of the time, where an offset may drift."""
     share, fewest = AT_AN_END
     known = [effect_of(name) for name in about.truths]
-    constant = [one.exact for one in known]
-    slow = [one.axis == "time" and one.even for one in known]
+    constant = [one.misses == "nothing" for one in known]
+    slow = [one.axis == "time" and one.misses != "any" for one in known]
     if 0 < sum(constant) < len(known) and all(map(any, zip(constant, slow, strict=True))):
         counts = design.exchange(about, design.value_of_separation, share * duration_s - AROUND_S)
         if counts.sum() >= fewest:  # else there is no time for both
@@ -190,7 +190,7 @@ def answer(plan: JointPlan, name: str, terms: Sequence[FittedTerm]) -> Answer:
     found = diagnose_joint(subject_of(joint, settings, SEED), effects(), DiagnosisSettings())
     sets = tuple((one.name, *one.alternatives) for one in found.effects)
     # What no motion separates from the effect counts as the same.
-    same, named = {name, *effect_of(name).indistinguishable}, {one for each in sets for one in each}
+    same, named = same_as(name), {one for each in sets for one in each}
     certain: AbstractSet[str] = {one.name for one in terms} - {name}
     decided = named <= same | certain and (bool(named & same) or own is None)
     exact = all(exactly for _, exactly in pairs)

@@ -16,7 +16,7 @@ from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, reach
 from friction_audit.effects.joint_model import FittedTerm
-from friction_audit.effects.registry import effect_of, motion_to_decide
+from friction_audit.effects.registry import effect_of, motion_to_decide, same_as
 from friction_audit.errors import AnalysisError, InputError, UsageError
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import AuditSettings, diagnosis_subjects, estimate_log
@@ -148,7 +148,7 @@ def task_of(
             effects = [(*one[:2], numbers) for one, numbers in zip(effects, values, strict=True)]
         sets, unknown = _sets(joint, effects, None if subject is None else subject[0].data, start_rad)
         names = [name for one in sets if len(one) > 1 for name in one]
-        if names and set(names) <= {names[0], *effect_of(names[0]).indistinguishable}:
+        if names and set(names) <= same_as(names[0]):
             motion = motion_to_decide(names[0], names[1:])
             return Task(joint=joint, why=f"no motion of the joint separates {' from '.join(names)}: {motion}")
         if names:

@@ -33,6 +33,7 @@ LEAST_COHERENCE = 0.5  # length of the mean phasor over a window, 1 for stamps e
 COMMON_EARLINESS, EARLIEST = 0.99, 2.0
 STEP_ERROR = 0.01  # of a period: ticks are even, and stamps on ticks, to this share
 HELD = 20  # samples beyond both ends of a spline, of which 0.27^20 is felt
+AT_ONCE = 8192  # samples of all joints
 LOST_AT_ONCE = 2000  # samples: a spline takes twenty times the memory of what it passes through
 MOST_MOVED = 0.1  # share of stamps that are a tick late: where there are more, they are no ticks of this clock
 # A position is of an earlier moment from this share of a step on, and this many standard deviations of the delay.
@@ -217,8 +218,8 @@ class LowPass:
         t, position, lost = t[first:stop], position[first:stop], lost - first
         begins, ends = np.searchsorted(self.fine, t[np.stack([lost, lost + 1])], side="right")
         n = len(t)
-        near = _within(np.maximum(lost - HELD, 0), np.minimum(lost + HELD + 2, n), n)
-        inside = begins[0] + _within(begins - begins[0], ends - begins[0], ends[-1] - begins[0])
+        near = within(np.maximum(lost - HELD, 0), np.minimum(lost + HELD + 2, n), n)
+        inside = begins[0] + within(begins - begins[0], ends - begins[0], ends[-1] - begins[0])
         even[inside] = natural_spline(t[near], position[near], self.fine[inside])
 
     def away_from_gaps(self, t: Float) -> NDArray[np.bool_]:
@@ -236,7 +237,7 @@ class LowPass:
         return np.asarray(filtered(even[None], np.ascontiguousarray(kernel[::-1]), centre)[0])
 
 
-def _within(starts: NDArray[np.int64], stops: NDArray[np.int64], n: int) -> NDArray[np.int64]:
+def within(starts: NDArray[np.int64], stops: NDArray[np.int64], n: int) -> NDArray[np.int64]:
     """Places 0..n-1 within any of some ranges."""
     change = np.bincount(starts, minlength=n + 1) - np.bincount(stops, minlength=n + 1)
     return np.flatnonzero(np.cumsum(change[:n]))
@@ -307,12 +308,15 @@ def moments_of_samples(t: Float, q: Float, dq: Float) -> Float:
     if np.ptp(late) < STEP_ERROR * usual or not np.any(even[1:] & even[:-1]):
         return ticks
     inside, smallest = even[1:] & even[:-1], np.finfo(float).tiny
-    bend, along, squared = np.diff(late, 2)[inside], 0.0, 0.0
-    for place, speed in zip(q.T, dq.T, strict=True):
-        moved, position = speed[1:-1][inside] * bend, np.diff(place, 2)[inside]
-        noise = max(float(position @ position), smallest)  # each joint counts by its own
-        along, squared = along + float(position @ moved) / noise, squared + float(moved @ moved) / noise
-    slope = along / max(squared, smallest)
+    bend, sums = np.where(inside, np.diff(late, 2), 0.0), np.zeros((3, q.shape[1]))
+    for first in range(0, len(bend), AT_ONCE):  # rows of all joints: columns are read at an eighth of the speed
+        part = slice(first, first + AT_ONCE)
+        moved = dq[1:-1][part] * bend[part, None]
+        position = np.where(inside[part, None], np.diff(q[first : first + AT_ONCE + 2], 2, axis=0), 0.0)
+        for k, one in enumerate(((position, position), (position, moved), (moved, moved))):
+            sums[k] += np.einsum("nj,nj->j", *one)
+    noise = np.maximum(sums[0], smallest)  # each joint counts by its own
+    slope = np.sum(sums[1] / noise) / max(float(np.sum(sums[2] / noise)), smallest)
     return t if slope > 0.5 else ticks  # noqa: PLR2004 - between 0 and 1
 
 

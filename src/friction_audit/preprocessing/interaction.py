@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from friction_audit.joint_log import Float
 
-SIGNALS = ("t", "q", "dq", "torque", "compensation")
+SIGNALS = ("t", "q", "dq", "torque", "compensation", "posture")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -79,6 +79,8 @@ class Interaction:
     # torque u of everything a logged compensator did (its passivity controller included), shape (n, j), or None [N m]
     compensation: Float | None
     hand_speed: Float | None  # speed of the end effector, shape (n,), or None where it was not requested [m/s]
+    # position of every joint of the log, also those not kept, where gravity is in the torque, shape (n, all), else None
+    posture: Float | None = None
     # x and y of the direction of gravity in each joint's own frame (z along the axis), at the samples of
     # ``gravity_index``, shape (g, j, 2), or None when the arm's kinematics are not known
     gravity_direction: Float | None = None

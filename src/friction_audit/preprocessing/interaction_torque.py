@@ -51,6 +51,7 @@ class PortTorque:
             torque=self.balance.full(part, self.columns),
             compensation=np.add(*active) if len(active) > 1 else active[0] if active else None,
             hand_speed=None,
+            posture=part.q if self.choice.gravity == "in-torque" else None,
             gravity_direction=direction,
             gravity_index=index,
             joint_numbers=tuple(column + 1 for column in self.columns),

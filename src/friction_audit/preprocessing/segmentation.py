@@ -128,7 +128,7 @@ class CycleSearch:
             self._go_on(int(borders[0]), moving=False)
             borders, self._at_border = borders - borders[0], True
         if part.choice.gravity == "in-torque" and len(borders):
-            place = part.q[borders + (self.first - part.first)]
+            place = self._place(part)[borders + (self.first - part.first)]
             borders = borders[self._close_runs(borders, place, more=more)]
         if len(borders) > 1:
             self._found.append(self._cycles_between(part, borders))
@@ -141,6 +141,12 @@ class CycleSearch:
             self._found.append(self._cycles_between(part, np.zeros(1, np.int64)))
         if more and len(self._signal) > 2 * self._longest:
             self._shorten(part)
+
+    def _place(self, part: Interaction) -> Float:
+        """Return the positions that a cycle has to return to; gravity in the torque depends on every joint."""
+        if part.choice.gravity != "in-torque":
+            return part.q[:, self._column, None]
+        return part.q if part.posture is None else part.posture
 
     def _close_runs(self, borders: Int, place: Float, *, more: bool) -> list[int]:
         """Join strokes into the shortest runs at whose end all joints are back; one that never is stays alone."""
@@ -163,7 +169,7 @@ class CycleSearch:
         parts = self._sums(part, edges)
         sums = EnergySums(**{one.name: getattr(parts, one.name).sum(axis=-1) for one in fields(parts)})
         start, stop = borders[:-1] + self.first, borders[1:] + self.first
-        start_s, place = t[borders[:-1]], (part.q if inside else part.q[:, self._column, None])[borders + shift]
+        start_s, place = t[borders[:-1]], self._place(part)[borders + shift]
         if self._begun is not None and len(start):
             begun, place[0] = self._begun
             start[0], start_s[0], peak[0] = begun.start[0], begun.start_s[0], max(peak[0], begun.peak_speed_rad_s[0])
@@ -174,7 +180,13 @@ class CycleSearch:
         reason = np.where(stop - start > self._longest, LONG, KEPT)
         reason[is_open & inside] = OPEN
         # At a low rate a single lost sample is no hole: its neighbours still describe the motion in between.
-        reason[longest_step > max(settings.maximum_gap_s, LONGEST_STEP / self._rate_hz)] = GAP
+        hole_s = max(settings.maximum_gap_s, LONGEST_STEP / self._rate_hz)
+        # Next to a hole the filtered velocity is a mean over both sides: a border there is no rest.
+        near = int(0.5 * self._rate_hz / settings.cutoff_hz)
+        first = max(int(borders[0]) + shift - near, 0)
+        holes = np.flatnonzero(np.diff(part.t[first : borders[-1] + shift + near + 1]) > hole_s) + first - shift
+        at_hole = np.searchsorted(holes, borders - near) < np.searchsorted(holes, borders + near)
+        reason[(longest_step > hole_s) | at_hole[1:] | at_hole[:-1]] = GAP
         later: dict[str, Any] = {name: np.empty(0) for name in PER_JOINT}
         products, speeds = _moments(parts)
         return EnergyCycles(
@@ -208,9 +220,8 @@ class CycleSearch:
         moving = bool(abs(self._signal[0]) > thresholds[1]) if self._moving is None else self._moving
         self._at_border = not moving if self._at_border is None else self._at_border
         if self._at_border:
-            place = part.q[shift] if part.choice.gravity == "in-torque" else part.q[shift, self._column, None]
             now = self._cycles_between(part, np.array([0, self._longest]))
-            self._begun = now, place if self._begun is None else self._begun[1]
+            self._begun = now, self._place(part)[shift] if self._begun is None else self._begun[1]
         stops, starts, _ = cycle_sums.events(self._signal[: self._longest + 1], *thresholds, moving=moving)
         self._go_on(self._longest, moving=moving == (len(stops) == len(starts)))
 

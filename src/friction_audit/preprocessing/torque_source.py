@@ -165,7 +165,8 @@ def _arm_for_torque(log: JointLog, settings: TorqueSettings, robot: str) -> Arm 
 
 def _load(log: JointLog, settings: TorqueSettings) -> Arm:
     arm = load_arm(settings.urdf, settings.payload, settings.gravity_vector)
-    return arm.matched(log.joint_names, log.source.path)
+    lost = "; ".join(finding.message for finding in log.source.findings if finding.code == "empty_joint")
+    return arm.matched(log.joint_names, f"{log.source.path}: {lost}" if lost else log.source.path)
 
 
 def _payload_missing(log: JointLog, coarse: CoarseLog, settings: TorqueSettings, robot: str, arm: Arm) -> bool:

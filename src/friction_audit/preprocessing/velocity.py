@@ -232,26 +232,24 @@ def noise_of_both(slope: Float, logged: Float, valid: NDArray[np.bool_], step_s:
     """Amplitude densities of the noise of a position [rad/sqrt(Hz)] and of a velocity that lags it [rad/s/sqrt(Hz)].
 
     What two measurements of the same motion do not have in common is noise (J. S. Bendat, A. G. Piersol, Random Data
-    (2010), section 7.2): spectrum less cross-spectrum, by Welch's method, where both noises are white. It holds where a
-    recorder has filtered them, or noise comes and goes with the motion, as of samples that repeat or were interpolated:
-    second differences and their median show none of it.
+    (2010), section 7.2): spectrum less cross-spectrum, by Welch's method, where both noises are white. Second
+    differences and their median do not show noise that comes and goes with the motion, as of interpolated samples.
     """
     samples = round(SEGMENT_S / step_s)
-    whole = np.array([valid[k : k + samples].all() for k in range(0, len(slope) - samples + 1, samples)], bool)
+    slope, logged, valid = (one[: len(one) // samples * samples].reshape(-1, samples) for one in (slope, logged, valid))
+    whole = valid.all(axis=1)
     if np.count_nonzero(whole) < FEWEST_SEGMENTS:
         return np.zeros(2)
-    window = np.hanning(samples)
+    window, hertz = np.hanning(samples), np.fft.rfftfreq(samples, step_s)
     # As scipy.signal.csd, which takes 0.5 s to load.
-    kept = (one[: len(whole) * samples].reshape(-1, samples)[whole] for one in (slope, logged))
-    first, second = (np.fft.rfft((one - one.mean(axis=1, keepdims=True)) * window) for one in kept)
-    hertz = np.fft.rfftfreq(samples, step_s)
-    common = first * (second * np.exp(2j * np.pi * hertz * lag_s)).conj()
+    kept = (one[whole] - one[whole].mean(axis=1, keepdims=True) for one in (slope, logged))
+    first, second = (np.fft.rfft(one * window) for one in kept)
+    second *= np.exp(2j * np.pi * hertz * lag_s)
     high = min(NOISE_HZ, NOISE_SHARE / step_s)
     band = (hertz >= high / NOISE_SPAN) & (hertz <= high)
-    found = [
-        np.median(np.mean(np.abs(own) ** 2 - common.real, axis=0)[band] / (2.0 * np.pi * hertz[band]) ** order)
-        for own, order in ((first, 2), (second, 0))
-    ]
+    apart = first - second
+    of_q, of_dq = (np.mean(one * apart.conj(), axis=0).real[band] for one in (first, -second))
+    found = np.median([of_q / (2.0 * np.pi * hertz[band]) ** 2, of_dq], axis=1)
     return np.sqrt(np.maximum(found, 0.0) * 2.0 * step_s / float(window @ window))
 
 
@@ -272,14 +270,23 @@ def complementary_mean(
     """Return the mean of two velocities, weighted by the inverse of their noise densities, shape (n,).
 
     The noise of a position's derivative grows with the frequency f, that of a logged velocity does not. The derivative
-    counts by w(f) = 1 / (1 + (f / f_x)^2), a symmetric exponential in time (N. Wiener, Extrapolation, Interpolation,
-    and Smoothing of Stationary Time Series, 1949). Where a sample is not valid, near a gap, the logged velocity counts
-    alone; f_x is that of :func:`crossover_of`.
+    counts by w(f) = 1 / (1 + (f / f_x)^2), a symmetric exponential in time (N. Wiener, Extrapolation of Stationary Time
+    Series, 1949), not at all next to a gap; f_x is that of :func:`crossover_of`.
     """
     from scipy.signal import oaconvolve
 
     rate = 2.0 * np.pi * crossover_hz * step_s
     half = int(np.ceil(TIME_CONSTANTS / rate))
     kernel = np.exp(-rate * np.abs(np.arange(-half, half + 1)))
-    apart = np.pad(np.where(valid, slope - logged, 0.0), half)
+    apart = np.pad(np.where(valid, slope - logged, 0.0), half, mode="edge")
     return np.asarray(logged + oaconvolve(apart, kernel / kernel.sum(), "valid"))
+
+
+def position_of(q: Float, dq: Float, ddq: Float, valid: NDArray[np.bool_], step_s: float, crossover_hz: float) -> Float:
+    """Return the same mean of a position and of the integral of a velocity, of the position alone over other samples.
+
+    Next to the noise of a position alone gaps and springs are presliding (resampled: backlash 140003).
+    """
+    way = 0.5 * step_s * (dq[1:] + dq[:-1]) - step_s**2 / 12.0 * np.diff(ddq)  # Euler-Maclaurin
+    along = q[0] + np.append(0.0, np.cumsum(np.where(valid[1:] & valid[:-1], way, np.diff(q))))
+    return complementary_mean(q, along, np.ones(len(q), bool), step_s, max(crossover_hz, LOWEST_CROSSOVER_HZ))

@@ -56,7 +56,7 @@ SIMULATED = Record(
 DIAGNOSE: ResultDocument = ResultDocument(
     "diagnose/3",
     "Which effects the model of each joint misses, and how much of the residual they explain",
-    Column("joints", [tables.JOINT_DIAGNOSIS], "per joint", lambda found: found.discrepancy.joints),
+    Column("joints", [tables.JOINT_DIAGNOSIS], "per joint", lambda found: found.joints),
     notices=diagnose_notices,
     settings=lambda found: {"diagnosis": to_json(found.settings)},
 )
@@ -95,13 +95,13 @@ TABLES = tuple(record for record, _ in FILES)
 
 def diagnose_tables(found: Diagnosis) -> tuple[TidyTable, ...]:
     """Return the tables of a diagnosis for files."""
-    joints, unit = found.discrepancy.joints, found.estimate.log.source.torque_unit
+    joints, unit = found.joints, found.estimate.log.source.torque_unit
     return tuple(record.file(joints, rows, unit) for record, rows in FILES)
 
 
 def diagnose_lines(found: Diagnosis, *, verbose: bool = False) -> list[str]:
     """Return a row and a sentence per joint, then the effects in numbers; with ``verbose`` also what competes."""
-    log, joints = found.estimate.log, found.discrepancy.joints
+    log, joints = found.estimate.log, found.joints
     unit = log.source.torque_unit
     marked, physics = physics_of(diagnose_notices(found), joints)
     counts = [joint.gap.cycles for joint in joints if joint.gap is not None]

@@ -198,8 +198,8 @@ ARM = Record(
     Column("robot", str, "which arm", title="arm", code=True, on="jp"),
     Column("drift", bool, "whether a joint drifts"),
     Column(
-        "verdict", phrases.VERDICTS, "the strongest of its joints", lambda arm: phrases.joint_verdict(*arm.joints),
-        tone=phrases.TONES, on="jp",
+        "verdict", phrases.VERDICTS, "the strongest of its joints", tone=phrases.TONES, on="jp",
+        get=lambda arm: phrases.drift_verdict(*(one for joint in arm.joints for one in joint.coefficients)),
     ),
     Column("sentence", str, get=phrases.arm_sentence, title="answer", words=True, on="p"),
     Column("message", str, "one sentence", lambda arm: f"{arm.robot}: {phrases.arm_sentence(arm)}"),
@@ -219,7 +219,10 @@ JOINT_DRIFT = Record(
     Column("joint", int, "number, from 1", "1.joint"),
     Column("name", str, "name in the log", "1.name"),
     Column("drift", bool, "whether a coefficient drifts", "1.drift"),
-    Column("verdict", phrases.VERDICTS, "the strongest of its coefficients", lambda row: phrases.joint_verdict(row[1])),
+    Column(
+        "verdict", phrases.VERDICTS, "the strongest of its coefficients",
+        lambda row: phrases.drift_verdict(*row[1].coefficients),
+    ),
     Column("message", str, "one sentence", lambda row: f"joint {row[1].joint}: {phrases.joint_sentence(*row)}"),
     Column("coulomb_trend_nm_per_session", Coefficient, "robust slope", "1.coefficients.0.trend_per_session"),
     Column("viscous_trend_nms_per_rad_per_session", Coefficient, "robust slope", "1.coefficients.1.trend_per_session"),
@@ -304,9 +307,9 @@ def _arm_lines(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
     yield f"{arm.robot}: {phrases.sessions_text(arm)}; {phrases.arm_sentence(arm)}"
     yield "changes are from the reference to the last sessions; intervals are 95 %"
     yield from COEFFICIENT.people(coefficient_rows(arm), "t").lines()
-    stated = next((joint for joint in arm.joints if joint.drift), None)  # by the sentence on the arm
+    stated = [joint for joint in arm.joints if joint.drift][: phrases.MOST_STATED]  # by the sentence on the arm
     for joint in arm.joints:
-        if verbose or (joint.drift and joint is not stated):
+        if verbose or (joint.drift and joint not in stated):
             yield f"joint {joint.joint}: {phrases.joint_sentence(arm, joint)}"
         yield from _details(arm, joint) if verbose else ()
     alike: dict[tuple[str, int | None], list[int]] = {}  # those alike in one line, or each with its file
@@ -315,7 +318,8 @@ def _arm_lines(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
     for (reason, alone), sessions in alike.items():
         which = words.count_of(len(sessions), "session") if alone is None else arm.sessions[alone].path
         if alone is None and len(sessions) <= MOST_NAMED:
-            which = f"session{'s' if sessions[1:] else ''} {words.enumerate_words(one + 1 for one in sessions)}"
+            named = (f"{one + 1} ({PurePath(arm.sessions[one].path).name})" for one in sessions)
+            which = f"session{'s' if sessions[1:] else ''} {words.enumerate_words(named)}"
         yield f"not compared: {which}: {reason}"
     yield from _odd_lines(arm)
     yield from (f"note: {warning}" for warning in arm.warnings)

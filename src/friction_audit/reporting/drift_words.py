@@ -3,7 +3,7 @@
 import math
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import isfinite
 from pathlib import PurePath
 from statistics import median
@@ -27,6 +27,8 @@ from friction_audit.reporting import words
 from friction_audit.reporting.table import Tone
 from friction_audit.reporting.words import NEWTON_METRES, NOTHING, count_of, format_date, format_start, in_unit
 
+MOST_STATED = 2  # joints in the sentence on an arm
+NOTHING_ELSE = "; nothing else changed"
 NAMES = {"coulomb_nm": "Coulomb", "viscous_nms_per_rad": "viscous"}
 UNITS = {"coulomb_nm": "N m", "viscous_nms_per_rad": "N m s/rad"}
 DRIFT, STEADY, TEMPERATURE, UNTESTED = "drift", "no drift found", "temperature", "not testable"
@@ -47,15 +49,11 @@ TO_DO = (
 )
 
 
-def drift_verdict(found: CoefficientDrift) -> str:
-    """Return whether a coefficient drifts: one of VERDICTS."""
-    return DRIFT if found.drift else {"temperature": TEMPERATURE, "too_few": UNTESTED}.get(found.shape, STEADY)
-
-
-def joint_verdict(*joints: JointDrift) -> str:
-    """Return whether some joints drift: the strongest verdict on their coefficients, untested without any."""
-    found = (drift_verdict(one) for joint in joints for one in joint.coefficients)
-    return min(found, key=VERDICTS.index, default=UNTESTED)
+def drift_verdict(*found: CoefficientDrift) -> str:
+    """Return whether some coefficients drift: the strongest one of VERDICTS, untested without any."""
+    others = {"temperature": TEMPERATURE, "too_few": UNTESTED}
+    verdicts = (DRIFT if one.drift else others.get(one.shape, STEADY) for one in found)
+    return min(verdicts, key=VERDICTS.index, default=UNTESTED)
 
 
 def describe(found: CoefficientDrift, sessions: Sequence[Session]) -> str:
@@ -163,7 +161,7 @@ def joint_sentence(arm: ArmDrift, joint: JointDrift) -> str:
     found = joint.coefficients
     messages = {one.coefficient: describe(one, arm.sessions) for one in found}
     if changed := [messages[one.coefficient] for one in found if one.drift or one.shape == "temperature"]:
-        return "; ".join(changed) + ("; nothing else changed" if len(changed) < len(found) else "")
+        return "; ".join(changed) + (NOTHING_ELSE if len(changed) < len(found) else "")
     alike = {text.removeprefix(f"{NAMES[name]} friction: ") for name, text in messages.items()}
     return alike.pop() if len(alike) == 1 else "; ".join(messages.values())
 
@@ -176,10 +174,13 @@ def arm_sentence(arm: ArmDrift) -> str:
     if not drifting and compared < FEWEST_SESSIONS:
         return f"{count_of(compared, 'comparable session')}, {NEEDED}"
     if drifting or together:
-        first = (drifting or together)[0]
-        numbers = write_joint_numbers(joint.joint for joint in drifting)
-        more = f"; joints that changed: {numbers}" if len(drifting) > 1 else ""
-        return f"joint {first.joint}: {joint_sentence(arm, first)}{more}"
+        stated = drifting[:MOST_STATED] or together[:1]
+        said = [f"joint {joint.joint}: {joint_sentence(arm, joint)}" for joint in stated]
+        if drifting[1:]:  # what else did not change on the one joint would read as of the arm
+            said = [text.removesuffix(NOTHING_ELSE) for text in said]
+        if drifting[MOST_STATED:]:
+            said.append(f"joints that changed: {write_joint_numbers(joint.joint for joint in drifting)}")
+        return "; ".join(said)
     parts = []
     every = [one for joint in arm.joints for one in joint.coefficients if one.smallest_drift <= LARGEST_DETECTABLE]
     for name, word in NAMES.items():
@@ -257,6 +258,17 @@ def limit_sentences(report: DriftReport, asked: Iterable[limits.Limit]) -> tuple
     """Return one sentence for each coefficient beyond a limit, and for each that cannot be tested by one."""
     judged = list(limits.judge(report, tuple(asked)))
     return tuple(tuple(_limit_sentence(one) for one in judged if one.verdict == kind) for kind in OUTCOMES)
+
+
+def limits_beyond_all(report: DriftReport, asked: Iterable[limits.Limit]) -> Iterator[str]:
+    """Name the limits in the unit of a coefficient that are larger than all of it: they were meant in per cent."""
+    for limit in asked:
+        judged = limits.judge(report, [] if limit.relative else [limit])
+        levels = [abs(one.found.level.value) for one in judged if one.found and isfinite(one.found.level.value)]
+        if levels and max(levels) < limit.size:
+            unit = UNITS[limit.coefficient or "coulomb_nm"]
+            most = f"more than all of it, at most {max(levels):.2g} {unit}"
+            yield f"--fail-on {limit.text}: {limit.size:g} {unit} is {most}; per cent is {limit.text}%"
 
 
 def _limit_sentence(one: limits.Judged) -> str:

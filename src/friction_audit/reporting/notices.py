@@ -53,13 +53,13 @@ SENTENCES: Mapping[str, str] = {
     "viscous_disagrees": "the viscous coefficients of energy balance and torque regression differ significantly; the "
     "interval covers both; probable cause: friction that is not linear in speed",
     **{
-        code.replace("#", name): text.replace("#", name)
-        for name in ("coulomb", "viscous")
+        code.replace("#", name): text.replace("#", name).replace("@", unit)
+        for name, unit in (("coulomb", "N m"), ("viscous", "N m s/rad"))
         for code, text in {
             "negative_#": "negative # coefficient: the torque contains more than friction, or friction falls with the "
             "speed (Stribeck); check gravity, payload, delay and the range of speeds, or ask `diagnose`",
             "#_changes": "the # coefficient changes within the log, from {early:.3f} (first {cycles} cycles) to "
-            "{late:.3f} (last); see the history",
+            "{late:.3f} @ (last); see the history",
             "#_not_determined": "the # coefficient is not determined: its interval exceeds {most:g} times the torque "
             "in motion; move more often and at several speeds",
         }.items()
@@ -69,6 +69,9 @@ SENTENCES: Mapping[str, str] = {
     "torque_delayed": "the torque looks {ms:.2g} ms or more too {late} for the motion (a delay, an elastic joint or "
     "Stribeck friction): the viscous coefficient is wrong; log q, dq and torque in one message; `diagnose` separates "
     "the causes",
+    "slow_reversals": "at reversals friction changes slowly: signals went through a low-pass, or friction builds up "
+    "over a distance; without that, Coulomb is {coulomb:.3f} N m, viscous {viscous:.3f} N m s/rad; log unfiltered "
+    "signals",
     "few_cycles": "fewer than {fewest} cycles: the intervals are wide and approximate",
     "cycles_repeated": "{count} energy cycles repeat earlier ones digit by digit: a recording is twice in the log, and "
     "the intervals are too narrow; leave one out with --t-start or --t-end",
@@ -82,8 +85,8 @@ SENTENCES: Mapping[str, str] = {
     "gravity_in_replay": "gravity is still in the torque: a compensator would take what it gives and takes within a "
     "cycle for friction",
     "seems_compensated": "{what}, as if a friction compensator had been active, and no column "
-    "says so; the replay then means little; map its torque (--map tau_compensation=NAME), or record with it switched "
-    "off",
+    "says so; if one was, the replay means little: map its torque (--map tau_compensation=NAME), or record with it "
+    "switched off",
     "not_replayed": "{reason}",
     "diverged": "the compensated loop diverges at {at_s:.4g} s; everything is given up to "
     "there; lower its gain, its factor, or its desired inertia's distance from the true one",
@@ -249,7 +252,7 @@ def diagnose_notices(found: Diagnosis) -> tuple[Notice, ...]:
     """Return what was noticed on the way to the diagnosis, with limits of the data; of joints with an answer."""
     own = [
         Notice(finding.code, joint.joint, finding.message)
-        for joint in found.discrepancy.joints
+        for joint in found.joints
         for finding in joint.findings
         if finding.verdict == "limit" and joint.gap is not None
     ]

@@ -45,16 +45,17 @@ class JointReport(NamedTuple):
     joint: int
     name: str
     friction: JointFriction
-    discrepancy: JointDiagnosis | None
+    diagnosis: JointDiagnosis | None
     replay: JointReplay | None
 
     @property
     def answer(self) -> str:
         """What the nominal model misses, its size and what to do; empty where that was not tested."""
-        found = self.discrepancy
+        found = self.diagnosis
         # That a joint did not move needs to be reported once.
         once = found is None or (found.verdict == "not_testable" and self.friction.reason)
-        return "" if found is None or once else plain_names(joint_message(found))
+        text = "" if found is None or once else plain_names(joint_message(found))
+        return text.replace("(model.toml)", "(model.toml of diagnose -o)")  # which the report does not write
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -77,7 +78,7 @@ class LogReport:
     @property
     def joints(self) -> tuple[JointReport, ...]:
         """What is reported of each joint."""
-        missing = {} if self.diagnosis is None else {one.joint: one for one in self.diagnosis.discrepancy.joints}
+        missing = {} if self.diagnosis is None else {one.joint: one for one in self.diagnosis.joints}
         replayed = {} if self.replay is None else {one.joint: one for one in self.replay.replay.joints}
         return tuple(
             JointReport(one.joint, one.name, one, missing.get(one.joint), replayed.get(one.joint))
@@ -149,11 +150,11 @@ MOST_GROUPS, MOST_LISTED, LONGEST = 4, 8, 160
 
 def verdict_word(joint: JointReport) -> str:
     """Return the verdict of a joint in a word or two."""
-    if joint.discrepancy is not None and joint.discrepancy.verdict != "not_testable":
-        return WORDS[joint.discrepancy.verdict]
+    if joint.diagnosis is not None and joint.diagnosis.verdict != "not_testable":
+        return WORDS[joint.diagnosis.verdict]
     if joint.friction.reason:
         return NO_ESTIMATE
-    return ESTIMATED if joint.discrepancy is None else WORDS["not_testable"]
+    return ESTIMATED if joint.diagnosis is None else WORDS["not_testable"]
 
 
 def friction_words(friction: JointFriction) -> str:
@@ -182,8 +183,8 @@ def lead_sentence(report: LogReport) -> str:
     groups: dict[str, list[JointReport]] = {}
     judged = [one for one in joints if verdict_word(one) != NO_ESTIMATE]  # the diagnosis needs no estimate
     for one in judged:
-        if one.discrepancy is not None:
-            groups.setdefault(_missing(one.discrepancy), []).append(one)
+        if one.diagnosis is not None:
+            groups.setdefault(_missing(one.diagnosis), []).append(one)
     parts = "; ".join(words if alone else f"{words} on {_joints(own, len(joints))}" for words, own in groups.items())
     if len(groups) > MOST_GROUPS or len(parts) > LONGEST:
         words = [verdict_word(one) for one in judged]

@@ -4,6 +4,8 @@ C. G. Atkeson, C. H. An, J. M. Hollerbach, Estimation of inertial parameters of 
 International Journal of Robotics Research 5(3), 1986.
 """
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,6 +20,8 @@ SIGNIFICANT = 1e-7  # of the largest column's square: what a column must add to 
 
 Index = NDArray[np.int64]
 Motion = tuple[Float, Float, Float]
+# Vectors (3, n) times matrices (3, k, n), shape (k, n).
+_times = partial(np.einsum, "in,ikn->kn")
 
 
 def regressor_entries(arm: Arm, motion: Motion, joints: Index, links: Index, places: Index) -> Float:
@@ -97,11 +101,6 @@ def _inertia_columns(v: Float) -> Float:
     x, y, z = v
     zero = np.zeros_like(x)
     return np.array([[x, y, zero, z, zero, zero], [zero, x, y, zero, z, zero], [zero, zero, zero, x, y, z]])
-
-
-def _times(v: Float, matrix: Float) -> Float:
-    """Vectors (3, n) times matrices (3, k, n), shape (k, n)."""
-    return np.asarray(v[0] * matrix[0] + v[1] * matrix[1] + v[2] * matrix[2])
 
 
 def significant(columns: Float) -> NDArray[np.bool_]:

@@ -248,7 +248,7 @@ def turn_degrees(recording: Recording, columns: Mapping[str, Column], ratio: flo
     elif _near(ratio, 1.0 / _DEGREES_PER_RADIAN):
         degrees = ["dq"]
     elif _near(ratio, 1.0, 0.3) and largest_q > _LARGEST_Q_RAD and largest_dq > _LARGEST_DQ_RAD_S:
-        if re.search("rad|deg", recording.mapping.get("q", "")):
+        if re.search("(?<![a-zA-Z])(rad|deg)", recording.mapping.get("q", "")):
             return recording
         of_motor = "motor" in recording.mapping.get("q", "").lower()
         moves = columns["q"].highest - columns["q"].lowest > _TRAVELLED

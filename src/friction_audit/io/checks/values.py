@@ -93,9 +93,10 @@ def _leave_out_joints(recording: Recording, missing: Counts, path: str) -> Recor
         raise InputError(
             f"{path}: no joint has q, dq and torque together; each lacks one of them in all {samples} rows"
         )
-    text, names = "{} lacks a channel in all {} rows; the joint is left out", recording.joint_names
+    text, names = "{} holds no number for {} in all {} rows; the joint is left out", recording.joint_names
     lost = np.flatnonzero(empty).tolist()
-    findings = [Finding("empty_joint", text.format(names[j], samples), j + 1, float(samples)) for j in lost]
+    lacks = {j: " and ".join(c for c, counts in missing.items() if counts[j] == samples) for j in lost}
+    findings = [Finding("empty_joint", text.format(names[j], lacks[j], samples), j + 1, float(samples)) for j in lost]
     kept = np.flatnonzero(~empty).tolist()
     left = recording.changed(lambda t, every: (t, {name: np.asfortranarray(a[:, kept]) for name, a in every.items()}))
     return replace(left, joint_names=tuple(names[joint] for joint in kept)).with_findings(*findings)

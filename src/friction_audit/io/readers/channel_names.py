@@ -40,6 +40,7 @@ _OTHERS = {"error", "errors", "err", "output", "pose", "cartesian", "tcp", "ee",
            "acceleration", "accelerations", "ddq", "limit", "limits", "min", "max", "std", "offset"}  # fmt: skip
 _MOTOR_SIDE = {"motor", "motors", "m"}  # second choice
 _DEGREES = {"deg", "degs", "degree", "degrees"}
+STATED_UNITS = ("deg", "deg/s", "rad", "rad/s", "A", "mA")  # after a --map entry
 _UNITS = {*_DEGREES, "rad", "rads", "s", "nm", "degc"}
 _KNOWN = {*_CURRENT, *_TORQUES, *_MEASURED, *_SAYS_NOTHING, *_COMMANDED, *_UNITS, "d", "dot",
           "f", "friction", *(word for words in QUANTITIES.values() for word in words)}  # fmt: skip
@@ -123,8 +124,13 @@ def parse_name(name: str) -> ForeignName | None:
         template=text[:start] + {None: "", "joint": "{joint}"}.get(place, "{i}") + text[stop:],
         index=None if place in (None, "joint") else int(parts[place or ""]),
         joint=parts.get("joint"),
-        degrees=channel in ("q", "dq") and ("°" in units or bool(_DEGREES & {*words, *_words(units)})),
+        degrees=channel in ("q", "dq") and says_degrees(" ".join((*words, units))),
     )
+
+
+def says_degrees(text: str) -> bool:
+    """Return True where degrees are among the words: ``Winkel 3 (deg)``, ``q_deg_3``."""
+    return "°" in text or not _DEGREES.isdisjoint(_words(text))
 
 
 def ranks(names: Iterable[ForeignName]) -> Callable[[ForeignName], tuple[int, ...]]:
@@ -229,23 +235,24 @@ def stated_group(
 ) -> Group:
     """Read one --map entry: a template with {i}, names with commas, one name, or the name of a list column.
 
-    ``:deg``, ``:rad``, ``:A`` or ``:mA`` after it says the unit. KeyError if there is no such column.
+    One of ``STATED_UNITS`` after a colon is the unit, before what the names say. KeyError if there is no such column.
     """
     bare, _, unit = value.rpartition(":")
-    if unit in ("deg", "rad", "A", "mA") and value not in names:
+    if unit in STATED_UNITS and value not in names:
         group = stated_group(bare, names, labels, outside)
-        return group._replace(template=value, degrees=unit == "deg")
+        return group._replace(template=value, degrees=unit.startswith("deg"))
     template = value.strip() if "{i}" in value else value + "[{i}]"
     pattern = re.compile(re.escape(template).replace(re.escape("{i}"), r"(\d+)"))
     numbers = {cell: int(match[1]) for cell, name in enumerate(names) if (match := pattern.fullmatch(name))}
     if numbers:
         parsed = {cell: parse_name(names[cell]) for cell in numbers if cell not in outside}
         joints = {cell: (name and name.joint) or (labels or {}).get(cell) for cell, name in parsed.items()}
-        return group_of(value, [(cell, numbers[cell], joint) for cell, joint in joints.items()])
+        found = [(cell, numbers[cell], joint) for cell, joint in joints.items()]
+        return group_of(value, found, degrees=says_degrees(value))
     if "{i}" in value:
         raise KeyError(value)
     listed = [cell for part in value.split(",") for cell in positions_of(part.strip(), names)]
-    return Group(value, dict(enumerate(listed)), in_order=True)
+    return Group(value, dict(enumerate(listed)), degrees=says_degrees(names[listed[0]]), in_order=True)
 
 
 def positions_of(part: str, names: Sequence[str]) -> list[int]:

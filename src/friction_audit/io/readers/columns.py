@@ -11,6 +11,7 @@ from friction_audit.errors import InputError, near_misses
 from friction_audit.io.readers.channel_names import (
     OTHER_UNIT,
     QUANTITIES,
+    STATED_UNITS,
     ForeignName,
     Group,
     JointKey,
@@ -72,7 +73,8 @@ def map_columns(
     """
     path, labels, bare = str(table.path), table.labels, [name.strip() for name in table.names]
     if lost := [f"--map {c}={mapping[c]}{near_misses(name, bare)}" for c, name in absent(mapping, bare).items()]:
-        raise InputError(f"{path}: no column for {' and no column for '.join(lost)}; found {shorten(bare)}")
+        units = f"; units after a colon are {', '.join(STATED_UNITS)}" if any(":" in one for one in lost) else ""
+        raise InputError(f"{path}: no column for {' and no column for '.join(lost)}; found {shorten(bare)}{units}")
     listed = [one for channel, one in mapping.items() if channel != "t" and one not in bare]
     per_joint = any(_SEVERAL.search(one) or f"{one}[0]" in bare for one in listed)  # is a column
     is_joint = (cell for cell, name in enumerate(bare) if _JOINT_COLUMN.fullmatch(name))
@@ -102,7 +104,7 @@ def map_columns(
     if time is None or lacks:
         raise InputError(_missing_message(bare, groups, found_time=time is not None, path=path))
     if joint is not None:
-        return replace(_align(_one_column_each(groups, bare, stated), time, bare, path, needed), joint=joint)
+        return replace(_align(_one_column_each(groups, bare), time, bare, path, needed), joint=joint)
     columns = _align(groups, time, bare, path, needed)
     return replace(columns, findings=(*columns.findings, *_choices(columns, others, heads)))
 
@@ -141,14 +143,12 @@ def _stated_time(value: str, names: Sequence[str]) -> TimeColumn:
     return TimeColumn(cells=(cell,), name=name, unit=unit or (known.unit if known else None), clock=clock)
 
 
-def _one_column_each(groups: Mapping[str, Group], names: Sequence[str], stated: Collection[str]) -> dict[str, Group]:
+def _one_column_each(groups: Mapping[str, Group], names: Sequence[str]) -> dict[str, Group]:
     """Return the first column of each channel, as a long table has them."""
     found = {}
     for channel, group in groups.items():
         cell = next(iter(group.cells.values()))
-        name = parse_name(names[cell]) if channel in stated else None
-        degrees = group.degrees or bool(name and name.degrees and name.channel == channel)
-        found[channel] = Group(names[cell], {0: cell}, degrees=degrees and not group.template.endswith(":rad"))
+        found[channel] = Group(names[cell], {0: cell}, degrees=group.degrees)
     return found
 
 
@@ -276,7 +276,7 @@ def _align(
         channels=channels,
         joint_names=joint_names,
         mapping={channel: groups[channel].template for channel in channels},
-        degrees=frozenset(channel for channel in channels if groups[channel].degrees),
+        degrees=frozenset(channel for channel in ("q", "dq") if channel in channels and groups[channel].degrees),
         findings=tuple(findings),
     )
 

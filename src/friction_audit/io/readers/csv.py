@@ -16,7 +16,7 @@ from friction_audit.io.readers.clocks import TimeColumn, stamps_of, to_clock
 from friction_audit.io.readers.columns import ColumnMap
 from friction_audit.io.readers.csv_lines import Dialect, is_row, recognises, sniff_csv, split_line, value_of
 from friction_audit.io.readers.reader import BY_NUMBER, IN_BLOCKS_BYTES, ReadOptions, Topic, refuse_too_large
-from friction_audit.io.readers.table import Part, Table, part_in_blocks, read_table
+from friction_audit.io.readers.table import ROBOT_COLUMN, Part, Table, part_in_blocks, read_table
 from friction_audit.io.recording import Recording, WholeLogError
 from friction_audit.joint_log import Finding, find_window
 from friction_audit.parallel import ahead
@@ -56,8 +56,10 @@ class CsvTable(Table):
         # rostopic echo -p writes the joints' names into every line
         self._labels = {cell: text.strip() for cell, text in first if text.strip() and is_label(dialect.names[cell])}
         self.labels = labels_of(self.names, {self.names[cell]: text for cell, text in self._labels.items()})
+        whole = [row for row in dialect.rows if len(row) == dialect.width]
+        said = ((cell, name) for cell, name in enumerate(self.names) if ROBOT_COLUMN.fullmatch(name))
+        self.refuse_several_robots({name: [row[cell] for row in whole] for cell, name in said})
         if len(dialect.rows) >= 3:  # noqa: PLR2004  # a header stamp that stands still is no clock
-            whole = [row for row in dialect.rows if len(row) == dialect.width]
             self.constant = frozenset(c for c in range(dialect.width) if len({row[c] for row in whole}) == 1)
         self._kinds: dict[int, Any] = {}
         self._lines = self._bad_lines = 0
@@ -181,14 +183,19 @@ class CsvTable(Table):
         import pandas as pd
 
         (cell,), words = time.cells, columns[time.cells[0]]
-        dates = pd.to_datetime(pd.Series(words), format="ISO8601", utc=True, errors="coerce")
+        day_first = r"^\s*(\d\d)\.(\d\d)\.(\d{4})"  # with slashes it could be the month
+        texts = pd.Series(words, dtype=str).str.replace(",", ".").str.replace(day_first, r"\3-\2-\1", regex=True)
+        dates = pd.to_datetime(texts, format="ISO8601", utc=True, errors="coerce")
         if dates.isna().all():  # a time of day
-            dates = pd.Timestamp(0, tz="UTC") + pd.to_timedelta(pd.Series(words), errors="coerce")
+            dates = pd.Timestamp(0, tz="UTC") + pd.to_timedelta(texts, errors="coerce")
         dates = dates.where(dates.between(pd.Timestamp.min.tz_localize("UTC"), pd.Timestamp.max.tz_localize("UTC")))
         dated = dates.notna().to_numpy()
         if not dated.all():
-            what = f"column {time.name} holds neither a number nor an ISO 8601 date or time: {words[~dated][0]!r}"
-            expected = "seconds, or dates such as 2024-05-01T12:00:00.001; name another clock with --map t=NAME"
+            what = f"column {time.name} holds neither a number nor a date that is read: {words[~dated][0]!r}"
+            expected = (
+                "seconds, or dates such as 2024-05-01T12:00:00.001 or 01.05.2024 12:00:00.001; convert it, or name "
+                "another clock with --map t=NAME"
+            )
             self._complain(int(np.count_nonzero(~dated)), what, expected)
         stamps = dates[dated].dt.tz_convert(None).dt.as_unit("ns").to_numpy().astype(np.int64)
         return {own: array[dated] for own, array in columns.items()} | {cell: stamps}

@@ -20,7 +20,7 @@ from friction_audit.io.readers.channel_names import is_label, labels_of
 from friction_audit.io.readers.clocks import Clock, TimeColumn, stamps_of, to_clock
 from friction_audit.io.readers.columns import ColumnMap
 from friction_audit.io.readers.reader import ReadOptions, Topic, serial_in
-from friction_audit.io.readers.table import ColumnTable, Part, part_in_blocks, read_table
+from friction_audit.io.readers.table import ROBOT_COLUMN, ColumnTable, Part, part_in_blocks, read_table
 from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Finding
 from friction_audit.parallel import per_joint
@@ -78,6 +78,7 @@ class ParquetTable(ColumnTable):
             self._cells += [(name, element) for element in range(length)]
         self._widths = Counter(name for name, element in self._cells if element is not None)
         super().__init__(path, [name if element is None else f"{name}[{element}]" for name, element in self._cells])
+        self.refuse_several_robots(_first_rows(file, [name for name in scalars if ROBOT_COLUMN.fullmatch(name)]))
         said = (name for name in lists if is_label(f"{name}[0]"))
         labels = [name for name in said if arrow.is_of(self._types[name].value_type, "text")]
         named = {name: list(map(str, next(filter(None, rows), []))) for name, rows in _first_rows(file, labels).items()}

@@ -2,7 +2,7 @@
 
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from math import inf, isfinite
@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.errors import InputError
+from friction_audit.errors import InputError, few
 from friction_audit.io.readers.channel_names import choose_arm, robot_of
 from friction_audit.io.readers.clocks import Clock, TimeColumn, stamps_of, to_clock
 from friction_audit.io.readers.columns import MOST_JOINTS, REQUIRED, ColumnMap, absent, doubt_torque, map_columns
@@ -22,6 +22,7 @@ from friction_audit.io.recording import Block, Blocks, Recording, WholeLogError
 from friction_audit.joint_log import Finding, Float, find_window
 
 _RADIANS_PER_DEGREE = np.pi / 180.0
+ROBOT_COLUMN = re.compile(r"\s*(?:robot|arm)(?:[ _-]?(?:name|id|number|no|serial))?\s*", re.IGNORECASE)
 _WHOLE = re.compile(r"^(\d+)\.0+$")  # a joint's number in a column that was written as floats
 
 
@@ -52,6 +53,16 @@ class Table(ABC):
     def __init__(self, path: Path, names: Sequence[str]) -> None:
         self.path = path
         self.names = names  # of the columns that hold one number per row; elements of lists as name[0], name[1]...
+
+    def refuse_several_robots(self, first: Mapping[str, Iterable[object]]) -> None:
+        """Refuse a table whose first rows are of several robots, by the values of the columns that say it."""
+        for name, values in first.items():
+            robots = sorted({str(value).strip() for value in values})
+            if len(robots) > 1:
+                raise InputError(
+                    f"{self.path}: the rows are of several robots: column {name} holds {', '.join(few(robots))}; "
+                    "expected one robot; keep the rows of one, or rename the column if it holds something else"
+                )
 
     @abstractmethod
     def read(self, columns: ColumnMap, options: ReadOptions) -> Part:

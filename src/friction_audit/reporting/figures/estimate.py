@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from friction_audit.friction.history import Coefficient, JointFriction
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, median_step
 from friction_audit.pipeline import Estimate
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.reporting.figures import panels as parts, style as theme
@@ -188,7 +188,7 @@ def _draw_loop(panels: Sequence[Axes], estimate: Estimate, friction: JointFricti
 
 def filtered_loop(series: JointSeries) -> tuple[Float, Float, int]:
     """Return filtered velocity and torque, thinned; of a long log every k-th cycle, gaps between them as NaN; and k."""
-    step = max(1, int(parts.median_rate_hz(series.t) / (POINTS_PER_PERIOD * parts.CUTOFF_HZ)))
+    step = max(1, int(1.0 / median_step(series.t) / (POINTS_PER_PERIOD * parts.CUTOFF_HZ)))
     dq, torque = (parts.smooth(series.t, signal)[::step] for signal in (series.dq, series.driving))
     every = max(-(-len(dq) // parts.MOST_POINTS), -(-len(series.cycles.joint) // MOST_LOOPS))
     if every <= 1:

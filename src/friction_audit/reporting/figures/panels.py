@@ -14,7 +14,7 @@ from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
 
 from friction_audit.errors import UsageError, printable, shortened
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, median_step
 from friction_audit.reporting.figures import style as theme
 from friction_audit.reporting.figures.style import COLUMN_IN, Look, figure_style
 from friction_audit.reporting.words import NEWTON_METRES, SHORTEST_NAME, in_unit, joint_label, joints_label
@@ -224,12 +224,7 @@ MOST_POINTS = 20_000  # points of one curve that a reader can still tell apart, 
 
 def cutoff_hz(t: Float) -> float:
     """Return the corner in force: CUTOFF_HZ, or less where the log is too slow for it. [Hz]"""
-    return min(CUTOFF_HZ, 0.2 * median_rate_hz(t))
-
-
-def median_rate_hz(t: Float) -> float:
-    """Return the sampling rate of stamps, shape (n,). [Hz]"""
-    return 1.0 / float(np.median(np.diff(t)))
+    return min(CUTOFF_HZ, 0.2 / median_step(t))
 
 
 def smooth(t: Float, signal: Float) -> Float:
@@ -238,7 +233,7 @@ def smooth(t: Float, signal: Float) -> Float:
 
     if len(t) < SHORTEST:
         return signal
-    sections = butter(ORDER, cutoff_hz(t), fs=median_rate_hz(t), output="sos")
+    sections = butter(ORDER, cutoff_hz(t), fs=1.0 / median_step(t), output="sos")
     return np.asarray(sosfiltfilt(sections, signal, padlen=min(len(t) - 1, 3 * SHORTEST)), dtype=np.float64)
 
 
@@ -274,7 +269,7 @@ def draw_curve(axes: Axes, t: Float, signal: Float, points: int, **look: Any) ->
     """Draw a signal over time, thinned to its extremes; no line bridges a gap."""
     stamps, kept = thin_extremes(t, signal, points)
     if len(t) > 1:
-        longest_s = GAP_PERIODS / median_rate_hz(t) + 2 * (t[-1] - t[0]) / len(stamps)
+        longest_s = GAP_PERIODS * median_step(t) + 2 * (t[-1] - t[0]) / len(stamps)
         kept = break_at_gaps(stamps, kept, longest_s)
     axes.plot(stamps, kept, **look)
 

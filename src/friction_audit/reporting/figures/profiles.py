@@ -85,13 +85,13 @@ def _draw_row(panels: list[Axes], joint: JointDiagnosis, row: Row) -> None:
 
 
 def _residual_label(found: Diagnosis) -> str:
-    corners = [one.traces.corner_hz for one in found.discrepancy.joints if one.traces is not None]
+    corners = [one.traces.corner_hz for one in found.joints if one.traces is not None]
     low_pass = f", low-pass {range_of(corners, lambda hz: f'{hz:.3g}')} Hz" if corners else ""
     return f"Residual torque{low_pass} [N m]"
 
 
 RESIDUAL = parts.Layout(
-    joints=lambda found: found.discrepancy.joints, has=lambda _, joint: joint.traces is not None, lacks="not testable",
+    joints=lambda found: found.joints, has=lambda _, joint: joint.traces is not None, lacks="not testable",
     draw=_draw_residual, height_in=(1.4, 1.55), x="", y=_residual_label,
     panels=lambda _, joint, sheet: 2 if sheet else sum(1 if row.after is None else 2 for row in rows_of(joint)),
 )  # fmt: skip
@@ -210,7 +210,7 @@ def _draw_contacts(axes: Axes, joint: JointDiagnosis, title: str, ends: tuple[fl
 
 
 def _named(found: Diagnosis) -> bool:
-    return any(one.effects for one in found.discrepancy.joints)
+    return any(one.effects for one in found.joints)
 
 
 # Where no effect was named on any joint, the residuals.

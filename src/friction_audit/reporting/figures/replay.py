@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from friction_audit.compensation.result import JointReplay, Signals
+from friction_audit.joint_log import median_step
 from friction_audit.pipeline import LogReplay
 from friction_audit.reporting.figures import panels as parts, style as theme
 from friction_audit.reporting.figures.estimate import MOST_SHADED, POINTS_PER_PERIOD, SMALLEST_SPEED_RAD_S
@@ -141,7 +142,7 @@ def _draw_loop(axes: Axes, signals: Signals, start: int, colours: tuple[str, str
         return
     thin = parts.every_nth(len(t), DOTS)
     parts.draw_dots(axes, dq[thin], torque[thin], colours[0], f"{name}, raw")
-    step = max(1, int(parts.median_rate_hz(t) / (POINTS_PER_PERIOD * parts.CUTOFF_HZ)), len(t) // LOOP_POINTS)
+    step = max(1, int(1.0 / median_step(t) / (POINTS_PER_PERIOD * parts.CUTOFF_HZ)), len(t) // LOOP_POINTS)
     curve = [parts.smooth(t, one)[::step] for one in (dq, torque)]
     label = f"{name}, {parts.cutoff_hz(t):.3g} Hz"
     axes.plot(*curve, color=colours[1], lw=0.4, rasterized=True, label=label)

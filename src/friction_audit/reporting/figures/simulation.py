@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from friction_audit.diagnosis.result import JointDiagnosis, SimulationGap, Traces
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, median_step
 from friction_audit.pipeline import Diagnosis
 from friction_audit.reporting.diagnosis_words import plain_names
 from friction_audit.reporting.figures import panels as parts, style as theme
@@ -53,7 +53,7 @@ def _draw(panels: Sequence[Axes], found: Diagnosis, joint: JointDiagnosis) -> No
     series = series_of(found.estimate, friction)
     length_s, raw = pieces[-1].place + pieces[-1].stop - pieces[-1].start, np.empty(0)
     if len(series.t):  # a command has freed the samples of the log, which take most of the memory
-        thin = parts.every_nth(int(length_s * parts.median_rate_hz(series.t)), POINTS)
+        thin = parts.every_nth(int(length_s / median_step(series.t)), POINTS)
         # The stamps of a log may jitter by half of their step, those of the samples of the diagnosis do not.
         x, raw = lay_out(pieces, series.t[thin], series.driving[thin], float(np.median(np.diff(traces.t))))
         panels[0].plot(x, raw, color=theme.RAW, lw=0.5, label="measured, raw", zorder=1)
@@ -135,6 +135,6 @@ def _draw_models(axes: Axes, pieces: Sequence[Piece], t: Float, curves: Sequence
 SIMULATION = replace(
     RESIDUAL, draw=_draw, height_in=(1.25, 1.3), x="Time within the held-out cycles shown [s]", y="", shared="row",
     panels=lambda found, joint, sheet: (
-        3 if any(one.simulation for one in (found.discrepancy.joints if sheet else [joint])) else 2
+        3 if any(one.simulation for one in (found.joints if sheet else [joint])) else 2
     ),
 )  # fmt: skip

@@ -73,7 +73,8 @@ def _lead(arms: Sequence[ArmDrift]) -> str:
     if drifting or len(arms) == 1:
         arm = (drifting or arms)[0]
         return f"{arm.robot}: {phrases.arm_sentence(arm)}."
-    steady = [phrases.joint_verdict(*arm.joints) for arm in arms].count(phrases.STEADY)
+    coefficients = ([one for joint in arm.joints for one in joint.coefficients] for arm in arms)
+    steady = [phrases.drift_verdict(*own) for own in coefficients].count(phrases.STEADY)
     found = f"No drift of the friction was found on {count_of(steady, 'arm')}"
     return f"{found}." if steady == len(arms) else f"{found}; no answer on {count_of(len(arms) - steady, 'arm')}."
 

@@ -125,7 +125,7 @@ def _answer(report: made.LogReport, answered: list[made.JointReport], drawn: Dra
 
 def _joint(report: made.LogReport, one: made.JointReport) -> html.Section:
     label, unit = joint_label(one.joint, one.name), report.unit
-    rows = ((FRICTION, one.friction), (tables.JOINT_DIAGNOSIS, one.discrepancy), (JOINT_REPLAY, one.replay))
+    rows = ((FRICTION, one.friction), (tables.JOINT_DIAGNOSIS, one.diagnosis), (JOINT_REPLAY, one.replay))
     filled = [(table.people([row], unit=unit).filled(without="joint"), row) for table, row in rows if row is not None]
     pairs = {column.head(unit): table.text(column, row) for table, row in filled for column in table.columns}
     own = list(dict.fromkeys(notice.message for notice in made.report_notices(report) if notice.joint == one.joint))
@@ -136,9 +136,9 @@ def _joint(report: made.LogReport, one: made.JointReport) -> html.Section:
 
 
 def _effects(report: made.LogReport, one: made.JointReport) -> Iterator[html.Part]:
-    if one.discrepancy is None:
+    if one.diagnosis is None:
         return
-    rows, joint, unit = tables.effect_rows([one.discrepancy]), f"joint {one.joint}", report.unit
+    rows, joint, unit = tables.effect_rows([one.diagnosis]), f"joint {one.joint}", report.unit
     caption = f"Missing effects of {joint}, the largest first"
     yield tables.EFFECT.people(rows, caption=caption, unit=unit).filled(without="joint")
     unsure = [row for row in rows if row.effect.alternatives]
@@ -146,13 +146,13 @@ def _effects(report: made.LogReport, one: made.JointReport) -> Iterator[html.Par
     yield html.Text([f"To separate {words.plain_names(line)}".replace(" or ", " from ", 1) for line in separate])
     recorders = {row.effect.label: effect_of(row.effect.name).recorder for row in rows}
     lines = [f"{label}: {text}." for label, text in recorders.items() if text]
-    if one.discrepancy.verdict != "adequate" and (lost := words.lost_in_noise(one.discrepancy)):
+    if one.diagnosis.verdict != "adequate" and (lost := words.lost_in_noise(one.diagnosis)):
         lines.append(f"{lost[:1].upper()}{lost[1:]}.")
     yield html.Text(lines)
     competing = [(row, other) for row in rows for other in row.effect.evidence]
     caption = f"Effects competing with those of {joint}: from 6 on the evidence against them is strong"
     yield tables.COMPETITOR.people(competing, caption=caption, unit=unit, folded=True).filled(without="joint")
-    untestable, caption = tables.untestable_rows(one.discrepancy), f"Effects that this log cannot show on {joint}"
+    untestable, caption = tables.untestable_rows(one.diagnosis), f"Effects that this log cannot show on {joint}"
     yield tables.UNTESTABLE.people(untestable, caption=caption, unit=unit, folded=True).filled(without="joint")
 
 
@@ -183,7 +183,7 @@ def _missing(report: made.LogReport) -> Iterator[html.Part]:
         yield _unanswered(report, "diagnose")
         return
     yield html.Text((f"Nominal model: {words.nominal_model(report.diagnosis.settings.model)}.",))
-    rows = tables.effect_rows(report.diagnosis.discrepancy.joints)
+    rows = tables.effect_rows(report.diagnosis.joints)
     yield tables.EFFECT.people(rows, caption="Missing effects, the largest of a joint first", unit=report.unit)
 
 
@@ -206,7 +206,7 @@ def _recording(report: made.LogReport) -> Iterator[html.Part]:
     signs = [(of_log[one.joint - 1], one) for one in choice.sign_evidence]
     caption = "Sign of the torque: friction dissipates energy, so the torque goes with the motion"
     yield SIGN.people(signs, caption=caption, folded=True, unit=unit)
-    joints = () if report.diagnosis is None else report.diagnosis.discrepancy.joints
+    joints = () if report.diagnosis is None else report.diagnosis.joints
     checks = [(joint, finding) for joint in joints for finding in joint.findings]
     bad = [row for row in checks if row[1].verdict != "fine"]
     yield tables.FINDING.people(bad, caption="Limits and faults of the data", folded=True)
