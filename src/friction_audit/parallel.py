@@ -8,7 +8,7 @@ import sys
 import threading
 import warnings
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor, wait as wait_for
+from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor, wait as wait_for
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from functools import lru_cache
@@ -146,8 +146,6 @@ def in_processes(work: Callable[[int], Result], pieces: int, workers: int) -> It
     Processes are forked, so that they share the data that the work refers to; results can be pickled. Work writes
     nowhere, since a process may end at any time: what one that is killed was to do is done here.
     """
-    from concurrent.futures.process import BrokenProcessPool
-
     from threadpoolctl import threadpool_limits
 
     if workers == 1:
@@ -160,21 +158,19 @@ def in_processes(work: Callable[[int], Result], pieces: int, workers: int) -> It
             future = futures.pop(piece)
             try:
                 result = work(piece) if future is None else future.result()
-            except BrokenProcessPool:
+            except BrokenExecutor:
                 result = work(piece)
             yield result
 
 
 def _submit(pool: "ProcessPoolExecutor", piece: int) -> "Future[Any] | None":
-    from concurrent.futures.process import BrokenProcessPool
-
     with warnings.catch_warnings():
         # Python warns of forking a process with threads. Those of a command show progress, and no child does; those of
         # libraries have ended or are begun anew.
         warnings.filterwarnings("ignore", message=".*fork", category=DeprecationWarning)
         try:
             return pool.submit(_do, piece)
-        except (BrokenProcessPool, OSError):  # killed already, or there is no room for processes
+        except (BrokenExecutor, OSError):  # killed already, or there is no room for processes
             return None
 
 
