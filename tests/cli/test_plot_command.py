@@ -33,10 +33,10 @@ def test_copies_of_the_process_draw_the_same_files(run: Run, logs: Path, monkeyp
     drawn = []
     for workers in (1, 3):
         monkeypatch.setattr(parallel, "workers_for", lambda _, workers=workers: workers)
-        answer = run("plot", logs / "moved2.csv", "--figure-format", "svg,pdf", "-o", "drawn", "--overwrite")
+        answer = run("plot", logs / "moved2.csv", "--figure-format", "svg", "-o", "drawn", "--overwrite")
         drawn.append({path: Path(path).read_bytes() for path in answer.out.split()})
     assert list(drawn[0]) == list(drawn[1])
-    assert len(drawn[0]) == 6
+    assert len(drawn[0]) == 3
     assert drawn[0] == drawn[1]
 
 

@@ -114,7 +114,6 @@ def test_the_remedy_of_a_warning_is_the_user_s_own_command(run: Run, logs: Path)
 ORIGIN = Provenance(method="diagnose", log="first.parquet", sha256="ab", cycles=12)
 SIMPLE = replace(simple_model(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07), provenance=ORIGIN)
 STRIBECK = replace(SIMPLE, terms=(*SIMPLE.terms, FittedTerm("stribeck", (0.15, 0.1, 1.5))))
-OPERATOR = ("--assume", "same-operator", "--operator", "0.3,9,60")
 APPLIED = ("--compensator", "model", "--joint-model", "model.toml")
 
 

@@ -135,6 +135,18 @@ def test_the_intervals_hold_the_truth_about_as_often_as_they_say(logs: int) -> N
     assert sum(held) >= 0.85 * len(held)
 
 
+def test_signals_of_one_low_pass_are_noticed_where_it_changes_the_coefficients() -> None:
+    low_pass = partial(filter_velocity, rate_hz=500.0, cutoff_hz=2.0)
+    log = simulate(BenchSettings(duration_s=40.0, rate_hz=500.0), 3).log
+    filtered = {name: np.apply_along_axis(low_pass, 0, getattr(log, name)) for name in ("q", "dq", "tau_interaction")}
+    joint: Any = None
+    for found, expected in ((log, []), (replace(log, **filtered), ["slow_reversals"])):
+        (joint,), warnings = (history := estimate_log(found, AuditSettings()).friction).joints, history.warnings
+        assert [one.code for one in warnings] == expected
+    assert joint.viscous.value > 0.08  # true: 0.07
+    assert warnings[0].numbers["viscous"] == pytest.approx(0.07, abs=0.01)
+
+
 @pytest.mark.parametrize(("delay_s", "found"), [(0.0, []), (0.02, ["late"]), (-0.02, ["early"])])
 def test_a_torque_that_is_not_simultaneous_with_the_motion_is_noticed(delay_s: float, found: list[str]) -> None:
     """A delay of 20 ms adds 0.02 s * B * (2 pi f)^2 to the viscous coefficient."""

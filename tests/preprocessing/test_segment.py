@@ -62,6 +62,14 @@ def test_a_hole_in_the_log_is_left_out() -> None:
     assert cycles.reason.tolist() == [GAP, KEPT, KEPT, KEPT]
 
 
+def test_strokes_on_both_sides_of_a_reversal_that_a_hole_hides_do_not_count() -> None:
+    t = np.arange(0.0, 3.0, 1.0 / RATE_HZ)
+    t = t[(t < 1.2) | (t > 1.4)]
+    v = np.cos(2.0 * np.pi * t)
+    cycles = segment_cycles(interaction(t, v, COULOMB * np.sign(v)), DEFAULT)
+    assert cycles.reason.tolist() == [KEPT, GAP, GAP, KEPT, KEPT]
+
+
 def test_a_joint_that_never_comes_back_has_no_closed_cycle() -> None:
     cycles = segment_cycles(interaction(*rubbed([0.8, 0.5], [1.0, 1.0])), DEFAULT)
     assert cycles.reason.tolist() == [ONE_WAY, ONE_WAY]

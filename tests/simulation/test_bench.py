@@ -17,7 +17,6 @@ from friction_audit.simulation.arm import ArmSettings, Servo
 from friction_audit.simulation.bench import HandGuidedPanda
 from friction_audit.simulation.effects import EFFECTS, Hidden, HiddenEffect
 from friction_audit.simulation.effects.load_and_place import JointLimitStop
-from friction_audit.simulation.effects.sensors import TORQUE_LATE, VELOCITY_LATE, TimeDelay, delayed
 from friction_audit.simulation.effects.structure import InertiaError, JointElasticity
 from friction_audit.simulation.sensors import draw_noise, quantise
 from friction_audit.simulation.settings import Simulation, TrueMotion
@@ -121,19 +120,9 @@ def test_the_stiffest_wall_takes_energy(form: str) -> None:
     assert (work - kept).min() > -1e-3 * work[-1]
 
 
-# Late signals, coloured noise, and what diverges.
+# Coloured noise, and what diverges.
 
 PLAIN = BenchSettings(duration_s=6.0)
-
-
-@pytest.mark.parametrize(("form", "names"), [(TORQUE_LATE, ["tau_interaction"]), (VELOCITY_LATE, ["q", "dq"])])
-def test_delay_shifts_torque_or_motion_by_its_length(form: int, names: list[str]) -> None:
-    """By 7.4 ms: between two samples the line is straight (``test_effect_formulas.py``)."""
-    hidden = Hidden(time_delay=TimeDelay(delay_s=7.4e-3, form=form))
-    prompt, late = (simulate(replace(IDEAL, hidden=(one,)), 1).log.channels() for one in (Hidden(), hidden))
-    for name, column in late.items():
-        expected = only(prompt[name])
-        assert_allclose(only(column), delayed(7.4e-3, expected) if name in names else expected, atol=1e-9)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 1.0])

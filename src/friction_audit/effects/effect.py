@@ -43,7 +43,6 @@ class Effect:
 
     # What some effects have of their own.
 
-    memoryless: ClassVar[bool] = False  # True if it follows from the joint's own motion and load at the same instant
     needs_nominal: ClassVar[bool] = False  # True if its columns hold torque of the nominal model and change with that
     # What its formula may miss: any torque, one that is the same in both directions, or nothing, as that of a constant.
     misses: ClassVar[Literal["any", "even", "nothing"]] = "any"
@@ -113,6 +112,11 @@ class Effect:
     def parameters(self) -> tuple[Parameter, ...]:
         """All parameters: coefficients, then nonlinear ones."""
         return self.coefficients + self.nonlinear
+
+    @property
+    def memoryless(self) -> bool:
+        """Whether it follows from the joint's own motion and load at the same instant."""
+        return self.axis in ("speed", "position", "load")
 
     @property
     def follows(self) -> bool:

@@ -28,7 +28,6 @@ class LoadDependentFriction(Effect):
     """
 
     needs_nominal = True
-    memoryless = True
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return sgn(dq) |load|^p and, where the power's direction counts, sgn(load) |load|^p as columns."""
@@ -106,6 +105,8 @@ class GravityError(Effect):
     its angle. In an arm they differ: a link that is heavier than its model pulls at each joint as the pose says (the
     columns of gravity in the arm's regressor; Atkeson, An, Hollerbach, Int. J. Robotics Research 5(3), 1986).
     """
+
+    memoryless = False  # the model of the arm knows it at other times
 
     misses = "even"
 

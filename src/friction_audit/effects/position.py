@@ -60,8 +60,6 @@ class PositionDependentFriction(Effect):
     the position. A wave under a bell is a patch where the bell is narrower than the wave is long.
     """
 
-    memoryless = True
-
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield sgn(dq) exp(-((q - c) / w)^2 / 2) times cos and sin of k (q - c), two columns; equal bells are one."""
         wave = Wave(motion.q)
@@ -132,8 +130,6 @@ class TorqueRipple(Effect):
     alternative, Biometrika 74 (1987) 33.
     """
 
-    memoryless = True
-
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         wave = Wave(motion.q)
         yield from ((place, wave.of(order).T) for place, (order,) in enumerate(many))
@@ -187,7 +183,6 @@ class CableSpring(Effect):
     """
 
     misses = "even"
-    memoryless = True
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return the stretch d = q - c less what is free of it, and its cube, and ones, as columns."""
@@ -253,7 +248,6 @@ class JointLimitStop(Effect):
     """
 
     misses = "even"
-    memoryless = True
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return (depth / 0.1 rad)^n at the upper and the lower stop, dq while one is touched, that times the power."""

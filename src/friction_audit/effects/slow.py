@@ -143,8 +143,6 @@ WARM_UP = WarmUp(
 class FrictionStep(Effect):
     """Friction that changes once, at a moment of the recording, at once or within some seconds."""
 
-    memoryless = True
-
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return sgn(dq) and dq times a ramp from 0 to 1 about a moment, as columns; a step where its length is 0."""
         moment, length = values

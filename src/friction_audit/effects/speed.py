@@ -42,8 +42,6 @@ class Stribeck(SpeedFriction):
     exp(-|dq / v_s|^delta).
     """
 
-    memoryless = True
-
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         speed, exponent = values
         fading = np.exp(-(np.abs(motion.dq / speed) ** exponent))
@@ -89,8 +87,6 @@ class NonlinearViscous(SpeedFriction):
     Mudholkar, E. O. George, A remark on the shape of the logistic distribution, Biometrika 65 (1978) 667), with many
     the error function: all by which a sign is usually smoothed.
     """
-
-    memoryless = True
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return sgn(dq) S(|dq| / v_0) (v_0^2 + dq^2)^(n / 2), S the bend, over its value at 1 rad/s."""
@@ -171,8 +167,6 @@ class UnloggedCompensation(Effect):
     Smooth compensators hold back below a speed w, as tanh(dq / w), others have a dead band; that of C. Gaz et al.,
     Dynamic identification of the Franka Emika Panda robot, RA-L 4 (2019) 4147, is a sigmoid shifted through the origin.
     """
-
-    memoryless = True
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return what the joint then takes less, -tanh(dq / w + k) + tanh(k) or -sgn(dq) beyond a dead band."""

@@ -38,7 +38,7 @@ def not_simultaneous(joint: JointFriction) -> Iterator[Caution]:
     if np.isfinite(delay_s):
         numbers = {"ms": 1e3 * abs(delay_s), "late": "late" if delay_s > 0.0 else "early"}
         yield Caution(code="torque_delayed", joint=joint.joint, numbers=numbers)
-    if turning is not None:
+    elif turning is not None:
         numbers = dict(zip(UNITS, turning, strict=True))
         yield Caution(code="slow_reversals", joint=joint.joint, numbers=numbers)
 

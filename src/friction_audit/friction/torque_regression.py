@@ -46,10 +46,11 @@ LEAST_ONE_WAY = 0.1  # share of the samples that each direction has at least, or
 LEAST_FRICTION_SHARE = 0.85
 # Share of the residual that another joint's velocity may explain: 0.92, 0.96 where two share gears, else at most 0.40.
 LARGEST_COUPLED_SHARE = 0.5
-# Half widths of 95 % that the jerk's coefficient must differ from zero, and the inertia's; a shorter delay is harmless.
-CERTAIN, SHORTEST_DELAY_S = 2.5, 2e-3
-# The direction averaged over so long stands for a low-pass of 2 Hz. Share of Coulomb friction that follows it in place of
-# the direction: 0.3 and more of filtered logs, 0.08 at most where no friction builds up over a distance.
+# Half widths of 95 % that the coefficients of jerk and inertia must differ from zero; of the jerk the second is enough
+# where the viscous coefficient leaves its interval with it. A shorter delay is harmless.
+CERTAIN, LIKELY, SHORTEST_DELAY_S = 2.5, 1.5, 2e-3
+# The direction, averaged over so long, stands for a low-pass of 2 Hz. The share of Coulomb friction that follows it is
+# 0.3 and more in filtered logs, at most 0.08 where no friction builds up over a distance.
 TURN_S, LEAST_FOLLOWING, SURE = 0.3, 0.25, 3.0
 HUBER = 1.345  # residuals beyond so many standard deviations lose weight: 95 % efficiency where the noise is normal
 SIGMA_PER_MEDIAN = 1 / 0.6744897501960817  # standard deviation of a normal variable over its median absolute value
@@ -87,7 +88,7 @@ def regress_torque(
         samples=len(found.torque),
         condition_number=condition,
         correlation=correlation,
-        delay_s=_delay(found),
+        delay_s=_delay(found, fit),
         turning=_turning(found),
         doubt=doubt,
     )
@@ -101,16 +102,17 @@ def _fit_with(rows: "_Rows", name: str, column: Float) -> Fit:
     return replace(fit, error=clipping * fit.error)
 
 
-def _delay(rows: "_Rows") -> float:
+def _delay(rows: "_Rows", plain: Fit) -> float:
     """Return how late the torque is, NaN if that is not certain. [s]
 
     Of a torque that is late by d, the inertia leaves -d B times the jerk. Noise of the jerk makes it too small.
     """
     fit = _fit_with(rows, "jerk", rows.jerk)
-    (jerk, jerk_half), (inertia, inertia_half) = (
-        (float(one[0]) for one in fit.column(name)) for name in ("jerk", "inertia")
-    )
-    is_certain = abs(jerk) > CERTAIN * jerk_half and inertia > CERTAIN * inertia_half
+    columns = (fit.column(name) for name in ("jerk", "inertia", "viscous"))
+    (jerk, jerk_half), (inertia, inertia_half), (viscous, _) = ((float(one[0]), float(two[0])) for one, two in columns)
+    old = plain.coefficient("viscous")
+    sure = CERTAIN if old.low <= viscous <= old.high else LIKELY
+    is_certain = abs(jerk) > sure * jerk_half and inertia > CERTAIN * inertia_half
     return -jerk / inertia if is_certain and abs(jerk) > SHORTEST_DELAY_S * inertia else np.nan
 
 

@@ -180,7 +180,13 @@ class CycleSearch:
         reason = np.where(stop - start > self._longest, LONG, KEPT)
         reason[is_open & inside] = OPEN
         # At a low rate a single lost sample is no hole: its neighbours still describe the motion in between.
-        reason[longest_step > max(settings.maximum_gap_s, LONGEST_STEP / self._rate_hz)] = GAP
+        hole_s = max(settings.maximum_gap_s, LONGEST_STEP / self._rate_hz)
+        # Next to a hole the filtered velocity is a mean over both sides: a border there is no rest.
+        near = int(0.5 * self._rate_hz / settings.cutoff_hz)
+        first = max(int(borders[0]) + shift - near, 0)
+        holes = np.flatnonzero(np.diff(part.t[first : borders[-1] + shift + near + 1]) > hole_s) + first - shift
+        at_hole = np.searchsorted(holes, borders - near) < np.searchsorted(holes, borders + near)
+        reason[(longest_step > hole_s) | at_hole[1:] | at_hole[:-1]] = GAP
         later: dict[str, Any] = {name: np.empty(0) for name in PER_JOINT}
         products, speeds = _moments(parts)
         return EnergyCycles(

@@ -264,7 +264,7 @@ def limits_beyond_all(report: DriftReport, asked: Iterable[limits.Limit]) -> Ite
     """Name the limits in the unit of a coefficient that are larger than all of it: they were meant in per cent."""
     for limit in asked:
         judged = limits.judge(report, [] if limit.relative else [limit])
-        levels = [abs(value.value) for one in judged if one.found is not None for value in one.found.values]
+        levels = [abs(one.found.level.value) for one in judged if one.found and isfinite(one.found.level.value)]
         if levels and max(levels) < limit.size:
             unit = UNITS[limit.coefficient or "coulomb_nm"]
             most = f"more than all of it, at most {max(levels):.2g} {unit}"

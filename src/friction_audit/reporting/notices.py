@@ -69,8 +69,9 @@ SENTENCES: Mapping[str, str] = {
     "torque_delayed": "the torque looks {ms:.2g} ms or more too {late} for the motion (a delay, an elastic joint or "
     "Stribeck friction): the viscous coefficient is wrong; log q, dq and torque in one message; `diagnose` separates "
     "the causes",
-    "slow_reversals": "after a reversal friction changes slowly: a low-pass was applied to the signals, or friction builds "
-    "up over a distance; if so, Coulomb is {coulomb:.3f} N m and viscous {viscous:.3f} N m s/rad; log unfiltered signals",
+    "slow_reversals": "at reversals friction changes slowly: signals went through a low-pass, or friction builds up "
+    "over a distance; without that, Coulomb is {coulomb:.3f} N m, viscous {viscous:.3f} N m s/rad; log unfiltered "
+    "signals",
     "few_cycles": "fewer than {fewest} cycles: the intervals are wide and approximate",
     "cycles_repeated": "{count} energy cycles repeat earlier ones digit by digit: a recording is twice in the log, and "
     "the intervals are too narrow; leave one out with --t-start or --t-end",

@@ -54,7 +54,8 @@ class JointReport(NamedTuple):
         found = self.diagnosis
         # That a joint did not move needs to be reported once.
         once = found is None or (found.verdict == "not_testable" and self.friction.reason)
-        return "" if found is None or once else plain_names(joint_message(found))
+        text = "" if found is None or once else plain_names(joint_message(found))
+        return text.replace("(model.toml)", "(model.toml of diagnose -o)")  # which the report does not write
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
