@@ -199,9 +199,9 @@ def diagnosis() -> Iterator[str]:
     """Yield the lines of the diagnosis."""
     yield "## The nominal model of a diagnosis"
     yield ""
-    yield "Made by `python -m benchmarks.bench_accuracy --diagnosis`: how many of the 95 % intervals hold the truth, in logs"
-    yield f"without a hidden effect: {len(ONE_JOINT)} of one joint (five scenarios, 60 to 360 s, seeds from {ONE_JOINT[0]})"
-    yield f"and {len(PANDA)} of a guided Panda (60 s, seeds from {PANDA[0]})."
+    yield "Made by `python -m benchmarks.bench_accuracy --diagnosis`: how many of the 95 % intervals hold the truth, in"
+    yield f"logs without a hidden effect: {len(ONE_JOINT)} of one joint (five scenarios, 60 to 360 s, seeds from"
+    yield f"{ONE_JOINT[0]}) and {len(PANDA)} of a guided Panda (60 s, seeds from {PANDA[0]})."
     yield ""
     panda = replace(find_scenario("panda").settings, duration_s=60.0)
     cases = [case_of(seed, "none") for seed in ONE_JOINT]
