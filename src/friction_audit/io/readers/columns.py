@@ -104,7 +104,9 @@ def map_columns(
     if time is None or lacks:
         raise InputError(_missing_message(bare, groups, found_time=time is not None, path=path))
     if joint is not None:
-        return replace(_align(_one_column_each(groups, bare), time, bare, path, needed), joint=joint)
+        first = {channel: next(iter(group.cells.values())) for channel, group in groups.items()}
+        alone = {c: Group(bare[cell], {0: cell}, degrees=groups[c].degrees) for c, cell in first.items()}
+        return replace(_align(alone, time, bare, path, needed), joint=joint)
     columns = _align(groups, time, bare, path, needed)
     return replace(columns, findings=(*columns.findings, *_choices(columns, others, heads)))
 
@@ -141,15 +143,6 @@ def _stated_time(value: str, names: Sequence[str]) -> TimeColumn:
     known = find_time([names[cell]])
     clock = known.clock if known else "column"
     return TimeColumn(cells=(cell,), name=name, unit=unit or (known.unit if known else None), clock=clock)
-
-
-def _one_column_each(groups: Mapping[str, Group], names: Sequence[str]) -> dict[str, Group]:
-    """Return the first column of each channel, as a long table has them."""
-    found = {}
-    for channel, group in groups.items():
-        cell = next(iter(group.cells.values()))
-        found[channel] = Group(names[cell], {0: cell}, degrees=group.degrees)
-    return found
 
 
 def doubt_torque(columns: ColumnMap, names: Sequence[str], stated: Collection[str]) -> tuple[Finding, ...]:

@@ -111,7 +111,10 @@ def _arm_section(arm: ArmDrift, anchor: str, figures: tuple[html.Figure, ...], m
         html.Section(f"{anchor}-sessions", "Sessions", tuple(_session_tables(arm, most))),
     )
     noted = html.Text(arm.warnings, listed=True, tone="unsure")
-    parts = (html.Text((f"{phrases.sessions_text(arm)}.",)), noted)
+    missing = [SessionRow(k, arm.sessions[k], reason) for k, reason in arm.left_out]
+    caption = "Sessions that were not compared, and why"
+    left_out = LEFT_OUT.people(missing, caption=caption, folded=len(missing) > ACROSS)
+    parts = (html.Text((f"{phrases.sessions_text(arm)}.",)), left_out, noted)
     return html.Section(anchor, arm.robot, parts, sections)
 
 
@@ -129,9 +132,7 @@ def _diagnosed(arm: ArmDrift) -> Table:
 
 
 def _session_tables(arm: ArmDrift, most: int) -> Iterator[Table]:
-    """Yield the sessions that were not compared, the last ``most`` sessions, and their coefficients."""
-    left_out = [SessionRow(k, arm.sessions[k], reason) for k, reason in arm.left_out]
-    yield LEFT_OUT.people(left_out, caption="Sessions that were not compared, and why")
+    """Yield the last ``most`` sessions, and their coefficients."""
     count = len(arm.sessions)
     part = dict.fromkeys(arm.compared, "compared") | dict.fromkeys(arm.reference, "reference")
     rows = [SessionRow(k, arm.sessions[k], part.get(k, "left out")) for k in range(max(0, count - most), count)]
