@@ -38,7 +38,8 @@ from friction_audit.robot import Arm
 # Parts of a long recording, the way from each to the next, and the time in which springs and bristles forget that.
 PART_S, BRIDGE_S, FORGOTTEN_S = 60.0, 2.0, 3.0
 SHARED = ("t", "others_dq", "others_ddq", "others_torque")  # of all joints of a log
-Index, Bools = NDArray[np.int64], NDArray[np.bool_]
+Index = NDArray[np.int64]
+Bools = NDArray[np.bool_]
 DEAD_SIGMAS = 5.0  # standard deviations of the filtered velocity's noise, above which the direction is certain
 DEAD_SHARE = 1e-3  # and of the usual speed, which is what the stop band lets through next to a standstill
 TINY_SPEED = 1e-6
@@ -292,7 +293,7 @@ def _time_to_zero(velocity: Float, away: Index) -> Float:
     level = velocity.mean(axis=1)
     distance = np.full(len(slope), np.inf)
     np.divide(level, slope, out=distance, where=slope * level > 0)
-    return distance - float(away.mean())
+    return np.asarray(distance - float(away.mean()))
 
 
 def best_window(cycles: EnergyCycles, duration_s: float, length_s: float) -> tuple[float, float]:
