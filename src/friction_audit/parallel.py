@@ -2,22 +2,22 @@
 
 import ctypes
 import gc
-import multiprocessing
 import os
 import signal
 import sys
 import threading
 import warnings
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor, wait as wait_for
-from concurrent.futures.process import BrokenProcessPool
+from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor, wait as wait_for
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from functools import lru_cache
-from multiprocessing.connection import wait
-from multiprocessing.process import BaseProcess
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
+
+if TYPE_CHECKING:
+    from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing.process import BaseProcess
 
 Result = TypeVar("Result")
 
@@ -102,6 +102,8 @@ def ahead(items: Iterator[Result]) -> Iterator[Result]:
 
 def workers_for(pieces: int, working_bytes: int = 0) -> int:
     """Return how many processes share work, for cores and memory (``working_bytes`` each); 1 without forks."""
+    import multiprocessing
+
     first = threading.current_thread() is threading.main_thread() and multiprocessing.parent_process() is None
     if sys.platform != "linux" or not (first and _OWN.get()) or _ALONE.get():
         return 1
@@ -156,31 +158,34 @@ def in_processes(work: Callable[[int], Result], pieces: int, workers: int) -> It
             future = futures.pop(piece)
             try:
                 result = work(piece) if future is None else future.result()
-            except BrokenProcessPool:
+            except BrokenExecutor:
                 result = work(piece)
             yield result
 
 
-def _submit(pool: ProcessPoolExecutor, piece: int) -> "Future[Any] | None":
+def _submit(pool: "ProcessPoolExecutor", piece: int) -> "Future[Any] | None":
     with warnings.catch_warnings():
         # Python warns of forking a process with threads. Those of a command show progress, and no child does; those of
         # libraries have ended or are begun anew.
         warnings.filterwarnings("ignore", message=".*fork", category=DeprecationWarning)
         try:
             return pool.submit(_do, piece)
-        except (BrokenProcessPool, OSError):  # killed already, or there is no room for processes
+        except (BrokenExecutor, OSError):  # killed already, or there is no room for processes
             return None
 
 
 @contextmanager
 def processes(
     workers: int, method: str, work: Callable[[int], Any] | None = None, preload: Sequence[str] = ()
-) -> Iterator[ProcessPoolExecutor]:
+) -> "Iterator[ProcessPoolExecutor]":
     """Yield a pool whose processes end with the block, at once and however it ends, and with this process.
 
     They start by ``"fork"`` and do ``work``, or by ``"forkserver"`` where this process has threads and open files: that
     server imports the modules of ``preload`` once for all of them.
     """
+    import multiprocessing
+    from concurrent.futures import ProcessPoolExecutor
+
     context = multiprocessing.get_context(method)
     if preload:
         multiprocessing.set_forkserver_preload([*preload])
@@ -193,7 +198,7 @@ def processes(
         pool.shutdown(cancel_futures=True)
 
 
-def team_of(pool: ProcessPoolExecutor) -> list[BaseProcess]:
+def team_of(pool: "ProcessPoolExecutor") -> "list[BaseProcess]":
     """Return the processes of a pool; none of one that has ended."""
     return [*(pool._processes or {}).values()]  # noqa: SLF001 - kill_workers of Python 3.14 is not there yet
 
@@ -223,7 +228,10 @@ def _begin(work: Callable[[int], Any] | None) -> None:
 
 
 def _end_with_parent() -> None:
-    parent = multiprocessing.parent_process()
+    from multiprocessing import parent_process
+    from multiprocessing.connection import wait
+
+    parent = parent_process()
     assert parent is not None
     wait([parent.sentinel])
     os._exit(1)

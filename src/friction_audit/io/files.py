@@ -6,10 +6,7 @@ import json
 import os
 import re
 import shutil
-import sqlite3
 import stat
-import tempfile
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -90,6 +87,8 @@ def read_toml(path: Path) -> dict[str, Any]:
     lines = _STRING.sub(b"", content).split(b"\n")
     if number := next((i for i, line in enumerate(lines, 1) if line.count(b".") > _MOST_DOTS), 0):
         raise ValueError(f"more than {_MOST_DOTS} dots in line {number}")
+    import tomllib
+
     try:
         return tomllib.loads(content.decode("utf-8"))
     except RecursionError as error:
@@ -103,6 +102,8 @@ def whole_file(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
     It has the same suffix and lies in a private folder next to ``path``, on the same file system, for a file or a
     directory. Where ``path`` is a link, all of this concerns the file that it points to.
     """
+    import tempfile
+
     check_place(path, overwrite=overwrite)
     target = Path(os.path.realpath(path))
     with _as_usage_error(path):
@@ -180,6 +181,8 @@ def _replace(draft: Path, target: Path, old: Path) -> None:
 @contextmanager
 def _as_usage_error(path: Path) -> Iterator[None]:
     """Raise what the system raises as a UsageError."""
+    import sqlite3
+
     try:
         yield
     except (OSError, sqlite3.OperationalError) as error:

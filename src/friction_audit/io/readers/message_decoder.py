@@ -26,7 +26,6 @@ _MESSAGE, _ARRAY = 2, 3
 _CDR_HEADER_BYTES = 4
 _CDR_LITTLE_ENDIAN = b"\x00\x01"
 _CDR_TRAILING_PADDING_BYTES = 3
-_ALL_BITS = 0xFF
 _CLOSE_BYTES = 64  # fixed bytes as close are compared in one go, with what lies between
 _NUMBER_TYPES = {"bool": "u1", "byte": "u1", "char": "u1", "int8": "i1", "uint8": "u1", "int16": "<i2",
                  "uint16": "<u2", "int32": "<i4", "uint32": "<u4", "int64": "<i8", "uint64": "<u8", "float32": "<f4",
@@ -262,7 +261,7 @@ class _Walk:
         self.numbers, self.strings = dict[str, tuple[np.dtype[Any], int]](), dict[str, tuple[str, ...]]()
         self.fixed = np.zeros(len(payload), np.uint8)
         self.position = _CDR_HEADER_BYTES if is_cdr else 0
-        self.fixed[: len(_CDR_LITTLE_ENDIAN) if is_cdr else 0] = _ALL_BITS
+        self.fixed[: len(_CDR_LITTLE_ENDIAN) if is_cdr else 0] = 0xFF
 
     def message(self, typename: str, prefix: str) -> None:
         for name, description in self.types[typename][1]:
@@ -287,7 +286,7 @@ class _Walk:
         if self.is_cdr:
             self.position += -(self.position - _CDR_HEADER_BYTES) % width
         begin, self.position = self.position, self.position + count * width
-        self.fixed[begin : self.position] |= _ALL_BITS * decides
+        self.fixed[begin : self.position] |= 0xFF * decides
         return self.payload[begin : self.position]
 
     def length(self) -> int:
