@@ -78,6 +78,7 @@ FRICTIONAL_LAG = FrictionalLag(
 
 
 STEPS_S = np.geomspace(1e-3, 0.1, 13).tolist()
+NO_DELAY_S = 1e-6  # for which the column is the derivative, as it is where the delay vanishes
 STEP = "delay_step_s"
 # Delay found over the delay for which jumps are right; a shorter delay than the shortest looks just like it.
 LEAST_SHARE = 0.5
@@ -108,7 +109,8 @@ class TimeDelay(Effect):
             spline, spacing = EvenSpline(rest, held=True), float(motion.t[1] - motion.t[0])
             for place, (step, with_load) in enumerate(many):
                 if bool(round(with_load)) is loaded:
-                    yield place, ((spline.ahead(-step / spacing) - rest) / step)[:, None]
+                    late = step or NO_DELAY_S
+                    yield place, ((spline.ahead(-late / spacing) - rest) / late)[:, None]
 
     def tries(self, data: JointData) -> Iterable[Sequence[float]]:
         """Yield all delays, of friction and inertia alone and, where there is a load, of all that the sensor bears."""
