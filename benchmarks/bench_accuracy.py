@@ -2,9 +2,11 @@
 
     python -m benchmarks.bench_accuracy [--seeds 1000] [--output docs/accuracy.md]
     python -m benchmarks.bench_accuracy --others --seeds 150
+    python -m benchmarks.bench_accuracy --diagnosis
 
 Every recording lasts 120 s at 1 kHz, moved by hand with strokes of varied speed, with the sensors of a real Panda.
 ``--others``: the torque regression, and single points of the paper's estimator (docs/benchmarks.md).
+``--diagnosis``: the nominal model of ``diagnose``, for the clean logs of ``hidden_effects`` and a guided Panda.
 """
 
 import argparse
@@ -16,9 +18,15 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.hidden_effects.run import case_of, log_of
+from friction_audit.diagnosis.nonlinear import intervals
+from friction_audit.diagnosis.procedure import nominal, select
+from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.effects.joint_data import JointData
 from friction_audit.friction.history import JointFriction
 from friction_audit.friction.settings import FrictionSettings
-from friction_audit.pipeline import AuditSettings, estimate_log
+from friction_audit.joint_log import JointLog
+from friction_audit.pipeline import AuditSettings, diagnosis_subjects, estimate_log
 from friction_audit.preprocessing.settings import CycleSettings
 from friction_audit.simulation import (
     IDEAL_SENSORS,
@@ -31,6 +39,7 @@ from friction_audit.simulation import (
 )
 from friction_audit.simulation.effects.load_and_place import GravityError
 from friction_audit.simulation.effects.sensors import TorqueBias
+from friction_audit.simulation.scenarios import find_scenario
 from friction_audit.simulation.strokes import StopAndGo
 
 TABLE_SEEDS = 50
@@ -46,6 +55,8 @@ TRUTH = (JointParameters().coulomb_nm, JointParameters().viscous_nms_per_rad, Jo
 AS_READ = replace(PANDA_SENSORS[0], stale=0.0, lost=PANDA_SENSORS[0].lost + PANDA_SENSORS[0].stale)
 RECORDINGS = ((20.0, 1000.0), (60.0, 1000.0), (60.0, 250.0), (60.0, 100.0), (60.0, 30.0))  # length [s] and rate [Hz]
 CLOSE = 0.001
+COEFFICIENTS = ("inertia_kg_m2", "coulomb_nm", "viscous_nms_per_rad")
+ONE_JOINT, PANDA = range(100_000, 100_150), range(112_000, 112_008)  # seeds of the logs to diagnose
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -171,6 +182,41 @@ def others(seeds: int) -> Iterator[str]:
     yield points_of_the_paper(10)
 
 
+def held_by(data: JointData, joint: JointParameters) -> list[bool]:
+    """Say which intervals of the nominal model of ``diagnose`` hold the truth, without any effect in it."""
+    state = select(data, None, ())
+    found = intervals(state.gram, state.dictionary, (), nominal(state.search.training, ())).nominal
+    return [found[name].low <= getattr(joint, name) <= found[name].high for name in COEFFICIENTS]
+
+
+def diagnosed(log: JointLog, joints: tuple[JointParameters, ...]) -> list[list[bool]]:
+    """Say the same of every joint of a log."""
+    subjects = diagnosis_subjects(estimate_log(log, AuditSettings()), DiagnosisSettings())
+    return [held_by(subject.data, joints[subject.number - 1]) for subject in subjects]
+
+
+def diagnosis() -> Iterator[str]:
+    """Yield the lines of the diagnosis."""
+    yield "## The nominal model of a diagnosis"
+    yield ""
+    yield "Made by `python -m benchmarks.bench_accuracy --diagnosis`: how many of the 95 % intervals hold the truth, in"
+    yield f"logs without a hidden effect: {len(ONE_JOINT)} of one joint (five scenarios, 60 to 360 s, seeds from"
+    yield f"{ONE_JOINT[0]}) and {len(PANDA)} of a guided Panda (60 s, seeds from {PANDA[0]})."
+    yield ""
+    panda = replace(find_scenario("panda").settings, duration_s=60.0)
+    cases = [case_of(seed, "none") for seed in ONE_JOINT]
+    kinds = {
+        "one joint": [one for case in cases for one in diagnosed(log_of(case), (case.joint,))],
+        "Panda": [one for seed in PANDA for one in diagnosed(simulate(panda, seed).log, panda.joints)],
+    }
+    yield "| recording | joints | inertia | Coulomb | viscous |"
+    yield "| --- | --- | --- | --- | --- |"
+    for kind, held in kinds.items():
+        yield (
+            f"| {kind} | {len(held)} | " + " | ".join(f"{share:.0f} %" for share in 100 * np.mean(held, axis=0)) + " |"
+        )
+
+
 def page(seeds: int) -> Iterator[str]:
     """Yield the lines of the page."""
     yield "# Accuracy on simulated recordings"
@@ -187,16 +233,20 @@ def page(seeds: int) -> Iterator[str]:
             yield row(case, joints)
     yield ""
     yield ideal()
+    yield ""
+    yield from diagnosis()
 
 
 def main() -> None:
     """Print the page, or write it."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--others", action="store_true")
+    parser.add_argument("--diagnosis", action="store_true")
     parser.add_argument("--seeds", type=int, default=1000)
     parser.add_argument("--output", type=Path)
     arguments = parser.parse_args()
-    text = "\n".join((others if arguments.others else page)(arguments.seeds)) + "\n"
+    lines = diagnosis() if arguments.diagnosis else (others if arguments.others else page)(arguments.seeds)
+    text = "\n".join(lines) + "\n"
     print(text)
     if arguments.output:
         arguments.output.write_text(text)

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from benchmarks.stranger.draw import TOLERANCE, draw_case
 from benchmarks.stranger.joint import STEP_S, Drive, Joint, integrate
-from benchmarks.stranger.motions import times
+from benchmarks.stranger.motions import MOTIONS, times
 from benchmarks.stranger.run import write_log
-from benchmarks.stranger.sensors import Sensors, coloured, read_torque
+from benchmarks.stranger.sensors import Sensors, clock_of, coloured, read_torque, record
 
 FIRM = Drive(3000.0, 60.0, 1.0)
 
@@ -77,6 +77,31 @@ def test_noise_has_its_size_and_its_memory() -> None:
     noise = coloured(400_000, 1e-3, sensors, np.random.default_rng(1))
     assert noise.std() == pytest.approx(0.05, rel=0.03)
     assert np.corrcoef(noise[:-20], noise[20:])[0, 1] == pytest.approx(np.exp(-1), abs=0.03)
+
+
+@pytest.mark.parametrize("kind", ["steady", "late_stamps", "late_samples", "batches"])
+def test_stamps_go_forward_and_few_samples_are_lost(kind: str) -> None:
+    clock = clock_of(Sensors(clock=kind, lost=0.02), 20.0, np.random.default_rng(2))
+    assert np.all(np.diff(clock.stamps) > 0.0)
+    assert 1 - clock.arrives.mean() == pytest.approx(0.02, abs=0.004)
+
+
+def test_positions_are_whole_counts() -> None:
+    theta = 0.3 * np.sin(times(3.0))
+    sensors, rng = Sensors(encoder_bits=14), np.random.default_rng(3)
+    made = record(theta, np.gradient(theta, STEP_S), theta, sensors, clock_of(sensors, 3.0, rng), rng)
+    counts = made.q / (2 * np.pi / 2**14)
+    assert counts == pytest.approx(np.round(counts), abs=1e-6)
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_motions_begin_at_rest_and_stay_within_what_an_arm_does(name: str) -> None:
+    wanted, grip = MOTIONS[name](np.random.default_rng(4), 20.0)
+    speed = np.gradient(wanted, STEP_S)
+    assert wanted.shape == grip.shape == (200_000,)
+    assert abs(speed[0]) < 0.01
+    assert 0.5 < np.abs(speed).max() < 4.0
+    assert 0.0 <= grip.min() <= grip.max() <= 1.0 + 1e-9
 
 
 def test_a_hidden_effect_has_the_size_that_was_asked_for_and_is_written(tmp_path: Path) -> None:

@@ -210,7 +210,9 @@ def test_a_damaged_log_is_a_session_and_named(few: Path, run: Run) -> None:
     (few / "rig-2026-03-09.csv").write_text(text[: text.rindex(",")])
     answer = run("batch-report", few)
     assert answer.code == 6
-    assert "rig-2026-03-09.csv: damaged, part of it is left out; the rest counts as a session" in answer.err
+    said = "rig-2026-03-09.csv: damaged, part of it is left out; the rest counts as a session"
+    assert said in answer.err
+    assert said in Path("friction-drift/batch.html").read_text(encoding="utf-8")
 
 
 def test_a_log_replaced_while_read_keeps_its_content(few: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:

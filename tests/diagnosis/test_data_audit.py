@@ -81,6 +81,12 @@ def test_one_speed_is_a_limit_and_no_fault(clean: Audited) -> None:
     assert found(clean, replace(data, dq=0.5 * np.sign(data.dq)))["speed_spread"].verdict == "limit"
 
 
+def test_gravity_of_several_joints_in_the_torque_is_a_limit(clean: Audited) -> None:
+    log, interaction, data = clean
+    measured = found((log, replace(interaction, posture=log.q.repeat(2, axis=1)), data))["gravity"]
+    assert (found(clean)["gravity"].verdict, measured.verdict, measured.value) == ("fine", "limit", 1.0)
+
+
 def test_velocities_of_a_joint_at_rest_are_noise_and_no_fault(clean: Audited) -> None:
     data = clean[2]
     rng = np.random.default_rng(0)

@@ -138,7 +138,9 @@ def test_the_intervals_hold_the_truth_about_as_often_as_they_say(logs: int) -> N
 def test_signals_of_one_low_pass_are_noticed_where_it_changes_the_coefficients() -> None:
     low_pass = partial(filter_velocity, rate_hz=500.0, cutoff_hz=2.0)
     log = simulate(BenchSettings(duration_s=40.0, rate_hz=500.0), 3).log
-    filtered = {name: np.apply_along_axis(low_pass, 0, getattr(log, name)) for name in ("q", "dq", "tau_interaction")}
+    filtered: dict[str, Any] = {
+        name: np.apply_along_axis(low_pass, 0, getattr(log, name)) for name in ("q", "dq", "tau_interaction")
+    }
     joint: Any = None
     for found, expected in ((log, []), (replace(log, **filtered), ["slow_reversals"])):
         (joint,), warnings = (history := estimate_log(found, AuditSettings()).friction).joints, history.warnings

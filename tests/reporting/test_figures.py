@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, strategies as st
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -18,7 +19,7 @@ from friction_audit.drift.two_sides import compare_sides
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import AuditSettings, estimate_log, replay_estimate
-from friction_audit.reporting.figures.panels import CUTOFF_HZ, cutoff_hz, draw_curve, smooth
+from friction_audit.reporting.figures.panels import CUTOFF_HZ, cutoff_hz, draw_curve, smooth, thin_extremes
 from friction_audit.reporting.figures.registry import FIGURES, FigureKind
 from friction_audit.reporting.figures.style import COLUMN_IN, FORMATS, SHEET_IN, STYLE, figure_bytes, load_style
 from tests.reporting import batch_by_hand
@@ -119,6 +120,19 @@ def test_the_same_result_gives_the_same_undated_bytes(suffix: str) -> None:
 def test_the_users_own_matplotlib_settings_change_nothing() -> None:
     with rc_context({"font.size": 30, "lines.linewidth": 9}):
         assert FIGURES[0].draw(result_of("estimate"), 1).axes[0].yaxis.label.get_fontsize() == 7.5
+
+
+@given(st.lists(st.floats(-1e3, 1e3), min_size=2, max_size=400), st.integers(8, 60))
+def test_no_extreme_is_lost_and_time_keeps_its_order(values: list[float], most: int) -> None:
+    signal = np.array(values)
+    t, thinned = thin_extremes(np.arange(len(signal), dtype=np.float64), signal, most)
+    width = -(-2 * len(signal) // most)
+    whole = len(signal) // width * width if len(signal) > most else len(signal)
+    assert thinned.min() <= signal[:whole].min()
+    assert thinned.max() >= signal[:whole].max()
+    assert (np.diff(t) > 0).all()
+    assert len(t) <= max(most, 2) + 1 or len(signal) <= most
+    assert (signal[t.astype(int)] == thinned).all()
 
 
 def test_no_line_bridges_a_gap() -> None:

@@ -115,6 +115,20 @@ def test_contacts_are_left_out_and_joints_with_the_same_answer_share_a_line() ->
     assert f"joint 6: {NOT_TESTABLE.reason}" in diagnose_lines(diagnosis(*still), verbose=True)
 
 
+@pytest.mark.parametrize(("parameters", "text"), [
+    ({f"factor_{k}": coefficient(0.1, 0.1) for k in range(13)}, "13 parameters, in the document"),
+    ({"unlogged_form": coefficient(1.0, 1e-4)}, "dead band"),
+    ({"other_ratio": coefficient(0.5, 0.1), "warm_up_per_k": coefficient(1e-6, 0.0)}, "other ratio 0.5"),
+    ({"delay_s": coefficient(0.003, 1e-4), "delayed_load": coefficient(1.0, 0.0)}, " ms, the load is late too"),
+    ({"stribeck_exponent": Coefficient(value=4.321, low=-math.inf, high=math.inf)}, "not identifiable from this"),
+])  # fmt: skip
+def test_parameters_of_an_effect(parameters: dict[str, Coefficient], text: str) -> None:
+    lost = tuple(name for name, one in parameters.items() if math.isinf(one.high))
+    effect = replace(BIAS, parameters=parameters, not_identifiable=lost)
+    lines = diagnose_lines(diagnosis(replace(NAMED, effects=(effect,))))
+    assert any(line.startswith("joint 1, torque_bias (") and text in line for line in lines)
+
+
 def test_drift_in_detail_of_many_and_of_nothing() -> None:
     verbose = batch_lines(batch_by_hand.batch(ARM), verbose=True)
     for line in (

@@ -56,6 +56,9 @@ RULES = {
     "part": _Rule(
         0.0, "limit", "only {bound:.0f} s of {value:.0f} s are diagnosed, in parts from {start:.0f} to {stop:.0f} s; "
         "times count from {start:.0f} s; for the whole log: --at-most {minutes:.0f}", "s"),
+    "gravity": _Rule(
+        0.0, "limit", "gravity is in the torque and {value:.0f} other joints move: an effect that follows the position "
+        "may be gravity"),
     "standstill": _Rule(
         2.0, "limit", "{value:.1f} s of standstill: an offset of the sensor cannot be separated from uneven friction",
         "s", at_most=False),
@@ -218,9 +221,11 @@ def _sensors_and_motion(interaction: Interaction, data: JointData) -> tuple[Data
     still = (np.abs(data.dq) < data.dead_speed_rad_s) & data.valid
     direction = np.sign(data.dq[data.moving & data.valid])
     steps, speed = np.diff(data.torque)[still[1:] & still[:-1]], np.abs(data.dq[data.used])
+    posture = np.zeros((1, 1)) if interaction.posture is None else interaction.posture
     return (
         judged("standstill_noise", float(np.std(steps) / np.sqrt(2)) if len(steps) else NAN),
         judged("torque_step", resolution(interaction.torque[:, data.joint])),
+        judged("gravity", max(np.count_nonzero(np.ptp(posture, axis=0) > RESTING_RAD) - 1.0, 0.0)),
         judged("standstill", float(still.sum()) * data.step_s),
         judged("cycles", float(len(np.unique(data.cycle[data.used])))),
         judged("speed_spread", float(speed.std() / speed.mean()) if len(speed) else 0.0),

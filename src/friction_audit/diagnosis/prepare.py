@@ -38,7 +38,8 @@ from friction_audit.robot import Arm
 # Parts of a long recording, the way from each to the next, and the time in which springs and bristles forget that.
 PART_S, BRIDGE_S, FORGOTTEN_S = 60.0, 2.0, 3.0
 SHARED = ("t", "others_dq", "others_ddq", "others_torque")  # of all joints of a log
-Index, Bools = NDArray[np.int64], NDArray[np.bool_]
+Index = NDArray[np.int64]
+Bools = NDArray[np.bool_]
 DEAD_SIGMAS = 5.0  # standard deviations of the filtered velocity's noise, above which the direction is certain
 DEAD_SHARE = 1e-3  # and of the usual speed, which is what the stop band lets through next to a standstill
 TINY_SPEED = 1e-6
@@ -98,13 +99,14 @@ def prepare(
             torque = torque + low_pass.of(t, interaction.compensation[fresh, joint])
         # Copies: columns of a matrix of all joints are read at an eighth of the speed.
         q, own_dq = (np.ascontiguousarray(every[:, column]) for every in (all_q, all_dq))
-        if derived_from == "dq":
-            q = position_of(q, own_dq, all_ddq[:, column], valid, low_pass.step_s, crossover_hz)
+        logged_q = None if derived_from == "q" else q
         usual = float(np.quantile(np.abs(own_dq[valid]), 0.95)) if valid.any() else 0.0
         noise = max(grid_noise(own_dq[valid]), rounding * (slope_gain if derived_from == "q" else 1.0))
         dead = max(DEAD_SIGMAS * noise, DEAD_SHARE * usual, TINY_SPEED)
         breakaways = find_breakaways(q, own_dq, dead, low_pass.step_s)
         dq, ddq = signed_rest(own_dq, all_ddq[:, column], breakaways, dead)
+        if logged_q is not None:
+            q = position_of(q, own_dq, all_ddq[:, column], valid, low_pass.step_s, crossover_hz)
         return JointData(
             joint=joint,
             t=low_pass.t,
@@ -121,7 +123,7 @@ def prepare(
             valid=valid,
             dead_speed_rad_s=dead,
             derived_from=derived_from,
-            logged_q=None if derived_from == "q" else all_q[:, column],
+            logged_q=logged_q,
             logged_dq=logged_dq[:, column],
             load=None if load is None else np.ascontiguousarray(load[:, column]),
             rigid=None if rigid is None else rigid[column],
@@ -171,7 +173,7 @@ def spread_parts(data: JointData, most_s: float, known: dict[str, Any]) -> Joint
     counts = joined(inside.astype(np.float64)) == 1.0
     whole = np.where(np.isin(data.cycle, data.cycle[~inside]), -1, data.cycle)
     known |= {name: joined(getattr(data, name)) for name in SHARED if name not in known}
-    own = {name: getattr(data, name) for name in ("torque", "load", "temperature")}
+    own = {name: getattr(data, name) for name in ("torque", "load", "temperature", "logged_q")}
     changed: dict[str, Any] = {name: None if one is None else joined(one) for name, one in own.items()}
     if rigid is not None:
         model = {name: getattr(rigid, name) for name in ("t", "weight", "tilt", "inertial", "tip")}
@@ -291,7 +293,7 @@ def _time_to_zero(velocity: Float, away: Index) -> Float:
     level = velocity.mean(axis=1)
     distance = np.full(len(slope), np.inf)
     np.divide(level, slope, out=distance, where=slope * level > 0)
-    return distance - float(away.mean())
+    return np.asarray(distance - float(away.mean()))
 
 
 def best_window(cycles: EnergyCycles, duration_s: float, length_s: float) -> tuple[float, float]:
@@ -323,9 +325,8 @@ def subjects_of(
     prepared, clock = [*prepare(interaction, cycles, log, arm)], audit_clock(log)
     joined: dict[str, Any] = {}
     for findings in per_joint(lambda k: audit_data(log, interaction, prepared[k], clock), len(prepared)):
-        # The audit alone has looked at what was logged; of a long log, the rest is freed at once.
-        data = replace(prepared.pop(0), logged_q=None, logged_dq=None)
-        data = spread_parts(data, settings.at_most_s, joined)
+        # The audit alone has looked at the logged velocity; of a long log, the rest is freed at once.
+        data = spread_parts(replace(prepared.pop(0), logged_dq=None), settings.at_most_s, joined)
         number, found = interaction.joint_numbers[data.joint], friction.joints[data.joint]
         subjects.append(
             Subject(

@@ -102,8 +102,9 @@ def find_breakaways(q: Float, dq: Float, dead_speed: float, step_s: float) -> Br
 
 @lru_cache(maxsize=1)
 def breakaways_of(data: JointData) -> Breakaways:
-    """The break-aways of a joint."""
-    return find_breakaways(data.q, data.dq, data.dead_speed_rad_s, data.step_s)
+    """The break-aways of a joint, whose rests the position alone shows (resampled: none 130001 held)."""
+    q = data.q if data.logged_q is None else data.logged_q
+    return find_breakaways(q, data.dq, data.dead_speed_rad_s, data.step_s)
 
 
 def torque_known(torque: Float, breakaways: Breakaways, step_s: float) -> NDArray[np.bool_]:

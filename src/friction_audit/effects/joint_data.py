@@ -94,12 +94,12 @@ class JointData:
 
     def at(self, places: NDArray[np.int64]) -> "JointData":
         """The joint by itself at some of its samples, of which the first two follow each other."""
-        names = ("t", "q", "dq", "ddq", "torque", "temperature", "load", "cycle", "moving", "valid")
+        names = ("t", "q", "dq", "ddq", "torque", "temperature", "load", "logged_q", "cycle", "moving", "valid")
         own: dict[str, Any] = {
             name: None if (all_of := getattr(self, name)) is None else all_of[places] for name in names
         }
         own |= dict.fromkeys(("others_dq", "others_ddq", "others_torque"), np.empty((len(places), 0)))
-        return replace(self, **own, logged_q=None, logged_dq=None, rigid=None)
+        return replace(self, **own, logged_dq=None, rigid=None)
 
     def motion(self, rest: Float | None = None) -> Motion:
         """The input of an effect's columns; ``rest`` is the torque of the nominal model, shape (n,)."""

@@ -72,9 +72,7 @@ def regress_torque(
     strokes = int(found.stroke[-1]) + 1 if len(found.stroke) else 0
     if len(found.torque) < FEWEST_ROWS or strokes < FEWEST_CYCLES:
         return None
-    equations, clipping = _gather(found)
-    fit = fit_windows(equations, strokes)
-    fit = replace(fit, error=clipping * fit.error)
+    equations, fit = _fit(found)
     condition, correlation = equations.conditioning()
     doubt = ""
     if others is not None:
@@ -94,22 +92,12 @@ def regress_torque(
     )
 
 
-def _fit_with(rows: "_Rows", name: str, column: Float) -> Fit:
-    """Fit one column more."""
-    columns, instruments = (np.vstack([one.T, column]).T for one in (rows.columns, rows.instruments))
-    equations, clipping = _gather(replace(rows, names=(*rows.names, name), columns=columns, instruments=instruments))
-    fit = fit_windows(equations, len(equations.normal))
-    return replace(fit, error=clipping * fit.error)
-
-
 def _delay(rows: "_Rows", plain: Fit) -> float:
     """Return how late the torque is, NaN if that is not certain. [s]
 
     Of a torque that is late by d, the inertia leaves -d B times the jerk. Noise of the jerk makes it too small.
     """
-    fit = _fit_with(rows, "jerk", rows.jerk)
-    columns = (fit.column(name) for name in ("jerk", "inertia", "viscous"))
-    (jerk, jerk_half), (inertia, inertia_half), (viscous, _) = ((float(one[0]), float(two[0])) for one, two in columns)
+    (jerk, jerk_half), (inertia, inertia_half), (viscous, _) = _fit_with(rows, "jerk", "inertia", "viscous")
     old = plain.coefficient("viscous")
     sure = CERTAIN if old.low <= viscous <= old.high else LIKELY
     is_certain = abs(jerk) > sure * jerk_half and inertia > CERTAIN * inertia_half
@@ -121,10 +109,15 @@ def _turning(rows: "_Rows") -> tuple[float, float] | None:
 
     A linear relation holds between signals of one low-pass, but the sign of a filtered velocity is not filtered.
     """
-    fit = _fit_with(rows, "turning", rows.turning - rows.columns[:, 0])
-    columns = (fit.column(name) for name in ("turning", "coulomb", "viscous"))
-    (follows, half), (coulomb, _), (viscous, _) = ((float(value[0]), float(width[0])) for value, width in columns)
+    (follows, half), (coulomb, _), (viscous, _) = _fit_with(rows, "turning", "coulomb", "viscous")
     return (coulomb, viscous) if follows > SURE * half and follows > LEAST_FOLLOWING * coulomb > 0.0 else None
+
+
+def _fit_with(rows: "_Rows", name: str, *others: str) -> list[tuple[float, float]]:
+    """Return value and half width of one more column and of others that were there, fitted together."""
+    columns, instruments = (np.vstack([one.T, rows.more[name]]).T for one in (rows.columns, rows.instruments))
+    _, fit = _fit(replace(rows, names=(*rows.names, name), columns=columns, instruments=instruments))
+    return [(float(value[0]), float(half[0])) for value, half in map(fit.column, (name, *others))]
 
 
 def _doubt(rows: "_Rows", fit: Fit, condition: float) -> str:
@@ -180,8 +173,7 @@ class _Rows:
     columns: Float
     instruments: Float
     torque: Float
-    jerk: Float
-    turning: Float
+    more: dict[str, Float]  # columns that are fitted with them by turns
     stroke: NDArray[np.int64]
     place: NDArray[np.int64]
 
@@ -282,8 +274,7 @@ class RegressionRows:
             columns=np.array([*columns.values()]).T,
             instruments=np.array([*(columns | by_position).values()]).T,
             torque=own["torque"],
-            jerk=own["jerk"],
-            turning=own["turning"],
+            more={"jerk": own["jerk"], "turning": own["turning"] - own["coulomb"]},
             stroke=np.cumsum(np.diff(direction, prepend=direction[:1]) != 0),
             place=place,
         )
@@ -305,8 +296,8 @@ def differences(t: Float, q: Float) -> tuple[Float, Float]:
     return (after - before) / (last - first), 2.0 * (right - left) / (last - first)
 
 
-def _gather(rows: _Rows) -> tuple[Equations, float]:
-    """Sum the rows by stroke with Huber's weights, and return the factor on the intervals that the weights ask for.
+def _fit(rows: _Rows) -> tuple[Equations, Fit]:
+    """Sum the rows by stroke with Huber's weights, and solve, with intervals by the factor that the weights ask for.
 
     A clipped residual does not answer to a change of the coefficients, which weights that are held do not show:
     standard errors grow by the mean weight over the share that is not clipped (P. J. Huber, Robust Statistics, 1981,
@@ -323,7 +314,8 @@ def _gather(rows: _Rows) -> tuple[Equations, float]:
         right=np.add.reduceat(weighted.T * rows.torque, first, axis=-1).T,
         scale=scale,
     )
-    return equations, float(weights.mean() / np.mean(weights >= 1.0))
+    fit = fit_windows(equations, len(first))
+    return equations, replace(fit, error=float(weights.mean() / np.mean(weights >= 1.0)) * fit.error)
 
 
 def huber_weights(design: Float, target: Float, instruments: Float | None = None) -> Float:

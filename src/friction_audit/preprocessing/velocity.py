@@ -236,8 +236,9 @@ def noise_of_both(slope: Float, logged: Float, valid: NDArray[np.bool_], step_s:
     differences and their median do not show noise that comes and goes with the motion, as of interpolated samples.
     """
     samples = round(SEGMENT_S / step_s)
-    slope, logged, valid = (one[: len(one) // samples * samples].reshape(-1, samples) for one in (slope, logged, valid))
-    whole = valid.all(axis=1)
+    even = slice(len(slope) // samples * samples)
+    slope, logged = (one[even].reshape(-1, samples) for one in (slope, logged))
+    whole = valid[even].reshape(-1, samples).all(axis=1)
     if np.count_nonzero(whole) < FEWEST_SEGMENTS:
         return np.zeros(2)
     window, hertz = np.hanning(samples), np.fft.rfftfreq(samples, step_s)
@@ -250,7 +251,7 @@ def noise_of_both(slope: Float, logged: Float, valid: NDArray[np.bool_], step_s:
     apart = first - second
     of_q, of_dq = (np.mean(one * apart.conj(), axis=0).real[band] for one in (first, -second))
     found = np.median([of_q / (2.0 * np.pi * hertz[band]) ** 2, of_dq], axis=1)
-    return np.sqrt(np.maximum(found, 0.0) * 2.0 * step_s / float(window @ window))
+    return np.asarray(np.sqrt(np.maximum(found, 0.0) * 2.0 * step_s / float(window @ window)))
 
 
 def crossover_of(slope: Float, logged: Float, step_s: float, least: Float | tuple[float, float] = (0.0, 0.0)) -> float:

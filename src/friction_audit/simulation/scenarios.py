@@ -164,7 +164,7 @@ _ONE_JOINT = (
         BenchSettings(operator=Operator(motion=SlowSweep(reversals=12)), duration_s=180.0),
     ),
     Scenario(
-        "joint-controlled", "one elastic joint moved by hand, its motor under torque control",
+        "joint-controlled", "one elastic joint moved by hand, whose torque control leaves a fifth of its friction",
         BenchSettings(joints=(with_torque_control(JointParameters()),), hidden=(_SOFT,)),
     ),
     Scenario(

@@ -46,7 +46,8 @@ def write_page(summary: tables.BatchSummary, drawn: Mapping[str, html.Figure]) -
     lead = html.Text(("These files gave no session. They do not affect the others.",))
     files = tables.FAILED.people(summary.failed, caption="Files that gave no session")
     failed = html.Section("failed", "Files that failed", (lead, files))
-    advice = html.Text([phrases.TO_DO] if summary.report.drift else [], listed=True, tone="unsure")
+    noted = [*summary.warnings, *([phrases.TO_DO] if summary.report.drift else [])]
+    advice = html.Text(noted, listed=True, tone="unsure")
     exceeded = html.Text(limits, listed=True, tone="alert")
     pictures = _pictures(arms, drawn)
     most = max(1, MOST_CELLS // max(1, sum(len(phrases.UNITS) * max(len(arm.joints), 1) for arm in arms)))
