@@ -35,7 +35,8 @@ def test_a_hole_and_the_ends_are_not_valid() -> None:
     kept = (log.t < 10.0) | (log.t > 10.3)
     channels: dict[str, Any] = {name: channel[kept] for name, channel in log.channels().items()}
     data = prepared(estimate_log(replace(log, t=log.t[kept], **channels), AuditSettings()))
-    reach = LowPass.for_stamps(log.t).reach_s
+    low_pass = LowPass.for_stamps(log.t)
+    reach = low_pass.t[0] - low_pass.fine[0]
     invalid = data.t[~data.valid & (data.t > 9.0) & (data.t < 11.0)]
     assert (invalid[0], invalid[-1]) == pytest.approx((10.0 - reach, 10.3 + reach), abs=0.006)
     assert not data.valid[0]

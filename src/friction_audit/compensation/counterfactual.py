@@ -205,7 +205,6 @@ def make_scene(
 def _operator(
     interaction: Interaction, settings: ReplaySettings, recorded: Recorded, motion: Motion
 ) -> FittedOperator | None:
-    """Return the impedance of the person, None where the recorded torque stays."""
     if settings.assume != SAME_OPERATOR:
         return None
     if settings.operator is not None:

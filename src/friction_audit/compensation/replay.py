@@ -247,7 +247,6 @@ def _in_force(
 
 
 def _cautions(joint: JointReplay) -> Iterator[tuple[str, dict[str, object]]]:
-    """Yield codes and numbers of the cautions about the replay of one joint."""
     numbers, passivity = joint.numbers, joint.passivity
     if numbers is None or passivity is None:
         yield "not_replayed", {"reason": joint.reason}

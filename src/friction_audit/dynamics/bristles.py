@@ -37,11 +37,6 @@ class Bristles(NamedTuple):
     reach: Float  # deflection at which it slips, shape (m,) [rad]
     damping_s: float  # damping over stiffness [s]
 
-    @property
-    def some(self) -> bool:
-        """Whether there are any."""
-        return len(self.path) + len(self.reach) > 0
-
     def states_along(self, q: Float) -> Float:
         """State along a motion that begins unbent: torque of the curve, deflections of springs, shape (n, 1 + m)."""
         return np.asarray(_follow(read_only(q), self.path, self.torque, self.reach))
@@ -137,7 +132,6 @@ def _around(value: float, torque: Float) -> tuple[int, int]:
 
 @compiled()
 def _follow(q: Float, path: Float, torque: Float, reach: Float) -> Float:
-    """States of bristles along a motion, shape (n, 1 + m)."""
     out = np.zeros((len(q), 1 + len(reach)))
     for i in range(1, len(q)):
         way = q[i] - q[i - 1]

@@ -114,7 +114,6 @@ def _settle(
 
 
 def _both_sides(recording: _Recording, link: Link, tables: Tables) -> tuple[Float, Float, Float]:
-    """Move the measured side, which has inertia, and that of friction."""
     motion, drive, load, pieces, step_s = recording
     far = tables._replace(inertia_kg_m2=tables.inertia_kg_m2 - link.near_kg_m2)
     _, speed, theta, omega = move_two_sides(drive, load, (motion.q, motion.dq), step_s, pieces, link, far)

@@ -65,12 +65,12 @@ def tabulate(inertia_kg_m2: float, terms: Iterable[Term], motion: Motion) -> tup
             dry, *both = bristles_of(term)
             forms = (empty._replace(speed=np.array([[dry], [-dry]]), bristles=found) for found in both)
         share = next((share for share in forms if _holds(share, term, motion)), None)
-        if share is None or (share.bristles.some and tables.bristles.some):
+        bent = [one.bristles for one in (share, tables) if one and len(one.bristles.path) + len(one.bristles.reach)]
+        if share is None or len(bent) > 1:
             past.append(term)
         else:
             added: dict[str, Any] = {name: getattr(tables, name) + getattr(share, name) for name in ADDED}
-            one = share if share.bristles.some else tables
-            tables = tables._replace(**added, bristles=one.bristles)
+            tables = tables._replace(**added, bristles=bent[0] if bent else NO_BRISTLES)
     return tables, tuple(past)
 
 

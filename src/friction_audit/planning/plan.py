@@ -173,7 +173,6 @@ def usual_terms(joint: Joint) -> dict[str, FittedTerm]:
 
 
 def _of_size(block: Block, problem: RegressionProblem, size_nm: float) -> FittedTerm | None:
-    """Return a term whose torque free of the nominal model has a size; None if none may."""
     columns, X = block.columns, problem.X
     free = columns - (np.linalg.lstsq(X.T, columns.T)[0].T @ X)
     own = np.ones(len(columns)) * size_nm / max(float(np.sqrt(np.mean(free.sum(axis=0) ** 2))), 1e-12)

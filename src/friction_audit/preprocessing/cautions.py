@@ -79,17 +79,14 @@ def gravity_cautions(
     mixed = not most(balance.evidence, "rises") or balance.inertia_left
     if gravity == "in-torque" or mixed or log.source.torque_unit != "N m":
         return ()
-    torque = balance.driving(log, coarse)
+    torque, dead = balance.driving(log, coarse), log.source.dead_torque
 
-    alive = [place for place, column in enumerate(columns) if column + 1 not in log.source.dead_torque]
+    def left(place: int) -> tuple[float, float, float, float, bool] | None:
+        column, across = columns[place], None if direction is None else direction[:, place]
+        return None if column + 1 in dead else _left(coarse, torque[:, column], across, column)
 
-    def left(k: int) -> tuple[float, float, float, float, bool] | None:
-        place = alive[k]
-        across = None if direction is None else direction[:, place]
-        return _left(coarse, torque[:, columns[place]], across, columns[place])
-
-    every = zip(alive, per_joint(left, len(alive)), strict=True)
-    found = [(columns[place], *one) for place, one in every if one is not None]
+    every = zip(columns, per_joint(left, len(columns)), strict=True)
+    found = [(column, *one) for column, one in every if one is not None]
     several = sum(rms > friction for _, _, rms, _, friction, _ in found) > 1
     return tuple(
         Caution(

@@ -187,11 +187,6 @@ class LowPass:
         return cls(t=grid, fine=fine, every=every, kernel=kernel, slope=slope, corner_hz=corner)
 
     @property
-    def reach_s(self) -> float:
-        """Half of the kernel's length. [s]"""
-        return float(self.fine[1] - self.fine[0]) * (len(self.slope) // 2)
-
-    @property
     def step_s(self) -> float:
         """Spacing of the grid. [s]"""
         return float(self.t[1] - self.t[0])
@@ -224,12 +219,12 @@ class LowPass:
 
     def away_from_gaps(self, t: Float) -> NDArray[np.bool_]:
         """Samples of the grid whose kernel reaches neither a gap in the stamps t nor beyond the ends, shape (n,)."""
-        after = gaps(t)
+        after, reach_s = gaps(t), float(self.fine[1] - self.fine[0]) * (len(self.slope) // 2)
         begins = np.concatenate([[-np.inf], t[after], [t[-1]]])
         ends = np.concatenate([[t[0]], t[after + 1], [np.inf]])
-        place = np.searchsorted(begins, self.t + self.reach_s, side="left") - 1
+        place = np.searchsorted(begins, self.t + reach_s, side="left") - 1
         # The last gap that begins before the kernel ends must have ended before the kernel begins.
-        return np.asarray(ends[place] <= self.t - self.reach_s + 1e-9, bool)
+        return np.asarray(ends[place] <= self.t - reach_s + 1e-9, bool)
 
     def _apply(self, even: Float, kernel: Float) -> Float:
         centre = len(self.slope) // 2 + self.every * np.arange(len(self.t))

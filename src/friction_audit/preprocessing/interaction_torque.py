@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -131,20 +132,14 @@ def _columns(log: JointLog, joints: tuple[int, ...] | None) -> list[int]:
 
 def _choose_row(log: JointLog, coarse: CoarseLog, plan: Plan, settings: TorqueSettings) -> tuple[Balance, bool]:
     """Return the row of the balance whose energy rises, and whether it is not the one tried first."""
-
-    def proved(row: Balance) -> Balance:
-        return replace(row, evidence=prove_sign(coarse, row.driving(log, coarse), log.source.dead_torque))
-
-    first = proved(_row(log, coarse, plan, plan.drives[0], settings.model_rate_hz))
-    if most(first.evidence, "rises"):
-        return first, False
-    if plan.source == "interaction":
-        other = proved(replace(first, sign=-first.sign))
-    elif len(plan.drives) > 1:
-        other = proved(_row(log, coarse, plan, plan.drives[1], settings.model_rate_hz))
-    else:
-        return first, False
-    return (other, True) if most(other.evidence, "rises") else (first, False)
+    rows = (_row(log, coarse, plan, drive, settings.model_rate_hz) for drive in plan.drives)
+    first, tried = next(rows), list[Balance]()
+    others = [replace(first, sign=-first.sign)] if plan.source == "interaction" else rows
+    for row in chain([first], others):
+        tried.append(replace(row, evidence=prove_sign(coarse, row.driving(log, coarse), log.source.dead_torque)))
+        if most(tried[-1].evidence, "rises"):
+            return tried[-1], len(tried) > 1
+    return tried[0], False
 
 
 def _row(log: JointLog, coarse: CoarseLog, plan: Plan, drive: str, model_rate_hz: float) -> Balance:

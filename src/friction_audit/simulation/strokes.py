@@ -295,7 +295,6 @@ def _draw_stroke(settings: HandPath, pose: Float, rng: np.random.Generator) -> t
 
 
 def _draw_in_ball(rng: np.random.Generator) -> Float:
-    """Draw a point of the unit ball, evenly distributed, shape (3,)."""
     direction = rng.standard_normal(3)
     point: Float = direction / np.linalg.norm(direction) * rng.random() ** (1 / 3)
     return point

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import takewhile
 from math import ceil, inf, isinf, sqrt
 from typing import Any
@@ -123,7 +124,6 @@ class _Trials:
     def _each(
         self, work: Callable[[Any, int], Any], settings: Sequence[Any], seeds: Sequence[int], until: float
     ) -> list[list[Any]]:
-        """Return the results of every setting, one per seed."""
         jobs = [(one, seed) for one in settings for seed in seeds]
         done = iter(self._map(lambda place: work(*jobs[place]), len(jobs), until))
         return [[next(done) for _ in seeds] for _ in settings]
@@ -165,11 +165,8 @@ class _Trials:
         short = replace(self.scene, settings=shorter)
 
         def margin(tuning: Tuning, seed: int) -> float:
-            def holds(factor: float) -> bool:
-                simulation = simulate(short.compensated(tuning, factor), seed)
-                return isinf(find_loss(simulation, self.idle[seed][0]))
-
-            return find_margin(holds)
+            tried = partial(short.compensated, tuning)
+            return find_margin(lambda factor: isinf(find_loss(simulate(tried(factor), seed), self.idle[seed][0])))
 
         return [tuple(own) for own in self._each(margin, tunings, seeds, 1.0)]
 

@@ -307,7 +307,6 @@ def _drift(states: Record, body: Record, h: float) -> None:
 
 @compiled()
 def _remember(joint: Record, state: Record, body: Record, j: int, t: float, h: float, duration: float) -> None:
-    """Let the bristles of a joint follow its motion for a time h."""
     q, dq = body.y[body.inner[j]], body.v[body.inner[j]]
     if joint.hidden.presliding.displacement_rad != 0.0:
         level = bristle_level(joint, state, q, dq, t, duration)
