@@ -56,8 +56,8 @@ def test_the_version_has_a_changelog_section() -> None:
 
 # Of src/ and tests/. A number goes up only with its reason in the same commit; it goes down with what is saved.
 SIZE = {
-    "lines": 43_450,  # more than 43 300: what reads held values of slower topics, and the noise of both velocities
-    "files": 238,  # with io/checks/held.py
+    "lines": 43_600,  # more than 43 450: friction that is slow at reversals, tables of several robots, messages compared in one go
+    "files": 238,
     "code lines of the longest function": 59,  # dynamics/transmission.py: one compiled loop, split it is 13 % slower
     "per cent of functions of at most 3 code lines": 21,
     "lines of tests": 24_000,
