@@ -70,7 +70,7 @@ class Arm:
                     torque[rows, joint] = own[1] * down[body][0] - own[0] * down[body][1]
                     own = _turned(own, cosine[joint], sine[joint])
                 moment[parent] = [*map(add, moment[parent], _times(turns[body].T, own))]
-        return self.to_model(torque, back=True)
+        return self.from_model(torque)
 
     def inverse_dynamics(self, q: Float, dq: Float, ddq: Float) -> Float:
         """Return M(q) ddq + c(q, dq) + g(q), without friction, shape (n, j). [N m]"""
@@ -85,7 +85,7 @@ class Arm:
             mj.mj_comPos(model, data)
             mj.mj_comVel(model, data)
             mj.mj_rne(model, data, 1, row)
-        return self.to_model(torque, back=True)
+        return self.from_model(torque)
 
     def mass_diagonal(self, q: Float) -> Float:
         """Return the diagonal of the mass matrix, shape (n, j). [kg m^2]"""
@@ -114,7 +114,7 @@ class Arm:
             _, _, down = self._down(q[rows], turns)
             for joint, body in enumerate(self.model.jnt_bodyid):
                 direction[rows, joint, 0], direction[rows, joint, 1] = down[body][:2]
-        return self.to_model(direction / np.linalg.norm(self.model.opt.gravity), back=True)
+        return self.from_model(direction / np.linalg.norm(self.model.opt.gravity))
 
     @lru_cache(maxsize=4)  # noqa: B019 - of few arms, and asked for with every block of a log
     def _joint_axes(self) -> tuple[Float, Float, Float, Float]:
@@ -195,10 +195,13 @@ class Arm:
             orientation[joint] = axes[body].T @ bodies[body]
         return origin, orientation, axis
 
-    def to_model(self, array: Float, *, back: bool = False) -> Float:
-        """Arrange the columns of an array of a log, shape (n, j, ...), in the order of the model, or ``back``."""
-        order = np.argsort(self.columns) if back else list(self.columns)
-        return array if self.columns == tuple(range(len(self.columns))) else array[:, order]
+    def to_model(self, array: Float) -> Float:
+        """Arrange the columns of an array of a log, shape (n, j), in the order of the model."""
+        return array if self.columns == tuple(range(len(self.columns))) else array[:, list(self.columns)]
+
+    def from_model(self, array: Float) -> Float:
+        """Arrange what the model gives, shape (n, j, ...), in the order of a log."""
+        return array if self.columns == tuple(range(len(self.columns))) else array[:, np.argsort(self.columns)]
 
 
 def _turned(vector: Sequence[Float], cosine: Float, sine: Float) -> list[Float]:
@@ -264,6 +267,7 @@ def _flange(model: "mujoco.MjModel") -> str:
 
 
 def _set_inertial(model: "mujoco.MjModel", body: int, *parts: Inertial) -> None:
+    """Give a body of the model the inertial parameters of its parts."""
     import mujoco as mj
 
     mass = sum(part.mass for part in parts)

@@ -157,6 +157,7 @@ def _wrong_numbers(parent: ET.Element, tag: str, count: int, lowest: float = -in
 
 
 def _wrong_tree(links: list[ET.Element], joints: list[ET.Element]) -> Iterator[str]:
+    """Name what keeps the links from being one tree."""
     names, ends = [link.get("name") for link in links], dict[str, list[str | None]]()
     for what, own in (("link", names), ("joint", [joint.get("name") for joint in joints])):
         yield from (f"{own.count(one)} {what}s of the name {one}" for one in dict.fromkeys(own) if own.count(one) > 1)
