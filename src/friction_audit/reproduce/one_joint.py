@@ -158,7 +158,7 @@ def check_8(simulations: Simulations) -> tuple[Claim, ...]:
     courses = [make_course(simulation) for simulation in simulations["fig8"]]
     rises = np.array([np.diff(course.ends_j, prepend=0.0).min() for course in courses])
     factor = np.median([course.ends_j[-1] / course.ends_j[1] for course in courses])
-    peaks = np.array([np.abs(smooth(course.t, course.interaction_nm)).max() for course in courses])  # as drawn
+    peaks = np.array([peak_nm(course) for course in courses])
     near = (peaks > PEAK_NM[0]) & (peaks < PEAK_NM[1])
     return (
         Claim(
@@ -172,6 +172,11 @@ def check_8(simulations: Simulations) -> tuple[Claim, ...]:
             "friction and person are chosen for it, see fig8; of the torque low-passed at 10 Hz",
         ),
     )  # fmt: skip
+
+
+def peak_nm(course: Course) -> float:
+    """Return the largest interaction torque, low-passed as it is drawn. [N m]"""
+    return float(np.abs(smooth(course.t, course.interaction_nm)).max())
 
 
 NEAR_ZERO = 0.05  # share of the peak speed that counts as near zero
@@ -283,7 +288,7 @@ def check_11(simulations: Simulations) -> tuple[Claim, ...]:
     """Check the peak torque and that little of friction is left in the curve."""
     before = [make_course(simulation) for simulation in simulations["fig8"]]
     after = [compensated(make_course(simulation)) for simulation in simulations["fig10"]]
-    peaks = np.array([np.abs(smooth(course.t, course.interaction_nm)).max() for course in after])  # as drawn
+    peaks = np.array([peak_nm(course) for course in after])
     # The mean of F_m sgn(dq) where the joint slides is friction: acceleration and braking cancel.
     still, without = (
         np.array([(one.interaction_nm * np.sign(one.dq))[np.abs(one.dq) > FAST].mean() for one in courses])
