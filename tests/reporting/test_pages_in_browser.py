@@ -72,14 +72,14 @@ def test_every_figure_is_there(open_page: Open, case: str, count: int, scheme: s
 
 
 def column(opened: Opened, number: int) -> list[str]:
-    rows = "[...document.querySelectorAll('table')[1].tBodies[0].rows]"
+    rows = "[...document.querySelectorAll('table')[2].tBodies[0].rows]"
     cells: list[str] = opened.evaluate(f"(k) => {rows}.map((row) => row.cells[k].textContent)", number)
     return cells
 
 
 def test_a_table_is_sorted_by_mouse_and_by_keys(open_page: Open) -> None:
     opened = open_page(page("batch"))
-    table = opened.page.locator("table.sortable").nth(1)
+    table = opened.page.locator("table.sortable").nth(2)
     change = table.get_by_role("button", name="change")
     change.click()
     head = table.locator("th[aria-sort]")

@@ -6,7 +6,7 @@ hand moves it, link and motor where the robot does. An elastic joint, or one wit
 
 from collections.abc import Sequence
 from dataclasses import astuple, fields
-from typing import Any, NamedTuple, get_type_hints
+from typing import Any, NamedTuple, TypeAlias, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,9 +79,10 @@ BODY = np.dtype(
     ],
     align=True,
 )
+Body: TypeAlias = Any  # a record of type BODY
 
 
-def make_body(two_sided: NDArray[np.bool_], free: NDArray[np.bool_], position: Float) -> Any:  # noqa: ANN401 - a record of type BODY
+def make_body(two_sided: NDArray[np.bool_], free: NDArray[np.bool_], position: Float) -> Body:
     """Return a body at rest."""
     n, extra = len(two_sided), np.flatnonzero(two_sided)
     c = n + len(extra)
