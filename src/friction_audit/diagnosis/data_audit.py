@@ -225,9 +225,9 @@ def _sensors_and_motion(interaction: Interaction, data: JointData) -> tuple[Data
     return (
         judged("standstill_noise", float(np.std(steps) / np.sqrt(2)) if len(steps) else NAN),
         judged("torque_step", resolution(interaction.torque[:, data.joint])),
-        judged("gravity", max(np.count_nonzero(np.ptp(posture, axis=0) > RESTING_RAD) - 1.0, 0.0)),
         judged("standstill", float(still.sum()) * data.step_s),
         judged("cycles", float(len(np.unique(data.cycle[data.used])))),
         judged("speed_spread", float(speed.std() / speed.mean()) if len(speed) else 0.0),
         judged("reversals", float(np.count_nonzero(np.diff(direction)))),
+        judged("gravity", max(np.count_nonzero(np.ptp(posture, axis=0) > RESTING_RAD) - 1.0, 0.0)),
     )
