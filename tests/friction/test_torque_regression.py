@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from statsmodels.robust.robust_linear_model import RLM
 
+from friction_audit.api import log_from_frame
 from friction_audit.friction.torque_regression import CUTOFF_HZ, RegressionRows, huber_weights, regress_torque
 from friction_audit.joint_log import Float, median_step
 from friction_audit.pipeline import AuditSettings, estimate_log
@@ -147,6 +148,14 @@ def test_signals_of_one_low_pass_are_noticed_where_it_changes_the_coefficients()
         assert [one.code for one in warnings] == expected
     assert joint.viscous.value > 0.08  # true: 0.07
     assert warnings[0].numbers["viscous"] == pytest.approx(0.07, abs=0.01)
+
+
+def test_rows_far_from_every_reversal_show_no_low_pass() -> None:
+    t, rng = np.arange(0.0, 120.0, 1e-3), np.random.default_rng(0)
+    q, dq = 0.7 * np.sin(0.6 * t), 0.42 * np.cos(0.6 * t)
+    torque = 0.3 * np.sign(dq) + 0.05 * dq + 0.05 * rng.standard_normal(len(t))
+    log = log_from_frame({"time": t, "q_1": q, "dq_1": dq, "tau_interaction_1": torque})
+    assert "slow_reversals" not in [one.code for one in estimate_log(log, AuditSettings()).friction.warnings]
 
 
 @pytest.mark.parametrize(("delay_s", "found"), [(0.0, []), (0.02, ["late"]), (-0.02, ["early"])])

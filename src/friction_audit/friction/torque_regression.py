@@ -109,6 +109,8 @@ def _turning(rows: "_Rows") -> tuple[float, float] | None:
 
     A linear relation holds between signals of one low-pass, but the sign of a filtered velocity is not filtered.
     """
+    if not np.any(np.abs(rows.more["turning"]) > LEAST_SWING):  # no row is next to a reversal
+        return None
     (follows, half), (coulomb, _), (viscous, _) = _fit_with(rows, "turning", "coulomb", "viscous")
     return (coulomb, viscous) if follows > SURE * half and follows > LEAST_FOLLOWING * coulomb > 0.0 else None
 
