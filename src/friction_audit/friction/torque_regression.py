@@ -37,7 +37,7 @@ SETTLED = 41  # samples by which the filter's response to an impulse exceeds the
 LONGEST = 2.0  # times its nominal duration that a row's support may last; beyond, there is a hole in it
 BLOCK_S = 0.02  # the position is averaged over so long, against its noise and resolution [s]
 NEARLY_WHOLE = 0.01  # steps of 1 ms, with the rounding of stamps of today, are as many as those from 0
-LEAST_SWING = 1e-3  # of the direction of gravity: what does not turn is an offset
+LEAST_SWING = 1e-3  # of directions of gravity and of motion: one that changes less shows nothing of its own
 # Of columns of unit length: beyond, they are as good as collinear (Belsley, Kuh, Welsch, Regression Diagnostics, 1980).
 HIGHEST_CONDITION = 30.0
 LEAST_ONE_WAY = 0.1  # share of the samples that each direction has at least, or the offset takes what is friction
