@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import friction_audit
-from friction_audit.reporting.notices import SENTENCES, TURNED
+from friction_audit.reporting.sentences import SENTENCES, TURNED
 
 FOLDER = Path(__file__).parent
 SOURCE = Path(friction_audit.__file__).parent

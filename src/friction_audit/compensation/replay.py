@@ -31,7 +31,7 @@ from friction_audit.friction.history import FrictionHistory, JointFriction
 from friction_audit.joint_log import Float, Recording, read_only
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
-from friction_audit.preprocessing.interaction import Caution, Interaction
+from friction_audit.preprocessing.interaction import Caution, Interaction, quoted, reason_of
 
 LONGEST_STEP = 3.5  # a step of the clock of this many median steps is a gap, at any rate
 FAR_BELOW = 0.25  # share of the published friction of its kind that no healthy joint falls below
@@ -120,7 +120,7 @@ class _JointRun:
         try:
             wanted = tune(settings.competitor, friction, robot, model) if settings.competitor else settings.compensator
         except AnalysisError as reason:
-            self._joint = replace(self._joint, reason=str(reason))
+            self._joint = replace(self._joint, reason=reason_of(reason))
             return
         chosen = _in_force(wanted, cycles, self._column, limits, step_s)
         self._joint = replace(self._joint, compensator=chosen)
@@ -144,7 +144,7 @@ class _JointRun:
             scene = make_scene(part, self._cycles, self.friction, self._settings, cuts, modelled=modelled)
             found = self._run.take(scene)
         except AnalysisError as reason:
-            self._joint = replace(self._joint, reason=str(reason))
+            self._joint = replace(self._joint, reason=reason_of(reason))
             return
         recorded = scene.recorded
         add_torque(self._recorded, recorded.t, recorded.dq, recorded.torque)
@@ -169,10 +169,10 @@ class _JointRun:
         run, history = self._run, np.concatenate(self._run.rows).view(np.recarray)
         history.start_s[1:] = history.stop_s[:-1]
         reason = (
-            result.missing_estimate(history, self.friction, joint.compensator) if isnan(run.tally["diverged_s"]) else ""
+            result.missing_estimate(history, self.friction, joint.compensator) if isnan(run.tally["diverged_s"]) else ()
         )
         if run.felt["samples"] <= 1:
-            reason = "the compensated loop diverges within a sample; lower its gain"
+            reason = quoted("the compensated loop diverges within a sample; lower its gain")
         if reason:
             return replace(joint, reason=reason)
         total = self._total if self._total["samples"] else self._recorded

@@ -11,6 +11,7 @@ from friction_audit.drift.session import Session
 from friction_audit.errors import UsageError
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_numbers import parse_joint_numbers
+from friction_audit.preprocessing.interaction import Reason
 
 # What describes a coefficient over the sessions. "step_or_ramp": drift is proven, but the two describe it equally well.
 # "temperature": it changes together with the temperature, so that drift and temperature are confounded.
@@ -99,7 +100,7 @@ class CoefficientDrift:
     warmer_k: float = float("nan")  # rise of the temperature, first to last sessions, NaN where it is not known [K]
     by_temperature: bool = False  # whether there is a change that the temperature explains
     speed_ratio: float = float("nan")  # speed at the end of a change over its start, where it went with it, else NaN
-    reasons: tuple[str, ...] = ()  # why sessions have no estimate, where there are too few
+    reasons: tuple[Reason, ...] = ()  # why sessions have no estimate, where there are too few
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

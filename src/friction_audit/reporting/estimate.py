@@ -10,6 +10,7 @@ from friction_audit.pipeline import Estimate
 from friction_audit.preprocessing.energy_cycles import REASONS
 from friction_audit.reporting.documents import ResultDocument
 from friction_audit.reporting.notices import estimate_notices, log_line, physics_of, reason_lines
+from friction_audit.reporting.sentences import text_of
 from friction_audit.reporting.table import ALL, INTERVAL, JOINT, NAME, Column, Record, joint_column
 from friction_audit.reporting.words import format_coefficient, in_unit, joint_label
 
@@ -83,7 +84,7 @@ FRICTION = Record(
     Column("viscous", Coefficient, get="regression.viscous", unit="N m s/rad", title="regression: viscous", on="p"),
     Column("residual_rms", float, get="regression.residual_rms_nm", unit="N m", on="f"),
     Column(
-        "reason", str, "why there is no estimate", null=True,
+        "reason", str, "why there is no estimate", lambda one: text_of(one.reason), null=True,
         form=lambda reason: f"no estimate: {reason}", title="remark", on="jfp",
     ),
     Column("regression", REGRESSION, "the torque regression, for comparison", on="j", null=True),
