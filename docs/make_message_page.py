@@ -53,13 +53,6 @@ def _made(scope: ast.AST) -> Iterator[Found]:
             damaged = given.get("damaged")
             if code is not None:
                 yield code, message, isinstance(damaged, ast.Constant) and bool(damaged.value)
-        elif isinstance(node, ast.Assign) and isinstance(node.value, ast.Dict) and _is_rules(node.targets[0]):
-            rules = zip(node.value.keys, node.value.values, strict=True)
-            yield from ((key, rule.args[2], False) for key, rule in rules if key and isinstance(rule, ast.Call))
-
-
-def _is_rules(target: ast.expr) -> bool:
-    return isinstance(target, ast.Name) and target.id == "RULES"
 
 
 def _text(node: ast.AST | None, scope: ast.AST, module: ast.Module) -> str:  # noqa: PLR0911 - a kind of node each

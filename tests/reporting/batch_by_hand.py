@@ -10,6 +10,7 @@ from friction_audit.batch.identity import FailedLog
 from friction_audit.drift.report import ArmDrift, ChangePoint, CoefficientDrift, ControlPoint, DriftReport, JointDrift
 from friction_audit.drift.session import Conditions, JointSummary, Session, SpeedCurve
 from friction_audit.friction.history import UNDETERMINED, Coefficient
+from friction_audit.preprocessing.interaction import quoted
 from friction_audit.reporting.drift import BatchSummary
 
 NAN = float("nan")
@@ -27,7 +28,7 @@ HOSTILE = "<script>alert('x')</script> & \"$\\frac{1}$\""
 STILL = JointSummary(
     joint=STILL_JOINT, name="panda_joint7", coefficients=dict.fromkeys(LEVELS, UNDETERMINED), cycles=0, moving_s=0.0,
     speed_rad_s=(NAN, NAN, NAN), within=dict.fromkeys(LEVELS, UNDETERMINED), verdict="not_testable",
-    reason="the joint does not move; move it back and forth",
+    reason=quoted("the joint does not move; move it back and forth"),
 )  # fmt: skip
 
 

@@ -11,8 +11,6 @@ from friction_audit.preprocessing.interaction import Caution
 from friction_audit.reporting.sentences import SENTENCES, sentence_of, text_of
 from friction_audit.reporting.words import MARK, NEWTON_METRES, in_unit, joints_label
 
-ODD_TORQUE = ("gravity_error", "torque_offset", "sign_disagrees")  # cautions of one joint about how its torque was made
-
 # Codes of what is about the recording: no number that stands means anything else by it.
 RECORDING = (
     "dropped_samples", "gap", "jitter", "low_rate", "stale_samples", "slow_state", "unordered", "batched_stamps",

@@ -6,6 +6,7 @@ from typing import Any
 from friction_audit.preprocessing.interaction import Caution, Reason
 from friction_audit.reporting.words import count_of, joints_label, range_of
 
+ODD_TORQUE = ("gravity_error", "torque_offset", "sign_disagrees")  # cautions of one joint about how its torque was made
 SENTENCES: Mapping[str, str] = {
     # files
     "torque_in_ampere": "the torque column is a motor current: results are in {unit}, {unit} s/rad and {unit} rad, "
