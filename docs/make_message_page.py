@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import friction_audit
-from friction_audit.reporting.sentences import SENTENCES, TURNED
+from friction_audit.reporting.notices import sentences
 
 FOLDER = Path(__file__).parent
 SOURCE = Path(friction_audit.__file__).parent
@@ -25,8 +25,10 @@ Found = tuple[ast.expr, ast.expr | None, bool]
 
 def messages() -> dict[str, tuple[tuple[str, ...], bool]]:
     """Return the messages and the mark of damage of every code of a warning in the source."""
+    texts = sentences()
+    warnings = texts["warnings"] | {"sign_turned": texts["sign_turned"]["else"]}
     found: dict[str, tuple[tuple[str, ...], bool]] = {
-        code: ((beginning(_plain(text)),), False) for code, text in {**SENTENCES, "sign_turned": TURNED[False]}.items()
+        code: ((beginning(_plain(text)),), False) for code, text in warnings.items()
     }
     for path in sorted(SOURCE.rglob("*.py")):
         module = ast.parse(path.read_text())

@@ -21,7 +21,7 @@ from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel,
 from friction_audit.effects.registry import terms
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float, JointLog
-from friction_audit.reporting.sentences import text_of
+from friction_audit.reporting.notices import text_of
 from friction_audit.simulation.bench import Operator
 from friction_audit.simulation.hide import with_model
 from friction_audit.simulation.scenarios import simulate

@@ -15,8 +15,8 @@ from friction_audit.joint_log import JointLog
 from friction_audit.log_in_blocks import LogInBlocks
 from friction_audit.pipeline import AuditSettings, LogReplay, estimate_log, replay_estimate
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
+from friction_audit.reporting.notices import sentence_of, text_of
 from friction_audit.reporting.replay import replay_document
-from friction_audit.reporting.sentences import sentence_of, text_of
 from friction_audit.simulation import ArmSettings, simulate
 from friction_audit.simulation.bench import BenchSettings, Operator
 from friction_audit.simulation.effects import Hidden

@@ -10,7 +10,7 @@ from scipy.signal import butter, lfilter, sosfiltfilt
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.joint_log import DERIVATIVE, Float, JointLog
 from friction_audit.pipeline import AuditSettings, diagnose_log
-from friction_audit.reporting.sentences import text_of
+from friction_audit.reporting.notices import text_of
 from friction_audit.simulation import IDEAL_SENSORS, SCENARIOS, simulate
 from friction_audit.simulation.hide import hide
 

@@ -19,7 +19,7 @@ from friction_audit.effects.joint_model import FittedTerm, simple_model
 from friction_audit.effects.registry import effect_of, effects
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.interaction import quoted
-from friction_audit.reporting.sentences import text_of
+from friction_audit.reporting.notices import text_of
 from tests.diagnosis.toy_effects import BUMP, CUBE, LINE, LOCKED_OUT, SQUARE, TOYS, altered, bump, rising
 from tests.effects.joint_data_by_hand import COULOMB_NM, INERTIA_KG_M2, TRUTH, VISCOUS_NMS_PER_RAD, moved_joint
 

@@ -17,7 +17,7 @@ from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.effects.registry import MODULES, NAMES, PART_OF, effect_of, effects, motion_between, same_as, terms
 from friction_audit.joint_log import Float
-from friction_audit.reporting.sentences import sentence_of
+from friction_audit.reporting.notices import sentence_of
 from friction_audit.simulation.effects import EFFECTS, velocity
 from friction_audit.simulation.effects.effect import Setting
 from friction_audit.simulation.effects.sensors import delayed

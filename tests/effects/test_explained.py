@@ -12,7 +12,7 @@ from friction_audit.effects.load import OWN_ANGLE, SEVERAL, independent
 from friction_audit.effects.neighbours import AFTER, ALL, BEFORE, BOTH
 from friction_audit.effects.registry import effect_of
 from friction_audit.joint_log import Float
-from friction_audit.reporting.sentences import text_of
+from friction_audit.reporting.notices import text_of
 from tests.diagnosis.toy_effects import altered
 from tests.effects.joint_data_by_hand import STEP_S, baseline, joint_data, share_explained, two_sines
 

@@ -17,7 +17,7 @@ from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.registry import effect_of
 from friction_audit.effects.transmission import STIFFEST_NM_PER_RAD
 from friction_audit.joint_log import Float
-from friction_audit.reporting.sentences import sentence_of
+from friction_audit.reporting.notices import sentence_of
 from tests.diagnosis.toy_effects import altered
 from tests.effects.joint_data_by_hand import (
     COULOMB_NM,

@@ -16,7 +16,7 @@ from friction_audit.joint_log import Float
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.segmentation import segment_cycles
 from friction_audit.preprocessing.settings import CycleSettings
-from friction_audit.reporting.sentences import sentence_of, text_of
+from friction_audit.reporting.notices import sentence_of, text_of
 from tests.effects.joint_data_by_hand import sines
 from tests.synthetic_interaction import interaction, strokes
 

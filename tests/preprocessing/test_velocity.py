@@ -23,7 +23,7 @@ from friction_audit.preprocessing.velocity import (
     position_of,
     read_on_time,
 )
-from friction_audit.reporting.sentences import sentence_of
+from friction_audit.reporting.notices import sentence_of
 from tests.effects.joint_data_by_hand import sines
 from tests.synthetic_interaction import log_of
 

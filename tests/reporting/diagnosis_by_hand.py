@@ -103,7 +103,7 @@ def gap(before: float, after: float, floor: float) -> r.Gap:
 
 
 def finding(code: str, verdict: str, value: float = 0.4) -> DataFinding:
-    numbers = {"value": value, "turned": False}
+    numbers = {"value": value, "case": "scaled"}
     return DataFinding(code=code, numbers=numbers, value=value, unit="s", bound=2.0, verdict=verdict)
 
 

@@ -16,8 +16,8 @@ from friction_audit.reporting import diagnosis, drift_sessions, estimate, replay
 from friction_audit.reporting.diagnosis import diagnose_tables
 from friction_audit.reporting.drift import BatchSummary
 from friction_audit.reporting.drift_sessions import session_columns
+from friction_audit.reporting.notices import text_of
 from friction_audit.reporting.report import LogReport, report_tables
-from friction_audit.reporting.sentences import text_of
 from tests.reporting import batch_by_hand, diagnosis_by_hand, log_report_by_hand as by_hand
 from tests.reporting.diagnosis_by_hand import AMBIGUOUS, NAMED
 from tests.reporting.test_documents import ARM, BATCHES

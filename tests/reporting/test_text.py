@@ -22,9 +22,10 @@ from friction_audit.reporting.notices import (
     diagnose_notices,
     notice_lines,
     reason_lines,
+    sentence_of,
+    text_of,
 )
 from friction_audit.reporting.replay import replay_lines
-from friction_audit.reporting.sentences import sentence_of, text_of
 from tests.reporting import batch_by_hand, log_report_by_hand
 from tests.reporting.conftest import build_estimate
 from tests.reporting.diagnosis_by_hand import ALONE, BIAS, LIMIT, NAMED, NOT_TESTABLE, STRIBECK, coefficient, diagnosis

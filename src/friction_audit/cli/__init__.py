@@ -93,7 +93,7 @@ def main(argv: list[str] | None = None) -> None:
             raise
         lines = [f"error: {reason}"]
         if isinstance(reason, AnalysisError) and reason.of_joints:
-            from friction_audit.reporting.sentences import text_of
+            from friction_audit.reporting.notices import text_of
 
             lines += [f"joint {joint}: {text_of(why)}" for joint, why in reason.of_joints]
         remark("\n  ".join(lines))

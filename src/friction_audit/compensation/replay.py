@@ -270,15 +270,15 @@ def seems_compensated(
     coefficients = {"Coulomb": friction.coulomb, "viscous": friction.viscous}
     negative = [name for name, found in coefficients.items() if found.high < 0]
     if negative:
-        return {"sign": "negative", "names": " and ".join(negative)}
+        return {"case": "negative", "names": " and ".join(negative)}
     if interaction.choice.sign_turned and interaction.choice.source == "interaction":
-        return {"sign": "sign"}
+        return {"case": "sign"}
     if found := _vanishing(interaction, cycles, friction.joint, square):
         return found
     if robot in PANDAS and friction.joint <= len(PUBLISHED):
         usual = min(PUBLISHED[friction.joint - 1].plateaus_nm)
         if friction.coulomb.high < FAR_BELOW * usual:
-            return {"sign": "far_below", "coulomb": friction.coulomb.value, "usual": usual}
+            return {"case": "far_below", "coulomb": friction.coulomb.value, "usual": usual}
     return {}
 
 
@@ -293,7 +293,7 @@ def _vanishing(interaction: Interaction, cycles: EnergyCycles, joint: int, squar
     before = float(work[:UNCOMPENSATED].sum() / path[:UNCOMPENSATED].sum())
     after = float(work[half:].sum() / path[half:].sum())
     if before > little and after < -GONE * before:
-        return {"sign": "gives_out", "after": after}
+        return {"case": "gives_out", "after": after}
     if before > little and after < GONE * before:
-        return {"sign": "vanishes", "before": before, "after": after}
-    return {"sign": "nothing"} if abs(work.sum()) < little * path.sum() else {}
+        return {"case": "vanishes", "before": before, "after": after}
+    return {"case": "nothing"} if abs(work.sum()) < little * path.sum() else {}

@@ -159,7 +159,7 @@ def _velocity(interaction: Interaction, data: JointData) -> tuple[DataFinding, .
         return (noise,)
     slope = np.gradient(q, data.step_s)
     if not good.any() or not np.any(slope[good]):
-        return (judged("dq_against_q", 0.0, moves=False),)
+        return (judged("dq_against_q", 0.0, case="stands"),)
     design = np.column_stack([slope, -np.gradient(slope, data.step_s)])[good]
     scale, shift = np.linalg.lstsq(design, dq[good], rcond=None)[0]
     left = dq[good] - design @ np.array([scale, shift])
@@ -172,8 +172,8 @@ def _velocity(interaction: Interaction, data: JointData) -> tuple[DataFinding, .
             lags = dict(zip(one.numbers["joints"], one.numbers["lags_s"], strict=True))
             delay = lags.get(interaction.joint_numbers[data.joint], delay)
     return (
-        judged("dq_against_q", explained, moves=True),
-        judged("dq_scale", abs(float(scale) - 1), turned=bool(scale <= 0)),
+        judged("dq_against_q", explained, case="moves"),
+        judged("dq_scale", abs(float(scale) - 1), case="scaled" if scale > 0 else "turned"),
         judged("dq_delay", delay, most_delay),
         noise,
     )

@@ -112,7 +112,7 @@ class RegressionProblem:
         corner, coarse = corner_for(data, inertia)
         if coarse > 1.0:
             step = 12.0**0.5 * data.rounding
-            numbers = {"channel": data.derived_from, "step": step, "largest": step / coarse}
+            numbers = {"channel": data.derived_from, "case": data.derived_from, "step": step, "largest": step / coarse}
             raise AnalysisError((Caution("coarse_steps", numbers=numbers),))
         if corner < CORNER_HZ:
             samples = make_samples(data, corner)

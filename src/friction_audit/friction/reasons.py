@@ -114,8 +114,8 @@ def dead_channel(seen: Extremes, *, dead_torque: bool) -> Reason:
     """Say which channel of a joint records nothing; what is removed from a dead torque makes it move."""
     (changes, travel, _), fastest = seen.high - seen.low, max(seen.high[2], -seen.low[2])
     if dead_torque or (changes == 0.0 and travel > LEAST_TRAVEL_RAD):
-        level = seen.first_torque if changes == 0.0 else None
-        return (Caution("dead_torque", numbers={"level": level}),)
+        case = "constant" if changes == 0.0 else "noisy"
+        return (Caution("dead_torque", numbers={"case": case, "level": seen.first_torque}),)
     if travel > LEAST_TRAVEL_RAD and fastest * seen.duration_s < 0.5 * travel:
         return (Caution("dead_velocity", numbers={"fastest": fastest, "travel": travel}),)
     return ()
@@ -132,9 +132,9 @@ def missing_motion(cycles: EnergyCycles, settings: FrictionSettings, seen: Extre
     if kept >= fewest:
         return ()
     left_out = cycles.reason[cycles.reason != KEPT]
-    cause = REASONS[int(np.bincount(left_out).argmax())] if len(left_out) else ""
+    case = REASONS[int(np.bincount(left_out).argmax())] if len(left_out) else ""
     code = "all_rejected" if kept == 0 else "most_rejected" if len(left_out) > kept else "few_usable"
-    return (Caution(code, numbers={"fewest": fewest, "cause": cause}),)
+    return (Caution(code, numbers={"fewest": fewest, "case": case}),)
 
 
 def one_speed(cycles: EnergyCycles) -> Reason:

@@ -44,7 +44,7 @@ def not_used(log: JointLog, balance: Balance, settings: TorqueSettings, *, hand:
 def sign_cautions(log: JointLog, balance: Balance, settings: TorqueSettings, *, turned: bool) -> Iterator[Caution]:
     """Yield what the energy shows about the sign, and that inertia is still in the torque."""
     evidence, plan = balance.evidence, balance.plan
-    known = {"formula": balance.formula, "source": plan.source}
+    known = {"formula": balance.formula, "case": plan.source}
     if turned:
         yield Caution(code="sign_turned", numbers=known)
     if most(evidence, "falls"):
@@ -92,7 +92,7 @@ def gravity_cautions(
         Caution(
             code="gravity_error" if by_position else "torque_offset",
             joint=column + 1,
-            numbers={"mean": mean, "rms": rms, "moved": moved, "gravity": gravity if several else ""},
+            numbers={"mean": mean, "rms": rms, "moved": moved, "case": gravity if several else ""},
         )
         for column, mean, rms, moved, _, by_position in found
     )

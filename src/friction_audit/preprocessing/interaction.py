@@ -56,7 +56,7 @@ class TorqueChoice:
 
 @dataclass(frozen=True, slots=True)
 class Caution:
-    """Something the user must know about a result; ``reporting.sentences`` has the sentence of each code."""
+    """Something the user must know about a result; ``reporting/sentences.toml`` has the sentence of each code."""
 
     code: str  # stable short name
     joint: int | None = None  # joint number for people (1..n), or None

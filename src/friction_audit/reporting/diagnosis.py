@@ -12,8 +12,7 @@ from friction_audit.joint_log import Float
 from friction_audit.pipeline import Diagnosis
 from friction_audit.reporting import diagnosis_tables as tables, diagnosis_words as words
 from friction_audit.reporting.documents import ResultDocument
-from friction_audit.reporting.notices import SENTENCE_END, diagnose_notices, log_line, physics_of
-from friction_audit.reporting.sentences import text_of
+from friction_audit.reporting.notices import SENTENCE_END, diagnose_notices, log_line, physics_of, text_of
 from friction_audit.reporting.table import Column, Get, Record, to_json
 from friction_audit.reporting.words import format_share, in_unit, joints_label, range_of
 

@@ -8,7 +8,7 @@ from friction_audit.diagnosis.result import VERDICTS, Evidence, JointDiagnosis, 
 from friction_audit.effects.registry import motion_to_decide
 from friction_audit.friction.history import Coefficient
 from friction_audit.reporting import diagnosis_words as words
-from friction_audit.reporting.sentences import sentence_of
+from friction_audit.reporting.notices import sentence_of
 from friction_audit.reporting.table import ALL, INTERVAL, JOINT, NAME, PEOPLE, Column, Get, Record, Tone, joint_column
 
 WORDS = {verdict: verdict.replace("_", " ") for verdict in VERDICTS}

@@ -11,7 +11,7 @@ from friction_audit.effects.joint_model import ArmModel
 from friction_audit.effects.registry import NAMES, motion_between, terms
 from friction_audit.effects.slow import UNFELT_PER_K
 from friction_audit.friction.history import Coefficient
-from friction_audit.reporting.sentences import text_of
+from friction_audit.reporting.notices import text_of
 from friction_audit.reporting.words import UNBOUNDED, count_of, enumerate_words, format_share, with_unit
 
 MOST_NUMBERS = 6  # parameters of an effect that a line has room for

@@ -9,8 +9,7 @@ from friction_audit.drift.two_sides import CoefficientChange, JointChange, TwoSi
 from friction_audit.friction.history import Coefficient
 from friction_audit.reporting.documents import SETTINGS, WARNINGS
 from friction_audit.reporting.drift_words import NAMES, UNITS, amount, how_much, limit_lines, total_text, verb_of
-from friction_audit.reporting.notices import Notice, notice, session_sentences
-from friction_audit.reporting.sentences import text_of
+from friction_audit.reporting.notices import Notice, notice, session_sentences, text_of
 from friction_audit.reporting.table import JOINT, NAME, Column, Document, Record, joint_column
 from friction_audit.reporting.words import NOTHING, format_p, in_unit, iso_start, joints_label, signed
 

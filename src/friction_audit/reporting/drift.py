@@ -18,7 +18,7 @@ from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.preprocessing.interaction import Caution
 from friction_audit.reporting import drift_words as phrases, words
 from friction_audit.reporting.drift_sessions import SESSION, SessionRow
-from friction_audit.reporting.sentences import ODD_TORQUE, sentence_of
+from friction_audit.reporting.notices import ODD_TORQUE, sentence_of
 from friction_audit.reporting.table import INTERVAL, Column, Document, Record, joint_column
 
 RARE = 0.25  # share of the sessions

@@ -11,8 +11,7 @@ from friction_audit.drift.session import Session
 from friction_audit.errors import shortened
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.reporting.drift_words import UNITS
-from friction_audit.reporting.notices import session_sentences
-from friction_audit.reporting.sentences import text_of
+from friction_audit.reporting.notices import session_sentences, text_of
 from friction_audit.reporting.table import JOINT, NAME, Column, Record, to_json
 from friction_audit.reporting.words import SHORTEST_NAME, format_start, iso_start, joint_label
 

@@ -24,7 +24,7 @@ from friction_audit.errors import printable
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_numbers import write_joint_numbers
 from friction_audit.reporting import words
-from friction_audit.reporting.sentences import text_of
+from friction_audit.reporting.notices import text_of
 from friction_audit.reporting.table import Tone
 from friction_audit.reporting.words import NEWTON_METRES, NOTHING, count_of, format_date, format_start, in_unit
 

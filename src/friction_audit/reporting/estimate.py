@@ -9,8 +9,7 @@ from friction_audit.io.writers.tables import TidyTable
 from friction_audit.pipeline import Estimate
 from friction_audit.preprocessing.energy_cycles import REASONS
 from friction_audit.reporting.documents import ResultDocument
-from friction_audit.reporting.notices import estimate_notices, log_line, physics_of, reason_lines
-from friction_audit.reporting.sentences import text_of
+from friction_audit.reporting.notices import estimate_notices, log_line, physics_of, reason_lines, text_of
 from friction_audit.reporting.table import ALL, INTERVAL, JOINT, NAME, Column, Record, joint_column
 from friction_audit.reporting.words import format_coefficient, in_unit, joint_label
 

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 from friction_audit.export.export import Export
 from friction_audit.reporting.documents import WARNINGS
-from friction_audit.reporting.notices import Notice, estimate_notices, notice
-from friction_audit.reporting.sentences import text_of
+from friction_audit.reporting.notices import Notice, estimate_notices, notice, text_of
 from friction_audit.reporting.table import Column, Document, Record, joint_column
 
 ROUNDED = 1e-3  # share of the friction below which an error of the fit is nothing to a simulator

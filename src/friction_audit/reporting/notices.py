@@ -2,15 +2,44 @@
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from functools import cache
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from friction_audit.joint_log import Finding, JointLog
 from friction_audit.pipeline import Diagnosis, Estimate, LogReplay
-from friction_audit.preprocessing.interaction import Caution
-from friction_audit.reporting.sentences import SENTENCES, sentence_of, text_of
-from friction_audit.reporting.words import MARK, NEWTON_METRES, in_unit, joints_label
+from friction_audit.preprocessing.interaction import Caution, Reason
+from friction_audit.reporting.words import MARK, NEWTON_METRES, count_of, in_unit, joints_label, range_of
 
+ODD_TORQUE = ("gravity_error", "torque_offset", "sign_disagrees")  # cautions of one joint about how its torque was made
+
+# What the numbers of a caution are in words, where the sentence has some. Where it has one of several, these stand in
+# a table of the caution's name, by the ``case``.
+WORDS: Mapping[str, Callable[[Mapping[str, Any]], dict[str, str]]] = {
+    **dict.fromkeys(
+        ("dq_late", "dq_other_clock"), lambda one: {"lags": range_of(one["lags_s"], lambda lag: f"{1e3 * lag:.1f}")}
+    ),
+    "torque_flipped": lambda one: {"numbers": ",".join(map(str, one["joints"]))},
+    **dict.fromkeys(
+        ("gravity_in_torque", "inertia_in_torque"),
+        lambda one: {"remedy": one["command"] and f"; {one['lead']}{one['command']}"},
+    ),
+    "model_not_used": lambda one: {"options": ", ".join(one["options"])},
+    **dict.fromkeys(("not_determined", "not_replayed"), lambda one: {"reason": text_of(one["reason"])}),
+    "torque_constant": lambda one: {
+        "level": range_of(one["reads"], lambda read: f"{read:.3g}" if len({*one["reads"]}) > 1 else f"{read:.4g}")
+    },
+    **dict.fromkeys(
+        ("did_not_move", "moved_too_slowly", "no_pause"),
+        lambda one: {"speed": "the speed" if one["unit"] == "rad/s" else "the hand's speed"},
+    ),
+    "too_few_cycles": lambda one: {
+        "count": count_of(one["cycles"], "energy cycle"),
+        "lacking": text_of(one["lacking"] or (Caution("more_cycles"),)),
+    },
+    "untested_time": lambda one: {"lacking": text_of(one["lacking"])},
+}
 # Codes of what is about the recording: no number that stands means anything else by it.
 RECORDING = (
     "dropped_samples", "gap", "jitter", "low_rate", "stale_samples", "slow_state", "unordered", "batched_stamps",
@@ -36,6 +65,29 @@ SENTENCE_END = re.compile(r"\. (?=[A-Z])")
 SMALL_SHARE = 0.1  # of the samples (or of a step) lost or irregular: below it no coefficient changes visibly
 
 
+@cache
+def sentences() -> dict[str, dict[str, str]]:
+    """Return the sentences of warnings and of reasons by code, and the cases of some."""
+    import tomllib
+
+    return tomllib.loads(Path(__file__).with_name("sentences.toml").read_text(encoding="utf-8"))
+
+
+def sentence_of(caution: Caution) -> str:
+    """Return a caution as one sentence."""
+    code, numbers, texts = caution.code, caution.numbers, sentences()
+    words = {"joint": caution.joint, "joints": joints_label(numbers.get("joints", ()))}
+    words |= WORDS[code](numbers) if code in WORDS else {}
+    if code in texts:
+        words["case"] = texts[code].get(numbers["case"], texts[code].get("else", "")).format(**numbers)
+    return (texts["warnings"].get(code) or texts["reasons"][code]).format(**{**numbers, **words})
+
+
+def text_of(reason: Reason) -> str:
+    """Return a reason in words, each sentence once; empty without one."""
+    return "; ".join(dict.fromkeys(map(sentence_of, reason))).replace("; No torque", ". No torque")
+
+
 class Notice(NamedTuple):
     """A warning: stable short name, joint number for people or None, one sentence."""
 
@@ -52,7 +104,7 @@ class Notice(NamedTuple):
 
 def notice(code: str, joint: int | None = None, **numbers: object) -> Notice:
     """Return a warning with its sentence."""
-    return Notice(code, joint, SENTENCES[code].format(joint=joint, **numbers))
+    return Notice(code, joint, sentences()["warnings"][code].format(joint=joint, **numbers))
 
 
 Joint = Any  # of a result: its number is ``joint``, why it has none ``reason``

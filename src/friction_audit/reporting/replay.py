@@ -13,8 +13,7 @@ from friction_audit.friction.history import Coefficient
 from friction_audit.io.writers.tables import TidyTable
 from friction_audit.pipeline import LogReplay
 from friction_audit.reporting.documents import ResultDocument
-from friction_audit.reporting.notices import log_line, physics_of, reason_lines, replay_notices
-from friction_audit.reporting.sentences import text_of
+from friction_audit.reporting.notices import log_line, physics_of, reason_lines, replay_notices, text_of
 from friction_audit.reporting.table import ALL, JOINT, NAME, PEOPLE, Column, Record, joint_column, to_json
 from friction_audit.reporting.words import in_unit, with_unit
 

@@ -20,9 +20,8 @@ from friction_audit.reporting.diagnosis_tables import TONES, WORDS, effect_rows
 from friction_audit.reporting.diagnosis_words import joint_message, plain_names
 from friction_audit.reporting.documents import SETTINGS, SOURCE, WARNINGS, settings_document
 from friction_audit.reporting.estimate import ESTIMATE, estimate_tables
-from friction_audit.reporting.notices import Notice, diagnose_notices, estimate_notices, replay_notices
+from friction_audit.reporting.notices import Notice, diagnose_notices, estimate_notices, replay_notices, text_of
 from friction_audit.reporting.replay import REPLAY, replay_tables
-from friction_audit.reporting.sentences import text_of
 from friction_audit.reporting.table import JOINT, NAME, Column, Document, Record, Tone, joint_column
 from friction_audit.reporting.words import count_of, enumerate_words, with_unit
 

@@ -18,7 +18,7 @@ from friction_audit.joint_log import Float, median_step
 from friction_audit.preprocessing.interaction import Reason
 from friction_audit.reporting.figures import style as theme
 from friction_audit.reporting.figures.style import COLUMN_IN, Look, figure_style
-from friction_audit.reporting.sentences import text_of
+from friction_audit.reporting.notices import text_of
 from friction_audit.reporting.words import NEWTON_METRES, SHORTEST_NAME, in_unit, joint_label, joints_label
 
 HANDLE_PT, LETTER_PT, LONGEST_FORMULA = 26.0, 3.5, 24  # room that a label of a legend takes; of formulas, less is seen
