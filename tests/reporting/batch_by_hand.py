@@ -122,8 +122,8 @@ def arm(count: int = 24, joints: int = 7, *, robot: str = "panda-1", dated: bool
     return ArmDrift(
         robot=robot, sessions=sessions, compared=tuple(compared), ordered_by="start" if dated else "name",
         autocorrelation=0.05, reference=tuple(range(min(5, count))), joints=tuple(found),
-        left_out=((LEFT_OUT, "payload 0.7 kg, the reference had none"),) if count > LEFT_OUT else (),
-        warnings=("temperatures are not logged: warm and cold sessions are not separated",),
+        left_out=((LEFT_OUT, quoted("payload 0.7 kg, the reference had none")),) if count > LEFT_OUT else (),
+        warnings=quoted("temperatures are not logged: warm and cold sessions are not separated"),
     )  # fmt: skip
 
 
@@ -149,9 +149,9 @@ def hostile() -> BatchSummary:
         for one in plain.sessions
     )
     joints = tuple(replace(joint, name=HOSTILE) for joint in plain.joints)
-    bad = replace(plain, robot=HOSTILE, sessions=sessions, joints=joints, warnings=(HOSTILE,))
+    bad = replace(plain, robot=HOSTILE, sessions=sessions, joints=joints, warnings=quoted(HOSTILE))
     return BatchSummary(
-        report=DriftReport(arms=(replace(bad, left_out=((LEFT_OUT, HOSTILE),)),)), exceeded=(HOSTILE,),
+        report=DriftReport(arms=(replace(bad, left_out=((LEFT_OUT, quoted(HOSTILE)),)),)), exceeded=(HOSTILE,),
         failed=(FailedLog(path=HOSTILE, message=HOSTILE),), settings={HOSTILE: {HOSTILE: [HOSTILE]}},
         command=f"friction-audit batch-report {HOSTILE}",
     )  # fmt: skip

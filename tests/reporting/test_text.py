@@ -11,7 +11,7 @@ from friction_audit.diagnosis.result import ContactTrace
 from friction_audit.effects.registry import NAMES
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.pipeline import Estimate
-from friction_audit.preprocessing.interaction import Caution
+from friction_audit.preprocessing.interaction import Caution, quoted
 from friction_audit.reporting import words
 from friction_audit.reporting.diagnosis import diagnose_lines
 from friction_audit.reporting.diagnosis_words import joint_message
@@ -138,7 +138,7 @@ def test_drift_in_detail_of_many_and_of_nothing() -> None:
         "joint 5, Coulomb: +0.0027 ± 0.0003 N m per session, +0.00178 ± 0.00019 N m per day",
     ):
         assert line in verbose
-    many = replace(ARM, robot="[red]arm[/red]", left_out=tuple((k, "no start") for k in range(9)))
+    many = replace(ARM, robot="[red]arm[/red]", left_out=tuple((k, quoted("no start")) for k in range(9)))
     lines = batch_lines(batch_by_hand.batch(many))
     assert "not compared: 9 sessions: no start" in lines
     assert any(line.startswith("[red]arm[/red]: 24 sessions, 2026-03-03 to 2026-04-07") for line in lines)

@@ -11,7 +11,7 @@ from friction_audit.drift.session import Session
 from friction_audit.errors import UsageError
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_numbers import parse_joint_numbers
-from friction_audit.preprocessing.interaction import Reason
+from friction_audit.preprocessing.interaction import Caution, Reason
 
 # What describes a coefficient over the sessions. "step_or_ramp": drift is proven, but the two describe it equally well.
 # "temperature": it changes together with the temperature, so that drift and temperature are confounded.
@@ -126,10 +126,10 @@ class ArmDrift:
     sessions: tuple[Session, ...] = ()  # all of it in order
     compared: tuple[int, ...] = ()  # indices of those that were compared
     reference: tuple[int, ...] = ()  # indices of the sessions of the reference
-    left_out: tuple[tuple[int, str], ...] = ()  # index of each session that was not compared, with the reason
+    left_out: tuple[tuple[int, Reason], ...] = ()  # index of each session that was not compared, with the reason
     ordered_by: str = "name"  # ``"start"`` or ``"name"``
     autocorrelation: float = nan  # of one session's scatter with the next one's, over all joints
-    warnings: tuple[str, ...] = ()  # what limits the comparison, one sentence each
+    warnings: tuple[Caution, ...] = ()  # what limits the comparison
 
     @property
     def drift(self) -> bool:

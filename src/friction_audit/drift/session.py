@@ -94,7 +94,7 @@ class Order:
 
     sessions: tuple[Session, ...]  # all of them
     by: str  # ``"start"`` or ``"name"``
-    left_out: tuple[tuple[int, str], ...] = ()  # index of each one that has no place among the others, with the reason
+    left_out: tuple[tuple[int, Reason], ...] = ()  # index and reason of each one that has no place among the others
 
 
 def put_in_order(sessions: Sequence[Session]) -> Order:
@@ -105,8 +105,7 @@ def put_in_order(sessions: Sequence[Session]) -> Order:
         return Order(sessions=tuple(named), by="name")
     known.sort(key=lambda session: session.start_s or 0.0)
     unknown = [session for session in named if session.start_s is None]
-    reason = "its start is not known, unlike that of the others; give it in the manifest"
-    left_out = tuple((len(known) + i, reason) for i in range(len(unknown)))
+    left_out = tuple((len(known) + i, (Caution("no_start"),)) for i in range(len(unknown)))
     return Order(sessions=(*known, *unknown), by="start", left_out=left_out)
 
 

@@ -165,6 +165,6 @@ def _value_rows(arm: ArmDrift) -> Iterator[SimpleNamespace]:
                 yield SimpleNamespace(
                     place=k, session=session, joint=joint, coefficient=name,
                     own=joint.coefficients.get(name, UNDETERMINED), within=joint.within.get(name, UNDETERMINED),
-                    left_out=left_out.get(k, ""), is_compared=k in used, reference=k in reference, compared=value,
-                    isolated=isolated, control=control.get(key),
+                    left_out=text_of(left_out.get(k, ())), is_compared=k in used, reference=k in reference,
+                    compared=value, isolated=isolated, control=control.get(key),
                 )  # fmt: skip

@@ -38,6 +38,10 @@ WORDS: Mapping[str, Callable[[Mapping[str, Any]], dict[str, str]]] = {
         "count": count_of(one["cycles"], "energy cycle"),
         "lacking": text_of(one["lacking"] or (Caution("more_cycles"),)),
     },
+    **dict.fromkeys(
+        ("temperature_not_used", "temperature_not_known"),
+        lambda one: {"joints": one["only"] and f"joint{'' if one['only'].isdecimal() else 's'} {one['only']}: "},
+    ),
     "untested_time": lambda one: {"lacking": text_of(one["lacking"])},
 }
 # Codes of what is about the recording: no number that stands means anything else by it.
