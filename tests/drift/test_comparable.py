@@ -67,7 +67,7 @@ def test_other_speeds_are_told() -> None:
     compared, _, (warning,) = choose_comparable(order)
     assert len(compared) == 4
     assert sentence_of(warning).startswith(
-        "joint 1: 1 of 4 sessions move at other speeds than the usual 0.35 to 1 rad/s; "
+        "joint 1: 1 of 4 sessions move at other speeds than the usual 0.35 to 1 rad/s"
     )
 
 

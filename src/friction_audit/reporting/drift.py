@@ -318,12 +318,12 @@ def _arm_lines(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
     alike: dict[tuple[str, int | None], list[int]] = {}  # those alike in one line, or each with its file
     for session, reason in arm.left_out:
         alike.setdefault((text_of(reason), session if verbose else None), []).append(session)
-    for (reason, alone), sessions in alike.items():
+    for (why, alone), sessions in alike.items():
         which = words.count_of(len(sessions), "session") if alone is None else arm.sessions[alone].path
         if alone is None and len(sessions) <= MOST_NAMED:
             named = (f"{one + 1} ({PurePath(arm.sessions[one].path).name})" for one in sessions)
             which = f"session{'s' if sessions[1:] else ''} {words.enumerate_words(named)}"
-        yield f"not compared: {which}: {reason}"
+        yield f"not compared: {which}: {why}"
     yield from _odd_lines(arm)
     yield from (f"note: {sentence_of(warning)}" for warning in arm.warnings)
 
