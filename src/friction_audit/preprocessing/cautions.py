@@ -48,11 +48,7 @@ def sign_cautions(log: JointLog, balance: Balance, settings: TorqueSettings, *, 
     if turned:
         yield Caution(code="sign_turned", numbers=known)
     if most(evidence, "falls"):
-        asked = f"--drive {balance.drive}" if settings.drive != "auto" else "--inertia model (the robot moves the arm)"
-        free = plan.source == "interaction" or len(plan.drives) > 1
-        compensated = log.tau_compensation is not None or log.tau_passivity is not None
-        open_to = {"drive": balance.drive, "asked": "" if free else asked, "compensated": compensated}
-        yield Caution(code="sign_contradicts_drive", numbers=known | open_to)
+        yield Caution(code="sign_contradicts_drive", numbers=known)
     elif not most(evidence, "rises") and voting(evidence):
         yield Caution(code="sign_unproved", numbers=known)
     if balance.inertia_left:

@@ -35,25 +35,6 @@ class SignEvidence:
         return self.against_motion_nm / self.standard_error_nm if self.standard_error_nm else float("nan")
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class TorqueChoice:
-    """How the interaction torque was made; stored in every result."""
-
-    source: str  # ``"interaction"``, ``"tau_ext"`` or ``"tau_J"``
-    gravity: str  # ``"logged"``, ``"model"``, ``"in-torque"`` (still in F_m) or ``"removed"`` (the source has none)
-    inertia: str  # ``"model"`` or ``"none"``
-    drive: str  # ``"hand"`` or ``"robot"``
-    sign: int  # +1 or -1, the factor on the source torque
-    sign_proved: bool  # True if the net energy proves the sign on most of the moving joints
-    sign_turned: bool  # True if the log's energy turned the sign against the first reading
-    robot: str  # the rigid-body model used, or ``"none"``
-    payload: tuple[float, float, float, float] | None  # mass [kg], x, y, z [m] in the flange frame, or None
-    model_rate_hz: float | None  # rate at which inertial torque was evaluated, or None [Hz]
-    formula: str  # the balance in words, for people
-    reason: str = ""  # why this source was chosen, for people
-    sign_evidence: tuple[SignEvidence, ...] = ()  # what the energy of each joint of the log says about the sign
-
-
 @dataclass(frozen=True, slots=True)
 class Caution:
     """Something the user must know about a result; ``reporting/sentences.toml`` has the sentence of each code."""
@@ -73,6 +54,25 @@ class Caution:
 
 
 Reason = tuple[Caution, ...]  # why there is no result; empty where there is one
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class TorqueChoice:
+    """How the interaction torque was made; stored in every result."""
+
+    source: str  # ``"interaction"``, ``"tau_ext"`` or ``"tau_J"``
+    gravity: str  # ``"logged"``, ``"model"``, ``"in-torque"`` (still in F_m) or ``"removed"`` (the source has none)
+    inertia: str  # ``"model"`` or ``"none"``
+    drive: str  # ``"hand"`` or ``"robot"``
+    sign: int  # +1 or -1, the factor on the source torque
+    sign_proved: bool  # True if the net energy proves the sign on most of the moving joints
+    sign_turned: bool  # True if the log's energy turned the sign against the first reading
+    robot: str  # the rigid-body model used, or ``"none"``
+    payload: tuple[float, float, float, float] | None  # mass [kg], x, y, z [m] in the flange frame, or None
+    model_rate_hz: float | None  # rate at which inertial torque was evaluated, or None [Hz]
+    formula: str  # the balance in words, for people
+    reason: Reason = ()  # why this source was chosen
+    sign_evidence: tuple[SignEvidence, ...] = ()  # what the energy of each joint of the log says about the sign
 
 
 def quoted(text: str) -> Reason:

@@ -148,7 +148,7 @@ def estimate_lines(estimate: Estimate) -> list[str]:
     window = f"history over up to {settings.cycles_per_point} cycles; intervals are 95 %"
     lines = [
         log_line(estimate.log),
-        "; ".join(text for text in (f"interaction torque: {choice.formula}", choice.reason) if text),
+        "; ".join(text for text in (f"interaction torque: {choice.formula}", text_of(choice.reason)) if text),
         f"drive {choice.drive}, gravity {choice.gravity}, inertia {choice.inertia}; {SIGN[choice.sign_proved]}",
         f"estimator: {estimate.friction.estimator}, {settings.model} model, {window}",
         *FRICTION.people(joints, "t", unit=unit).lines(marked),
