@@ -19,7 +19,6 @@ from friction_audit.effects.joint_model import FittedTerm, simple_model
 from friction_audit.effects.registry import effect_of, effects
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.interaction import quoted
-from friction_audit.reporting.notices import text_of
 from tests.diagnosis.toy_effects import BUMP, CUBE, LINE, LOCKED_OUT, SQUARE, TOYS, altered, bump, rising
 from tests.effects.joint_data_by_hand import COULOMB_NM, INERTIA_KG_M2, TRUTH, VISCOUS_NMS_PER_RAD, moved_joint
 
@@ -174,7 +173,7 @@ def test_as_many_numbers_as_cycles_are_no_explanation(duration_s: float, named: 
 
 def test_a_log_that_shows_none_of_the_effects_asked_for_is_not_testable() -> None:
     found = diagnosed(moved_joint(bump, noise_nm=NOISE_NM), [LOCKED_OUT])
-    assert (found.verdict, text_of(found.reason)) == ("not_testable", "move the moon")
+    assert (found.verdict, found.reason) == ("not_testable", quoted("move the moon"))
     assert diagnosed(moved_joint(noise_nm=NOISE_NM), TOYS).untestable == {"locked_out": found.reason[0]}
 
 
@@ -182,7 +181,7 @@ def test_a_log_that_shows_none_of_the_effects_asked_for_is_not_testable() -> Non
 def test_few_cycles_are_not_testable(lacking: str) -> None:
     found = diagnosed(moved_joint(duration_s=4.0), TOYS, lacking=quoted(lacking))
     assert found.verdict == "not_testable"
-    assert f"at least {FEWEST_CYCLES} are needed: {lacking or 'move the joint back and forth'}" in text_of(found.reason)
+    assert found.reason[0].numbers == {"cycles": 4, "fewest": FEWEST_CYCLES, "lacking": quoted(lacking)}
     assert (found.nominal, found.traces, found.gap) == ({}, None, None)
 
 

@@ -17,7 +17,6 @@ from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.effects.registry import MODULES, NAMES, PART_OF, effect_of, effects, motion_between, same_as, terms
 from friction_audit.joint_log import Float
-from friction_audit.reporting.notices import sentence_of
 from friction_audit.simulation.effects import EFFECTS, velocity
 from friction_audit.simulation.effects.effect import Setting
 from friction_audit.simulation.effects.sensors import delayed
@@ -121,9 +120,7 @@ def test_a_joint_at_rest_lacks_a_motion_and_has_no_friction(effect: Effect) -> N
         assert np.all(np.isfinite(columns))
         assert not (effect.name in ODD and columns.any())
     rest = replace(rest, others_dq=np.zeros_like(rest.others_dq))
-    reason = effect.not_identifiable(rest, baseline(rest))
-    assert reason is not None
-    assert "\n" not in sentence_of(reason)
+    assert effect.not_identifiable(rest, baseline(rest)) is not None
 
 
 @with_formula

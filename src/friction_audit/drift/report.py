@@ -21,7 +21,6 @@ LimitVerdict = Literal["kept", "exceeded", "untestable"]
 COEFFICIENT_OF = {"coulomb": "coulomb_nm", "viscous": "viscous_nms_per_rad", "any": None}
 PATTERN = re.compile(r"(?:joint(?P<joint>[1-9]\d*)\.)?(?P<name>[a-z]+)=(?P<size>[^%]+?)\s*(?P<percent>%)?")
 FEWEST_SESSIONS = 4  # two before and two after a step; fewer cannot tell a change from one odd session
-EXPECTED = "expected e.g. coulomb=15%, viscous=0.05 (N m s/rad), joint3.coulomb=10% or any=20%"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -168,7 +167,8 @@ def parse_limit(text: str) -> Limit:
     with suppress(ValueError):
         size = float(found["size"] if found else nan)
     if found is None or found["name"] not in COEFFICIENT_OF or not 0.0 <= size < inf:
-        raise UsageError(f"{where}: not a limit; {EXPECTED}")
+        expected = "coulomb=15%, viscous=0.05 (N m s/rad), joint3.coulomb=10% or any=20%"
+        raise UsageError(f"{where}: not a limit; expected e.g. {expected}")
     relative = found["percent"] is not None
     if found["name"] == "any" and not relative:
         raise UsageError(f"{where}: the coefficients have different units; expected a limit in per cent, e.g. any=20%")
