@@ -330,13 +330,12 @@ def huber_weights(design: Float, target: Float, instruments: Float | None = None
     comparable length, shape (m, p), are noisy themselves where instruments stand for them: weights from a biased
     solution are biased, for they count less where noise and error have one sign.
     """
-    own = instruments is None
     instruments = design if instruments is None else instruments
     smallest = np.finfo(float).eps * float(np.abs(target).max()) + np.finfo(float).tiny
     weights = np.ones(len(target))
     for _ in range(REWEIGHTINGS):
         weighted = instruments * weights[:, None]
-        solution = np.linalg.pinv(weighted.T @ design, rcond=CUTOFF, hermitian=own) @ (weighted.T @ target)
+        solution = np.linalg.lstsq(weighted.T @ design, weighted.T @ target, CUTOFF)[0]
         residual = np.abs(target - design @ solution).clip(min=smallest)
         weights = np.minimum(HUBER * SIGMA_PER_MEDIAN * np.median(residual) / residual, 1.0)
     return weights
