@@ -16,7 +16,7 @@ import numpy as np
 
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.gram import Gram, Training
-from friction_audit.diagnosis.problem import SMOOTHED
+from friction_audit.diagnosis.problem import SIGN_COLUMNS, SMOOTHED
 from friction_audit.diagnosis.selection import PRIOR, Projected, occam, split
 from friction_audit.effects.effect import Nonlinear
 from friction_audit.effects.joint_data import Nominal
@@ -233,7 +233,7 @@ def intervals(gram: Gram, dictionary: Dictionary, active: Sequence[Block], basel
     """
     training = Training(gram)
     fit, sharp = training.fit(active), training.fit(active, SMOOTHED)
-    if occam(training.samples * np.log(sharp.rss / fit.rss), len(fit.kept) - len(sharp.kept)) < PRIOR:
+    if occam(training.samples * np.log(sharp.rss / fit.rss), SIGN_COLUMNS) < PRIOR:
         fit = sharp
     each = [(Scale(dictionary, block), c) for block, c in zip(active, split(fit, active), strict=True)]
     base, free = gram.base[fit.kept], [gram.of(block) for block in active if not block.effect.follows]
