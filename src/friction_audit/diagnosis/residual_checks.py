@@ -20,6 +20,10 @@ from friction_audit.joint_log import Float
 SHARE = 0.093  # 1 - 1 / 1.05^2: with an effect named the residual is 5 % above its floor
 SHARE_OF_NONE = 0.02  # 1 - 1 / 1.01^2: the same where nothing is named (outside_hum_16000)
 CHOW_Z = 5.0
+STRONG = 6.0  # difference in evidence (Kass and Raftery 1995)
+# What a structure must explain more than the effect it replaces: effects_inertia_error_70003 0.016 of the effect's own
+# part, stranger_relaxing_hose_70001 0.12.
+MORE = 0.05
 LARGE_CHANGE = 0.5  # of a coefficient from one half of the data to the other
 LINE_P = 1e-5
 SCATTER_S, PAIRS_S, BLOCK_S = 0.3, 0.9, 1.2  # memory of friction within a stroke, longest distance of a pair, blocks
@@ -64,21 +68,26 @@ def _integrated(given: Projected, white: Sequence[Float]) -> tuple[float, int]:
 def competing_structure(gram: Gram, active: Sequence[Block], block: Block) -> str:
     """Quantity a curve over which replaces an effect, or a linear response to past motion; empty without one.
 
-    It leaves no evidence for the effect, and has some beside the effect and a curve over its own quantity, which holds
-    what the formula misses: the name stands in for what the catalogue lacks (outside_acceleration_friction_16002 and
-    150006). A test of models that are not nested: R. Davidson, J. G. MacKinnon, Econometrica 49 (1981) 781. A constant
-    is part of many curves. An effect that holds torque of the nominal model competes with the curve over its quantity.
+    It has more evidence, its knots paid for, explains clearly more, and leaves no evidence for the effect: a formula
+    that stands in for what the catalogue lacks (outside_acceleration_friction_16002). A test of models that are not
+    nested: R. Davidson, J. G. MacKinnon, Econometrica 49 (1981) 781. A constant is part of many curves, and an effect
+    of one over its own quantity, unless it holds torque of the nominal model. A torque of the position or time is part
+    of those where the motion repeats: there the other must tell more than it with a curve over its own quantity.
     """
     if block.effect.misses == "nothing":
         return ""
     given, own = Projected(Training(gram), [b for b in active if b is not block]), gram.of(block)
+    evidence, effect_rss = given.evidence(own), given.and_also(own).rss
     others = {c.axis.name: [gram.whiten(c.columns)] for c in gram.problem.curves}
     others["past motion"] = [gram.whiten(one) for one in gram.problem.responses]
     free = [] if block.effect.needs_nominal else others.pop(block.effect.axis, [])
-    helped = given.and_also(np.vstack([own, *free]))
+    helped = given.and_also(np.vstack([own, *free])) if block.effect.misses == "even" else given
     for name, white in others.items():
-        found, best = _integrated(helped, white)
-        if found > PRIOR and given.and_also(white[best]).evidence(own) < PRIOR:
+        found, best = _integrated(given, white)
+        other = given.and_also(white[best])
+        more = given.rss - other.rss > (1.0 + MORE) * (given.rss - effect_rss)
+        more &= helped.evidence(white[best]) > PRIOR
+        if more and found >= evidence + STRONG and other.evidence(own) < PRIOR:
             return name
     return ""
 
