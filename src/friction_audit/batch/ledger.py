@@ -30,7 +30,7 @@ from friction_audit.preprocessing.interaction import Caution
 if TYPE_CHECKING:
     from friction_audit.diagnosis.settings import DiagnosisSettings
 
-RESULTS_VERSION = 16  # raised with every change after which the same log gives other numbers: ledgers compute anew
+RESULTS_VERSION = 17  # raised with every change after which the same log gives other numbers: ledgers compute anew
 APPLICATION_ID = 0x46414C47  # "FALG" in the head of the file: an SQLite database without it is not a ledger
 SCHEMA_VERSION = 7  # in user_version; raised with every change of ledger.sql
 REMEMBER = "INSERT OR REPLACE INTO files VALUES (?, ?, ?, ?)"
@@ -272,6 +272,6 @@ def _session(held: dict[str, Any]) -> Session:
         joint |= {name: tuple(joint[name]) for name in ("speed_rad_s", "effects")}
         for key in ("coefficients", "within"):
             joint[key] = {name: Coefficient(**one) for name, one in joint[key].items()}
-        joint["curve"] = SpeedCurve(**joint["curve"])
+        joint |= {"curve": SpeedCurve(**joint["curve"]), "reason": tuple(Caution(**one) for one in joint["reason"])}
     held["joints"] = tuple(JointSummary(**joint) for joint in held["joints"])
     return Session(**held)

@@ -23,6 +23,7 @@ from friction_audit.export.robot_xml import Edit, Tag, XmlText
 from friction_audit.io.files import whole_file
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Estimate
+from friction_audit.preprocessing.interaction import Reason
 from friction_audit.preprocessing.torque_source import known_arm
 
 if TYPE_CHECKING:
@@ -82,7 +83,7 @@ class Export:
     path: str  # where it was written
     into: str  # the user's file that it is a changed copy of, or empty
     joints: tuple[ExportedJoint, ...]  # the joints as written
-    lacking: tuple[tuple[int, str], ...]  # number of a joint without friction to export, and why
+    lacking: tuple[tuple[int, Reason], ...]  # number of a joint without friction to export, and why
     by_order: bool  # whether the order of the joints matched them to those of the user's file
     armature_unknown: bool  # whether the inertia was left out because nothing shows whose it is
     simulated: tuple[SimulatedGap, ...]  # forward simulations of the log's joints
