@@ -218,9 +218,11 @@ class RegressionRows:
         signals = (np.ascontiguousarray(one) for one in (part.t, part.q[:, column]))
         windows = (np.ndarray((len(index), 2 * around + 1), buffer=one, **view) for one in signals)
         times, places = (one - one[:, around, None] for one in windows)
-        # The mean direction around each row, from sums of all before; short of samples where the log ends.
-        sums = np.append(0.0, np.cumsum(np.sign(velocity)))
-        ends = np.clip(index + self._turn * np.array([[-1], [1]]) + [[0], [1]], 0, len(velocity))
+        # The mean direction around each row, of fewer samples where the log ends; a zero more, at which one may end.
+        begin, end = np.maximum(index - self._turn, 0), np.minimum(index + self._turn + 1, len(velocity))
+        signs = np.zeros(len(velocity) + 1)
+        np.sign(velocity, out=signs[:-1])
+        turning = np.add.reduceat(signs, np.stack([begin, end], axis=1).ravel())[::2] / (end - begin)
         by_position = differences(*((signal @ self._blocks).T for signal in (times, places)))
         found = {
             "lasting": part.t[index + around] - part.t[index - around],
@@ -232,7 +234,7 @@ class RegressionRows:
             "jerk": (far[:, 0] - 2.0 * far[:, 1] + far[:, 2]) / (around * self._step_s) ** 2,
             **dict(zip(("gravity_x", "gravity_y"), _gravity(part, column, index), strict=True)),
             **dict(zip(("velocity by position", "acceleration by position"), by_position, strict=True)),
-            "turning": np.diff(sums[ends], axis=0)[0] / np.diff(ends, axis=0)[0],
+            "turning": turning,
             "torque": self._filtered(load, index),
         }
         for name, values in found.items():
@@ -319,13 +321,12 @@ def huber_weights(design: Float, target: Float, instruments: Float | None = None
     comparable length, shape (m, p), are noisy themselves where instruments stand for them: weights from a biased
     solution are biased, for they count less where noise and error have one sign.
     """
-    own = instruments is None
     instruments = design if instruments is None else instruments
     smallest = np.finfo(float).eps * float(np.abs(target).max()) + np.finfo(float).tiny
     weights = np.ones(len(target))
     for _ in range(REWEIGHTINGS):
         weighted = instruments * weights[:, None]
-        solution = np.linalg.pinv(weighted.T @ design, rcond=CUTOFF, hermitian=own) @ (weighted.T @ target)
+        solution = np.linalg.lstsq(weighted.T @ design, weighted.T @ target, CUTOFF)[0]
         residual = np.abs(target - design @ solution).clip(min=smallest)
         weights = np.minimum(HUBER * SIGMA_PER_MEDIAN * np.median(residual) / residual, 1.0)
     return weights

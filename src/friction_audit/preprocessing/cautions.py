@@ -12,7 +12,7 @@ from friction_audit.preprocessing.interaction import Caution
 from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.preprocessing.sign import CoarseLog, most, strokes_of, voting
 from friction_audit.preprocessing.torque_source import with_a_model
-from friction_audit.robot import STANDARD_GRAVITY, parse_urdf, read_urdf
+from friction_audit.robot import STANDARD_GRAVITY, read_urdf
 
 # An identified model errs by a few tenths of a N m, the vendor's by up to 2; a forgotten hand makes 2 to 3.
 LARGEST_NM = 1.5
@@ -27,6 +27,8 @@ def not_used(log: JointLog, balance: Balance, settings: TorqueSettings, *, hand:
     """Name options about the arm that change nothing, because the torque needs no model of it."""
     known, modelled = balance.plan.arm is not None, balance.modelled_means is not None
     if settings.urdf is not None and not known:
+        from friction_audit.robot.urdf import parse_urdf
+
         parse_urdf(read_urdf(settings.urdf), str(settings.urdf))  # a file that is no arm is refused though not used
     given = (
         ("--payload", settings.payload is not None and not modelled),
