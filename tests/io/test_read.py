@@ -26,6 +26,8 @@ def test_an_unknown_format(tmp_path: Path) -> None:
     path = tmp_path / "photo.jpg"
     path.write_bytes(b"\xff\xd8\xff\xe0" + bytes(100))
     refused(r"photo.jpg: of no known format; what is read: .*csv \(.csv .tsv", read_log, path)
+    path.write_text('{\n  "schema": "friction-audit/estimate/1",\n')
+    refused("photo.jpg: a result of friction-audit, no log", read_log, path)
 
 
 def test_the_hash_is_that_of_the_content_and_of_a_directory_that_of_its_files(tmp_path: Path) -> None:
