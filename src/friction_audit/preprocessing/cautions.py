@@ -46,15 +46,11 @@ def not_used(log: JointLog, balance: Balance, settings: TorqueSettings, *, hand:
 def sign_cautions(log: JointLog, balance: Balance, settings: TorqueSettings, *, turned: bool) -> Iterator[Caution]:
     """Yield what the energy shows about the sign, and that inertia is still in the torque."""
     evidence, plan = balance.evidence, balance.plan
-    known = {"formula": balance.formula, "source": plan.source}
+    known = {"formula": balance.formula, "case": plan.source}
     if turned:
         yield Caution(code="sign_turned", numbers=known)
     if most(evidence, "falls"):
-        asked = f"--drive {balance.drive}" if settings.drive != "auto" else "--inertia model (the robot moves the arm)"
-        free = plan.source == "interaction" or len(plan.drives) > 1
-        compensated = log.tau_compensation is not None or log.tau_passivity is not None
-        open_to = {"drive": balance.drive, "asked": "" if free else asked, "compensated": compensated}
-        yield Caution(code="sign_contradicts_drive", numbers=known | open_to)
+        yield Caution(code="sign_contradicts_drive", numbers=known)
     elif not most(evidence, "rises") and voting(evidence):
         yield Caution(code="sign_unproved", numbers=known)
     if balance.inertia_left:
@@ -94,7 +90,7 @@ def gravity_cautions(
         Caution(
             code="gravity_error" if by_position else "torque_offset",
             joint=column + 1,
-            numbers={"mean": mean, "rms": rms, "moved": moved, "gravity": gravity if several else ""},
+            numbers={"mean": mean, "rms": rms, "moved": moved, "case": gravity if several else ""},
         )
         for column, mean, rms, moved, _, by_position in found
     )
