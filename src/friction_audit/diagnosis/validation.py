@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from friction_audit.diagnosis.dictionary import Block
-from friction_audit.diagnosis.gram import COPY, Gram, Training
+from friction_audit.diagnosis.gram import COPY, RIDGE as LEAST_RIDGE, Gram, Training
 from friction_audit.diagnosis.result import Gap
 from friction_audit.diagnosis.samples import Index
 from friction_audit.diagnosis.selection import Projected
@@ -67,8 +67,8 @@ class _Model:
         grams, rights = self.grams[:, which[:, None], which], self.rights[:, which]
         total, right = grams.sum(axis=0) + np.diag(self.prior[which]), rights.sum(axis=0)
         scale = np.sqrt(np.maximum(np.diag(grams.sum(axis=0)), 1e-300))
-        inverses = np.linalg.pinv((total - grams) / scale[:, None] / scale, rcond=1e-11, hermitian=True)
-        return np.asarray(np.einsum("fij,fj->fi", inverses, (right - rights) / scale) / scale)
+        scaled = (total - grams) / scale[:, None] / scale + LEAST_RIDGE * np.eye(len(scale))
+        return np.asarray(np.linalg.solve(scaled, ((right - rights) / scale)[..., None])[..., 0] / scale)
 
     def left(self, y: Float, rows: Float, coefficients: Float) -> Float:
         """What rows, shape (k, m), leave of the fold that their coefficients do not know."""
