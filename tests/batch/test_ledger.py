@@ -45,7 +45,7 @@ JOINTS = (
         verdict="named",
         effects=("stribeck", "warm_up"),
     ),
-    replace(make_joint(2, 0.0, speed=float("nan")), name="Gelenk ä", reason="did not move"),
+    replace(make_joint(2, 0.0, speed=float("nan")), name="Gelenk ä", reason=(Caution("constant_position"),)),
 )
 SESSION = replace(
     make_session(0, JOINTS, start=1.7e9 + THIRD, robot="left"),
@@ -184,6 +184,7 @@ from friction_audit.batch.find_logs import find_logs
 from friction_audit.batch.ledger import BatchSettings, Ledger
 from friction_audit.batch.executor import LocalExecutor
 from friction_audit.batch.run_batch import catch_up, gather, run_lock
+from friction_audit.preprocessing.interaction import Caution
 
 logs, folder = find_logs([sys.argv[1]], {}), Path(sys.argv[2])
 folder.mkdir(exist_ok=True)

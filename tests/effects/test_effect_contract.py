@@ -120,9 +120,7 @@ def test_a_joint_at_rest_lacks_a_motion_and_has_no_friction(effect: Effect) -> N
         assert np.all(np.isfinite(columns))
         assert not (effect.name in ODD and columns.any())
     rest = replace(rest, others_dq=np.zeros_like(rest.others_dq))
-    reason = effect.not_identifiable(rest, baseline(rest))
-    assert reason
-    assert "\n" not in reason
+    assert effect.not_identifiable(rest, baseline(rest)) is not None
 
 
 @with_formula

@@ -3,6 +3,7 @@
 from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -30,8 +31,8 @@ LOADED = (
     "friction_audit.friction.estimate",
     "friction_audit.diagnosis.diagnose",
     "scipy.ndimage",
-    "friction_audit.reporting.diagnosis",
 )
+REPORT = "friction_audit.reporting.diagnosis"
 
 
 @group(DIAGNOSIS)
@@ -90,7 +91,12 @@ def command(
             subjects = diagnosis_subjects(estimate, settings)
             estimate = without_samples(estimate)  # most of the memory, released before processes are forked
             recorded = estimate.log
-            diagnosed = diagnose_subjects(subjects, settings, share)
+
+            def done(part: float) -> None:
+                import_module(REPORT)  # while the next joints are diagnosed
+                share(part)
+
+            diagnosed = diagnose_subjects(subjects, settings, done)
             found = Diagnosis(estimate=estimate, joints=diagnosed, settings=settings)
         from friction_audit.diagnosis.result import UNANSWERED
         from friction_audit.reporting.diagnosis import diagnose_document, diagnose_lines, diagnose_tables
@@ -134,8 +140,9 @@ def _write_model(found: "Diagnosis", out: ResultFolder, voice: Voice) -> None:
         return
     from friction_audit.diagnosis.augmented_model import augment_models
     from friction_audit.effects.joint_model import save_model
+    from friction_audit.reporting.notices import notices
 
     path = out.folder / MODEL
     augmented, lacking = augment_models(found.joints, found.estimate.log, found.settings.model)
-    voice.warn(f"{path}: joint {joint}: {lack}" for joint, lack in lacking)
+    voice.warn(f"{path}: {lack}" for lack in notices(lacking))
     save_model(augmented, path, overwrite=out.overwrite)

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from friction_audit.export.export import Export
 from friction_audit.reporting.documents import WARNINGS
-from friction_audit.reporting.notices import Notice, estimate_notices, notice
+from friction_audit.reporting.notices import Notice, estimate_notices, notice, text_of
 from friction_audit.reporting.table import Column, Document, Record, joint_column
 
 ROUNDED = 1e-3  # share of the friction below which an error of the fit is nothing to a simulator
@@ -40,7 +40,7 @@ def export_notices(export: Export) -> Iterable[Notice]:
     """Yield what the user must know of the numbers in the file."""
     yield from estimate_notices(export.estimate) if export.estimate else ()
     target = export.target.name
-    yield from (notice("no_friction", number, why=why) for number, why in export.lacking)
+    yield from (notice("no_friction", number, why=text_of(why)) for number, why in export.lacking)
     for joint in export.joints:
         number, fitted, speeds = joint.law.joint, joint.fitted, joint.law.speeds
         if joint.law.left_out:
