@@ -70,10 +70,6 @@ class Samples:
         """Place of each sample on the fine grid, shape (m,)."""
         return self.place * self.every
 
-    @cached_property
-    def _leaving(self) -> Index:
-        return np.flatnonzero(self.breakaway)
-
     def keep(self, kept: NDArray[np.bool_]) -> "Samples":
         """Some of the samples, shape (m,)."""
         names = ("place", "breakaway", "weight", "t", "y", "cycle")
@@ -85,7 +81,7 @@ class Samples:
         rows = np.ascontiguousarray(np.atleast_2d(columns.T), np.float64)
         out = filtered(rows, self.kernel, self.fine)
         if len(self.onsets.onset):
-            out[:, self._leaving] = self.onsets.of(rows.T).T
+            out[:, np.flatnonzero(self.breakaway)] = self.onsets.of(rows.T).T
         return out[0] if columns.ndim == 1 else out.T
 
     def near(self, n: int) -> tuple[Index, "Samples"]:
