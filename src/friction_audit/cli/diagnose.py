@@ -94,7 +94,8 @@ def command(
 
             def done(part: float) -> None:
                 import_module(REPORT)  # while the next joints are diagnosed
-                share(part)
+                if share is not None:
+                    share(part)
 
             diagnosed = diagnose_subjects(subjects, settings, done)
             found = Diagnosis(estimate=estimate, joints=diagnosed, settings=settings)
