@@ -184,7 +184,6 @@ from friction_audit.batch.find_logs import find_logs
 from friction_audit.batch.ledger import BatchSettings, Ledger
 from friction_audit.batch.executor import LocalExecutor
 from friction_audit.batch.run_batch import catch_up, gather, run_lock
-from friction_audit.preprocessing.interaction import Caution
 
 logs, folder = find_logs([sys.argv[1]], {}), Path(sys.argv[2])
 folder.mkdir(exist_ok=True)

@@ -181,7 +181,7 @@ def test_a_log_that_shows_none_of_the_effects_asked_for_is_not_testable() -> Non
 def test_few_cycles_are_not_testable(lacking: str) -> None:
     found = diagnosed(moved_joint(duration_s=4.0), TOYS, lacking=quoted(lacking))
     assert found.verdict == "not_testable"
-    assert found.reason[0].numbers == {"cycles": 4, "fewest": FEWEST_CYCLES, "lacking": quoted(lacking)}
+    assert found.reason[0].numbers == {"cycles": 3, "fewest": FEWEST_CYCLES, "lacking": quoted(lacking)}
     assert (found.nominal, found.traces, found.gap) == ({}, None, None)
 
 

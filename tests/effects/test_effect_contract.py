@@ -136,6 +136,8 @@ def test_stated_numbers_make_what_needs_them_identifiable() -> None:
     for name in ("inertia_error", "unlogged_compensation"):
         assert "fitted" in str(effect_of(name).not_identifiable(MOVING, NOMINAL))
         assert effect_of(name).not_identifiable(MOVING, STATED) is None
+    for link in ("joint_elasticity", "backlash"):
+        assert str(effect_of(link).not_identifiable(MOVING, replace(NOMINAL, inertia_kg_m2=-0.01))) == "no_inertia"
 
 
 # The name of an effect stands in its module, in its simulator module and in the lines of the two registries.

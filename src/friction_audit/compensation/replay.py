@@ -24,7 +24,7 @@ from friction_audit.compensation.counterfactual import Run, make_scene, recordin
 from friction_audit.compensation.feed_forward import NO_MODEL, OF_FRICTION, refuse
 from friction_audit.compensation.law import Coefficients, EnergyCompensator
 from friction_audit.compensation.result import JointReplay, Replay, Signals
-from friction_audit.compensation.settings import FEED_BACK, MODEL, PANDAS, Competitor, Limits, ReplaySettings, limits_of
+from friction_audit.compensation.settings import FEED_BACK, MODEL, Competitor, Limits, ReplaySettings, limits_of
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import FrictionHistory, JointFriction
@@ -32,6 +32,7 @@ from friction_audit.joint_log import Float, Recording, read_only
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Caution, Interaction, quoted, reason_of
+from friction_audit.presets import FRANKA
 
 LONGEST_STEP = 3.5  # a step of the clock of this many median steps is a gap, at any rate
 FAR_BELOW = 0.25  # share of the published friction of its kind that no healthy joint falls below
@@ -195,7 +196,7 @@ def tune(competitor: Competitor, friction: JointFriction, robot: str, model: Joi
         return _modelled(model)
     if competitor.name in FEED_BACK:
         return _feed_back(competitor, friction)
-    if competitor.name == "sigmoid" and robot in PANDAS and friction.joint <= len(PUBLISHED):
+    if competitor.name == "sigmoid" and robot in FRANKA and friction.joint <= len(PUBLISHED):
         return PUBLISHED[friction.joint - 1]
     coulomb, viscous = friction.coulomb.value, friction.viscous.value
     if friction.reason or not (coulomb >= 0.0 and viscous >= 0.0 and coulomb + viscous > 0.0):
@@ -275,7 +276,7 @@ def seems_compensated(
         return {"case": "sign"}
     if found := _vanishing(interaction, cycles, friction.joint, square):
         return found
-    if robot in PANDAS and friction.joint <= len(PUBLISHED):
+    if robot in FRANKA and friction.joint <= len(PUBLISHED):
         usual = min(PUBLISHED[friction.joint - 1].plateaus_nm)
         if friction.coulomb.high < FAR_BELOW * usual:
             return {"case": "far_below", "coulomb": friction.coulomb.value, "usual": usual}

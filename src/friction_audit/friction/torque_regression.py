@@ -39,6 +39,7 @@ BLOCK_S = 0.02  # the position is averaged over so long, against its noise and r
 NEARLY_WHOLE = 0.01  # steps of 1 ms, with the rounding of stamps of today, are as many as those from 0
 LEAST_SWING = 1e-3  # of directions of gravity and of motion: one that changes less shows nothing of its own
 # Of columns of unit length: beyond, they are as good as collinear (Belsley, Kuh, Welsch, Regression Diagnostics, 1980).
+# That offset and gravity are collinear with each other, over a short range, does no harm to friction.
 HIGHEST_CONDITION = 30.0
 LEAST_ONE_WAY = 0.1  # share of the samples that each direction has at least, or the offset takes what is friction
 # Partial R^2 of direction and velocity. Measured excitation logs: 0.90 and more where the coefficients agree with the
@@ -76,7 +77,7 @@ def regress_torque(
     condition, correlation = equations.conditioning()
     doubt: Reason = ()
     if others is not None:
-        doubt = _coupling(found, others, dead_band_rad_s) or _doubt(found, fit, condition)
+        doubt = _coupling(found, others, dead_band_rad_s) or _doubt(found, fit)
     return TorqueRegression(
         coulomb=fit.coefficient("coulomb"),
         viscous=fit.coefficient("viscous"),
@@ -122,13 +123,16 @@ def _fit_with(rows: "_Rows", name: str, *others: str) -> list[tuple[float, float
     return [(float(value[0]), float(half[0])) for value, half in map(fit.column, (name, *others))]
 
 
-def _doubt(rows: "_Rows", fit: Fit, condition: float) -> Reason:
+def _doubt(rows: "_Rows", fit: Fit) -> Reason:
     """Say why direction and velocity do not stand for friction; empty if they do."""
     speed, forwards = np.abs(rows.columns[:, 1]), float(np.mean(rows.columns[:, 0] > 0))
     if min(forwards, 1.0 - forwards) < LEAST_ONE_WAY:
         return (Caution("mostly_one_way", numbers={"percent": 100 * max(forwards, 1.0 - forwards)}),)
     if speed.std() < SMALLEST_SPREAD * speed.mean():
         return (Caution("one_speed_in_rows", numbers={"mean": float(speed.mean())}),)
+    unit = rows.columns / np.linalg.norm(rows.columns, axis=0).clip(min=CUTOFF)
+    apart = np.linalg.qr(np.roll(unit, -2, axis=1), mode="r")[-2:, -2:]  # direction and speed without the others
+    condition = 1.0 / float(np.linalg.norm(apart, -2).clip(min=CUTOFF))
     if not condition < HIGHEST_CONDITION:
         return (Caution("collinear", numbers={"condition": condition, "most": HIGHEST_CONDITION}),)
     share = 1.0 - _left_by(rows.columns, rows.torque) / _left_by(rows.columns[:, 2:], rows.torque)

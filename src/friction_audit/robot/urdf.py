@@ -1,6 +1,5 @@
 """Reading a URDF: which of its joints count, the inertias of its links, and whether it is enough for dynamics."""
 
-import re
 from collections.abc import Iterator
 from graphlib import CycleError, TopologicalSorter
 from math import inf
@@ -9,10 +8,10 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from friction_audit.errors import UsageError, few
+from friction_audit.presets import FINGER
 from friction_audit.robot.arm import Inertial
 
 TURNING = ("revolute", "continuous")
-FINGER = re.compile("finger|gripper", re.IGNORECASE)
 # Joints with one position or none; a log has no place for that of a planar or floating one.
 _KNOWN = ("revolute", "continuous", "prismatic", "fixed")
 _MOST_LINKS = 1000  # trees are walked by recursion, here and in MuJoCo
