@@ -3,11 +3,12 @@
 from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from friction_audit.cli import chain, choices, options as opt
-from friction_audit.cli.choices import group, option
+from friction_audit.cli.choices import group, option, positive
 from friction_audit.cli.console import Voice
 from friction_audit.cli.grouped_help import DIAGNOSIS
 from friction_audit.cli.outputs import ResultFolder, show
@@ -30,8 +31,8 @@ LOADED = (
     "friction_audit.friction.estimate",
     "friction_audit.diagnosis.diagnose",
     "scipy.ndimage",
-    "friction_audit.reporting.diagnosis",
 )
+REPORT = "friction_audit.reporting.diagnosis"
 
 
 @group(DIAGNOSIS)
@@ -45,7 +46,7 @@ class DiagnosisOptions:
     seed: int = option(
         "Seed of the screening test; no effect and no verdict depends on it.", default=0, metavar="INT", min=0
     )
-    at_most: float = option(
+    at_most: float = positive(
         "Of a longer log, so much is diagnosed, in parts spread over it [min].", default=5.0, metavar="MINUTES"
     )
     joint_model: Path | None = option(
@@ -90,7 +91,13 @@ def command(
             subjects = diagnosis_subjects(estimate, settings)
             estimate = without_samples(estimate)  # most of the memory, released before processes are forked
             recorded = estimate.log
-            diagnosed = diagnose_subjects(subjects, settings, share)
+
+            def done(part: float) -> None:
+                import_module(REPORT)  # while the next joints are diagnosed
+                if share is not None:
+                    share(part)
+
+            diagnosed = diagnose_subjects(subjects, settings, done)
             found = Diagnosis(estimate=estimate, joints=diagnosed, settings=settings)
         from friction_audit.diagnosis.result import UNANSWERED
         from friction_audit.reporting.diagnosis import diagnose_document, diagnose_lines, diagnose_tables
