@@ -295,9 +295,6 @@ def test_what_a_log_lacks_is_named(name: str, data: JointData, lacking: str | No
     assert str(lacking) in (sentence_of(found) if found else "None")
 
 
-# The sign of the velocity over the cell of a sample
-
-
 @pytest.mark.parametrize(("at_s", "expected"), [(0.0, 0.0), (0.002, -0.4), (-0.002, 0.4), (0.005, -1.0), (0.02, -1.0)])
 def test_a_reversal_inside_the_cell_counts_for_its_part(at_s: float, expected: float) -> None:
     """Forwards after ``at_s``: of a cell of 10 ms, 5 ms - at_s are forwards."""
