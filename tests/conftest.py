@@ -14,7 +14,7 @@ from rosbags.serde import cdr, ros1
 from rosbags.serde.utils import compile_lines
 
 from tests.chromium import NoChromiumError, find_chromium
-from tests.opened_page import open_address  # noqa: F401 - a fixture
+from tests.opened_page import open_address, profile  # noqa: F401 - fixtures
 from tests.sketches import sketch
 
 if TYPE_CHECKING:

@@ -141,7 +141,7 @@ def batch(*arms: ArmDrift) -> BatchSummary:
 
 def hostile() -> BatchSummary:
     """Return a batch of which every word from outside is markup."""
-    plain = arm()
+    plain = arm(LEFT_OUT + 4, 3)
     words: dict[str, Any] = {"path": f"{HOSTILE}.csv", "robot": HOSTILE, "note": HOSTILE, "warnings": (HOSTILE,)}
     sessions = tuple(
         replace(one, joints=tuple(replace(joint, name=HOSTILE, effects=(HOSTILE,)) for joint in one.joints), **words)
