@@ -3,7 +3,7 @@
 import hashlib
 import subprocess
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,6 @@ from friction_audit.io.readers.csv_lines import Dialect, sniff_csv
 from friction_audit.io.recording import Recording
 from friction_audit.io.writers.tables import Writer
 from friction_audit.io.writers.write_log import WRITERS, write_log
-from friction_audit.joint_log import JointLog
 from tests.io.synthetic_recordings import read_text, refused, tidy_frame, write_tidy_csv
 
 
@@ -79,24 +78,19 @@ WINDOWS = [(0.5, 1.5), (1.0, None), (-3.0, 1.0)]
 @pytest.mark.parametrize("path", LOGS, ids=[path.name for path in LOGS])
 def test_a_part_is_the_part_of_the_whole(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     whole = read_log(path)
-    # A small file is read whole, whatever its format, and then cut.
-    assert_parts(path, whole, WINDOWS if path == LOGS[0] else WINDOWS[:1])
-    # So that readers leave out what lies outside the part.
-    monkeypatch.setattr("friction_audit.io.readers.reader.WHOLE_BYTES", 0)
-    monkeypatch.setattr("friction_audit.io.readers.csv_lines._BLOCK_BYTES", 20_000)
-    assert_parts(path, whole, WINDOWS)
-
-
-def assert_parts(path: Path, whole: JointLog, windows: Sequence[tuple[float, float | None]]) -> None:
-    for start_s, stop_s in windows:
-        part = read_log(path, ReadOptions(t_start_s=start_s, t_end_s=stop_s))
-        expected = whole.take_window(start_s, stop_s)
-        np.testing.assert_array_equal(part.t, expected.t)
-        for channel, array in expected.channels().items():
-            np.testing.assert_array_equal(part.channels()[channel], array)
-        assert part.source.start_s == expected.source.start_s
-        assert part.source.skipped_s == expected.source.skipped_s
-        assert part.take_window(start_s, stop_s) is part
+    for is_large in (False, True):
+        if is_large:  # so that readers leave out what lies outside the part; else they read all, and it is cut
+            monkeypatch.setattr("friction_audit.io.readers.reader.WHOLE_BYTES", 0)
+            monkeypatch.setattr("friction_audit.io.readers.csv_lines._BLOCK_BYTES", 20_000)
+        for start_s, stop_s in WINDOWS if is_large or path == LOGS[0] else WINDOWS[:1]:
+            part = read_log(path, ReadOptions(t_start_s=start_s, t_end_s=stop_s))
+            expected = whole.take_window(start_s, stop_s)
+            np.testing.assert_array_equal(part.t, expected.t)
+            for channel, array in expected.channels().items():
+                np.testing.assert_array_equal(part.channels()[channel], array)
+            assert part.source.start_s == expected.source.start_s
+            assert part.source.skipped_s == expected.source.skipped_s
+            assert part.take_window(start_s, stop_s) is part
 
 
 def test_a_part_is_on_the_scaled_clock() -> None:
