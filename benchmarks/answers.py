@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from scipy.stats import binomtest
 
 from friction_audit.diagnosis.result import JointDiagnosis, NamedEffect
+from friction_audit.reporting.notices import text_of
 
 Row = Mapping[str, str]
 CLEAR = 0.3
@@ -30,7 +31,7 @@ def answer_of(joint: JointDiagnosis) -> dict[str, object]:
         "over_floor": gap and round(gap.over_floor, 3), "before_nm": gap and round(gap.before, 4),
         "after_nm": gap and round(gap.after, 4), "floor_nm": gap and round(gap.floor, 4),
         "effects": json.dumps([_size(e) for e in (*joint.effects, *joint.negligible)]),
-        "reason": joint.reason or joint.traceback,
+        "reason": text_of(joint.reason) or joint.traceback,
     }  # fmt: skip
 
 

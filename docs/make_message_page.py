@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import friction_audit
-from friction_audit.reporting.notices import SENTENCES, TURNED
+from friction_audit.reporting.notices import sentences
 
 FOLDER = Path(__file__).parent
 SOURCE = Path(friction_audit.__file__).parent
@@ -25,8 +25,10 @@ Found = tuple[ast.expr, ast.expr | None, bool]
 
 def messages() -> dict[str, tuple[tuple[str, ...], bool]]:
     """Return the messages and the mark of damage of every code of a warning in the source."""
+    texts = sentences()
+    warnings = texts["warnings"] | {"sign_turned": texts["sign_turned"]["else"]}
     found: dict[str, tuple[tuple[str, ...], bool]] = {
-        code: ((beginning(_plain(text)),), False) for code, text in {**SENTENCES, "sign_turned": TURNED[False]}.items()
+        code: ((beginning(_plain(text)),), False) for code, text in warnings.items()
     }
     for path in sorted(SOURCE.rglob("*.py")):
         module = ast.parse(path.read_text())
@@ -53,13 +55,6 @@ def _made(scope: ast.AST) -> Iterator[Found]:
             damaged = given.get("damaged")
             if code is not None:
                 yield code, message, isinstance(damaged, ast.Constant) and bool(damaged.value)
-        elif isinstance(node, ast.Assign) and isinstance(node.value, ast.Dict) and _is_rules(node.targets[0]):
-            rules = zip(node.value.keys, node.value.values, strict=True)
-            yield from ((key, rule.args[2], False) for key, rule in rules if key and isinstance(rule, ast.Call))
-
-
-def _is_rules(target: ast.expr) -> bool:
-    return isinstance(target, ast.Name) and target.id == "RULES"
 
 
 def _text(node: ast.AST | None, scope: ast.AST, module: ast.Module) -> str:  # noqa: PLR0911 - a kind of node each

@@ -58,8 +58,8 @@ def test_the_version_has_a_changelog_section() -> None:
 
 # Of src/ and tests/. A number goes up only with its reason in the same commit; it goes down with what is saved.
 SIZE = {
-    "lines": 43_600,  # three checks more: friction slow at reversals, rows of several robots, gravity of an arm
-    "files": 238,
+    "lines": 43_300,  # the texts of templates, definitions and SQL are files of their own
+    "files": 237,
     "code lines of the longest function": 59,  # dynamics/transmission.py: one compiled loop, split it is 13 % slower
     "per cent of functions of at most 3 code lines": 21,
     "lines of tests": 24_000,

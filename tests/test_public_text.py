@@ -5,6 +5,8 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from friction_audit.reporting.notices import sentences
+
 ROOT = Path(__file__).parents[1]
 SOURCE = ROOT / "src" / "friction_audit"
 
@@ -51,7 +53,7 @@ def test_no_house_word_is_left() -> None:
         wrong += [f"{place}: name {name}" for name in names if NAME.search(name)]
         if NAME.search(path.stem):
             wrong.append(f"{place}: name of a module")
-    for path in sorted([*SOURCE.rglob("*.j2"), *SOURCE.rglob("*.json")]):
+    for path in sorted(path for end in ("j2", "json", "toml") for path in SOURCE.rglob(f"*.{end}")):
         wrong += [f"{path.relative_to(SOURCE)}: {word}" for word in found_in(path.read_text())]
     assert not wrong, "\n".join(wrong)
 
@@ -60,3 +62,23 @@ def test_no_house_word_is_left_in_the_documents() -> None:
     pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
     prose = {page: re.sub(r"(?s)```.*?```|`[^`]*`", "", page.read_text()) for page in pages}
     assert {page.name: found for page, text in prose.items() if (found := found_in(text))} == {}
+
+
+ANALYSIS = ("diagnosis", "drift", "effects", "friction", "preprocessing")
+NO_RESULT = re.compile(
+    r"raise \w|Parameter\(|label=|^recorder|^MEANING|^assert"
+)  # what has texts of errors, and labels of effects
+
+
+def test_the_analysis_writes_no_sentence_and_every_code_has_one() -> None:
+    wrong, made = [], set[str]()
+    for path in (path for folder in ANALYSIS for path in sorted((SOURCE / folder).rglob("*.py"))):
+        tree, quiet = ast.parse(path.read_text()), set[int]()
+        for node in ast.walk(tree):
+            if isinstance(node, ast.FunctionDef | ast.Assign | ast.Assert) and NO_RESULT.search(ast.unparse(node)):
+                quiet.update(range(node.lineno, (node.end_lineno or 0) + 1))
+        texts = (text for line, text in literals(tree) if line not in quiet)
+        wrong += [f"{path.name}: {text}" for text in texts if len(re.findall("[A-Za-z]{2,}", text)) > 5]
+        made |= set(re.findall(r'Caution\(\s*(?:code=)?"(\w+)"', path.read_text()))
+    assert not wrong, "\n".join(wrong)
+    assert made <= {*sentences()["warnings"], *sentences()["reasons"]}

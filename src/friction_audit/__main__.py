@@ -3,6 +3,7 @@
 It imports next to nothing first, so that a signal that comes while the command line is loaded ends it in words.
 """
 
+import gc
 import os
 import signal
 import sys
@@ -11,12 +12,15 @@ from types import FrameType
 
 STOPS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 
+GARBAGE = 50_000  # objects after which it is looked for: the usual 700 take a twentieth of the start
+
 
 def main() -> None:
     """Run the command line; a signal ends it as an error does, so that temporary folders are removed."""
     for stop in STOPS:
         if signal.getsignal(stop) in (signal.SIG_DFL, signal.default_int_handler):  # nohup ignores SIGHUP
             signal.signal(stop, _end)
+    gc.set_threshold(GARBAGE)
     try:
         from friction_audit.cli import main as run
 

@@ -7,6 +7,7 @@ import re
 from collections.abc import Collection, Sequence
 from difflib import get_close_matches
 from traceback import format_exception
+from typing import Any
 
 
 class FrictionAuditError(Exception):
@@ -28,9 +29,17 @@ class InputError(FrictionAuditError):
 
 
 class AnalysisError(FrictionAuditError):
-    """The log is readable, but the question has no answer: no cycle, no excitation."""
+    """The log is readable, but the question has no answer: no cycle, no excitation.
+
+    Its argument is a message or, of one joint, a ``Reason``.
+    """
 
     exit_code = 4
+
+    def __init__(self, why: object, of_joints: Sequence[tuple[int, Any]] = ()) -> None:
+        """Take also the reasons of several joints by their numbers."""
+        super().__init__(why)
+        self.of_joints = of_joints
 
 
 def bug(what: str, error: Exception) -> tuple[str, str]:

@@ -157,7 +157,8 @@ class JointLog(Recording):
 
     def blocks_of(self, channel: str) -> "Iterator[tuple[int, Float, Float]]":
         """Yield the same parts of one channel: number of the first sample, time, values."""
-        yield 0, self.t, getattr(self, channel)
+        for part in self.blocks((channel,)):
+            yield part.first, part.t, getattr(part, channel)
 
     def gaps_longer_than(self, limit_s: float) -> Float:
         """Return the gaps: number of the sample before each, its time and that of the sample after it, shape (k, 3)."""

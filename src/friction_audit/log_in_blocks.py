@@ -50,18 +50,12 @@ class LogInBlocks(LogPart):
         return self.read_whole().take_window(start_s, stop_s)
 
     def blocks(self, names: Collection[str] = JOINT_CHANNELS) -> Iterator[LogPart]:
-        """Read the log, or some of its channels, in parts that follow each other; a position not asked for is NaN."""
+        """Read the log, or some of its channels, in parts that follow each other; a motion not asked for is NaN."""
         first = 0
         for t, channels in ahead(self.read([name for name in self.channels() if name in names])):
-            held = {"q": np.broadcast_to(np.nan, (len(t), len(self.joint_names))), **channels}
+            nothing = np.broadcast_to(np.nan, (len(t), len(self.joint_names)))
+            held = {"q": nothing, "dq": nothing, **channels}
             yield LogPart(t=t, **held, joint_names=self.joint_names, source=self.source, first=first)
-            first += len(t)
-
-    def blocks_of(self, channel: str) -> Iterator[tuple[int, Float, Float]]:
-        """Read the same parts of one channel: number of the first sample, time, values."""
-        first = 0
-        for t, channels in ahead(self.read((channel,))):
-            yield first, t, channels[channel]
             first += len(t)
 
     def gaps_longer_than(self, limit_s: float) -> Float:

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from math import inf, pi, radians, tau
 
 BUILT_IN = "panda"  # the arm whose rigid-body model comes with this package
+FRANKA = ("panda", "fr3")  # arms with one ready pose, published static friction, and torque loops in their joints
+FINGER = re.compile("finger|gripper", re.IGNORECASE)  # in the name of what is no part of the arm
 UR_JOINTS = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
 SENSOR, CURRENT, ESTIMATE = "sensor", "current", "estimate"
 TORQUES = {

@@ -45,7 +45,7 @@ JOINTS = (
         verdict="named",
         effects=("stribeck", "warm_up"),
     ),
-    replace(make_joint(2, 0.0, speed=float("nan")), name="Gelenk ä", reason="did not move"),
+    replace(make_joint(2, 0.0, speed=float("nan")), name="Gelenk ä", reason=(Caution("constant_position"),)),
 )
 SESSION = replace(
     make_session(0, JOINTS, start=1.7e9 + THIRD, robot="left"),

@@ -215,7 +215,7 @@ def test_coefficients_and_reasons_are_those_of_the_estimate() -> None:
     assert [one.name for one in found] == list(seven.interaction.joint_names)
     assert found[0].coefficients["coulomb_nm"] == seven.friction.joints[0].coulomb
     assert found[0].coefficients["viscous_nms_per_rad"] == seven.friction.joints[0].viscous
-    assert [one.reason != "" for one in found] == [False, False, True, False, False, False, False]
+    assert [bool(one.reason) for one in found] == [False, False, True, False, False, False, False]
     assert np.isnan(found[2].coefficients["coulomb_nm"].value)
     assert (len(found[2].curve.speed_rad_s), found[0].verdict, found[0].effects) == (0, None, ())
     assert np.isnan(found[2].speed_rad_s).all()

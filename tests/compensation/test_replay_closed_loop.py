@@ -21,6 +21,7 @@ from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel,
 from friction_audit.effects.registry import terms
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float, JointLog
+from friction_audit.reporting.notices import text_of
 from friction_audit.simulation.bench import Operator
 from friction_audit.simulation.hide import with_model
 from friction_audit.simulation.scenarios import simulate
@@ -63,8 +64,8 @@ def test_the_operator_is_fitted_from_quick_reversals() -> None:
 def test_a_person_who_pauses_cannot_be_fitted() -> None:
     log = log_of(replace(MINUTE, operator=Operator(motion=StopAndGo())))
     found = replay(log, ReplaySettings(assume="same-operator"))
-    assert "quick reversals" in found.joints[0].reason
-    assert "--operator" in found.joints[0].reason
+    assert "quick reversals" in text_of(found.joints[0].reason)
+    assert "--operator" in text_of(found.joints[0].reason)
     assert [caution.code for caution in found.warnings] == ["not_replayed"]
 
 
@@ -103,7 +104,7 @@ def test_an_inertia_that_the_log_does_not_tell_is_refused() -> None:
     ddq = np.gradient(log.dq[:, 0], log.t)
     massless = replace(log, tau_interaction=log.tau_interaction - 0.3 * ddq[:, None])
     joint = replay(massless, ReplaySettings(assume="same-torque")).joints[0]
-    assert "inertia is not determined" in joint.reason
+    assert "inertia is not determined" in text_of(joint.reason)
 
 
 REGULATION = TorqueRegulation(inertia_kg_m2=0.3, desired_inertia_kg_m2=0.2)
@@ -285,10 +286,10 @@ def test_a_term_that_cannot_run_is_refused_by_name(name: str) -> None:
     model = and_term(name, *(min(max(0.01, parameter.lower), parameter.upper) for parameter in term.parameters))
     joint = run(log_by(SIMPLE), "same-torque", model)
     assert joint.numbers is None
-    assert f"{name}: {UNABLE[name]}" in joint.reason
+    assert f"{name}: {UNABLE[name]}" in text_of(joint.reason)
     of_friction = {"stiction", "frictional_lag", "load_dependent_friction"}
     applied = run(log_by(SIMPLE), "same-motion", model, applied=True)
-    assert (f"{name}: {UNABLE[name]}" in applied.reason) == (name in of_friction)
+    assert (f"{name}: {UNABLE[name]}" in text_of(applied.reason)) == (name in of_friction)
 
 
 @pytest.mark.parametrize(
@@ -311,4 +312,4 @@ def test_a_joint_that_cannot_be_simulated_or_has_no_friction_to_apply_says_why(
 ) -> None:
     joint = run(log_by(SIMPLE), "same-motion" if applied else "same-torque", model, applied=applied)
     assert joint.numbers is None
-    assert message in joint.reason
+    assert message in text_of(joint.reason)

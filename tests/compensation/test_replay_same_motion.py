@@ -15,7 +15,7 @@ from friction_audit.joint_log import JointLog
 from friction_audit.log_in_blocks import LogInBlocks
 from friction_audit.pipeline import AuditSettings, LogReplay, estimate_log, replay_estimate
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
-from friction_audit.reporting.notices import sentence_of
+from friction_audit.reporting.notices import sentence_of, text_of
 from friction_audit.reporting.replay import replay_document
 from friction_audit.simulation import ArmSettings, simulate
 from friction_audit.simulation.bench import BenchSettings, Operator
@@ -185,7 +185,7 @@ def test_limits_of_an_arm_hold_and_are_reported() -> None:
 
 def test_too_few_cycles_say_so() -> None:
     joint = joint_of(log_of(BENCH).take_window(0.0, 5.0), EnergyCompensator(window=4))
-    assert joint.reason.startswith("only ")
+    assert text_of(joint.reason).startswith("only ")
     assert joint.history is None
 
 

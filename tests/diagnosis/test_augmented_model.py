@@ -14,6 +14,8 @@ from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, Provenance, simple_model
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.interaction import Caution
+from friction_audit.reporting.notices import sentence_of
 from tests.dynamics.joints import simulate
 from tests.effects.joint_data_by_hand import joint_of
 from tests.reporting.conftest import build_estimate
@@ -67,9 +69,9 @@ def test_friction_below_zero_is_no_model_and_said_unless_it_may_be_zero() -> Non
     wrong = replace(NAMED, augmented=NAMED.augmented | {"viscous_nms_per_rad": coefficient(-0.01, 0.005)})
     model, lacking = augment_models((wrong,), LOG, None)
     assert model.joints == (None, None, None)
-    ((joint, lack),) = lacking
-    assert joint == 1
-    assert "viscous_nms_per_rad = -0.01; expected a number from 0" in lack
+    (lack,) = lacking
+    assert lack.joint == 1
+    assert "viscous_nms_per_rad = -0.01; expected a number from 0" in sentence_of(lack)
     maybe = {**NAMED.augmented, "viscous_nms_per_rad": coefficient(-0.01, 0.02)}
     assert augmented(replace(NAMED, augmented=maybe)).joints[0].values("viscous") == (0.0,)
 
@@ -79,7 +81,7 @@ def test_a_term_of_the_nominal_model_that_is_found_again_is_no_model() -> None:
     arm = nominal_arm(STRIBECK_TERM)
     model, lacking = augment_models((replace(NAMED, augmented=fitted),), LOG, arm)
     assert model.joints == arm.joints
-    assert "stribeck stands twice" in lacking[0][1]
+    assert "stribeck stands twice" in sentence_of(lacking[0])
 
 
 def test_an_effect_that_is_no_term_is_left_out_and_said() -> None:
@@ -87,7 +89,7 @@ def test_an_effect_that_is_no_term_is_left_out_and_said() -> None:
     model, lacking = augment_models((replace(NAMED, effects=(STRIBECK, strange)),), LOG, None)
     joint: Any = model.joints[0]
     assert joint.values("stribeck")
-    assert lacking == [(1, "poltergeist is no term of a model, so the augmented one lacks it")]
+    assert lacking == [Caution("no_term", 1, {"name": "poltergeist"})]
 
 
 def test_numbers_that_a_nominal_term_lacks_are_lacking_in_the_augmented_one() -> None:

@@ -18,6 +18,7 @@ from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import FittedTerm, simple_model
 from friction_audit.effects.registry import effect_of, effects
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.interaction import quoted
 from tests.diagnosis.toy_effects import BUMP, CUBE, LINE, LOCKED_OUT, SQUARE, TOYS, altered, bump, rising
 from tests.effects.joint_data_by_hand import COULOMB_NM, INERTIA_KG_M2, TRUTH, VISCOUS_NMS_PER_RAD, moved_joint
 
@@ -172,23 +173,23 @@ def test_as_many_numbers_as_cycles_are_no_explanation(duration_s: float, named: 
 
 def test_a_log_that_shows_none_of_the_effects_asked_for_is_not_testable() -> None:
     found = diagnosed(moved_joint(bump, noise_nm=NOISE_NM), [LOCKED_OUT])
-    assert (found.verdict, found.reason) == ("not_testable", "move the moon")
-    assert diagnosed(moved_joint(noise_nm=NOISE_NM), TOYS).untestable == {"locked_out": "move the moon"}
+    assert (found.verdict, found.reason) == ("not_testable", quoted("move the moon"))
+    assert diagnosed(moved_joint(noise_nm=NOISE_NM), TOYS).untestable == {"locked_out": found.reason[0]}
 
 
 @pytest.mark.parametrize("lacking", ["", "moved too slowly; move it faster"])
 def test_few_cycles_are_not_testable(lacking: str) -> None:
-    found = diagnosed(moved_joint(duration_s=4.0), TOYS, lacking=lacking)
+    found = diagnosed(moved_joint(duration_s=4.0), TOYS, lacking=quoted(lacking))
     assert found.verdict == "not_testable"
-    assert f"at least {FEWEST_CYCLES} are needed: {lacking or 'move the joint back and forth'}" in found.reason
+    assert found.reason[0].numbers == {"cycles": 3, "fewest": FEWEST_CYCLES, "lacking": quoted(lacking)}
     assert (found.nominal, found.traces, found.gap) == ({}, None, None)
 
 
 def test_a_fault_of_the_data_comes_before_every_name() -> None:
-    fault = DataFinding(code="dq_scale", value=0.2, unit="", bound=0.05, verdict="fault", message="dq is 20% too large")
-    limit = DataFinding(code="holes", value=1, unit="", bound=0, verdict="limit", message="a hole")
+    fault = DataFinding(code="dq_scale", value=0.2, unit="", bound=0.05, verdict="fault")
+    limit = DataFinding(code="holes", value=1, unit="", bound=0, verdict="limit")
     found = diagnosed(moved_joint(bump), TOYS, findings=(limit, fault))
-    assert (found.verdict, found.reason, found.effects) == ("data_fault", "dq is 20% too large", ())
+    assert (found.verdict, found.reason, found.effects) == ("data_fault", (fault,), ())
     assert found.findings == (limit, fault)
 
 

@@ -10,6 +10,7 @@ from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.interaction import quoted
 
 COLUMNS: dict[str, Callable[[JointData, Nonlinear], Float]] = {
     "bump": lambda data, at: np.exp(-(((data.q - at["place_rad"]) / at["width_rad"]) ** 2))[:, None],
@@ -50,7 +51,7 @@ BUMP = altered(toy("bump", "a bump", "position", ["nm"], *PLACES), possible=lamb
 WAVE = toy("wave", "a wave", "time", ["nm", "nm"], {"rate": 0.1}, {"rate": 0.5})
 SQUARE = toy("square", "friction that grows with the square of the speed", "speed", ["nms2_per_rad2"])
 LINE, CUBE = (toy(name, "a torque of the position", "position", ["nm"]) for name in ("line", "cube"))
-LOCKED_OUT = altered(SQUARE, name="locked_out", not_identifiable=lambda _data, _nominal: "move the moon")
+LOCKED_OUT = altered(SQUARE, name="locked_out", not_identifiable=lambda _data, _nominal: quoted("move the moon")[0])
 TOYS = (BUMP, WAVE, SQUARE, LOCKED_OUT)
 
 

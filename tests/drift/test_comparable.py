@@ -11,6 +11,7 @@ from friction_audit.drift.report import DriftReport, DriftSettings, judge, parse
 from friction_audit.drift.session import Conditions, Session, put_in_order
 from friction_audit.errors import UsageError
 from friction_audit.reporting.drift_words import limit_sentences
+from friction_audit.reporting.notices import sentence_of, text_of
 from tests.drift.made_sessions import FIRST_S, HAND, make_joint, make_session, make_sessions, noisy
 
 
@@ -19,7 +20,7 @@ def session(i: int, conditions: Conditions = HAND, *, known: bool = True, speed:
 
 
 def left_out(sessions: list[Session]) -> dict[int, str]:
-    return choose_comparable(put_in_order(sessions))[1]
+    return {place: text_of(reason) for place, reason in choose_comparable(put_in_order(sessions))[1].items()}
 
 
 @pytest.mark.parametrize(
@@ -55,17 +56,17 @@ def test_same_start_and_estimates_in_another_format_count_once() -> None:
 def test_most_without_a_start_are_ordered_by_name_few_are_left_out() -> None:
     order = put_in_order([session(10, known=False), session(9, known=False), session(1)])
     assert (order.by, [s.path for s in order.sessions]) == ("name", ["run1.csv", "run9.csv", "run10.csv"])
-    assert "order of their names" in choose_comparable(order)[2][0]
+    assert "order of their names" in sentence_of(choose_comparable(order)[2][0])
     order = put_in_order([session(0, known=False), session(2), session(1)])
     assert [s.path for s in order.sessions] == ["run1.csv", "run2.csv", "run0.csv"]
-    assert [(index, "manifest" in reason) for index, reason in order.left_out] == [(2, True)]
+    assert [(index, "manifest" in text_of(reason)) for index, reason in order.left_out] == [(2, True)]
 
 
 def test_other_speeds_are_told() -> None:
     order = put_in_order([session(0), session(1), session(2), session(3, speed=0.1)])
     compared, _, (warning,) = choose_comparable(order)
     assert len(compared) == 4
-    assert warning.startswith("joint 1: 1 of 4 sessions move at other speeds than the usual 0.35 to 1 rad/s; ")
+    assert sentence_of(warning).startswith("joint 1: 1 of 4 sessions move at other speeds than the usual 0.35 to 1 ")
 
 
 @pytest.fixture(scope="module")

@@ -17,6 +17,7 @@ from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.registry import effect_of
 from friction_audit.effects.transmission import STIFFEST_NM_PER_RAD
 from friction_audit.joint_log import Float
+from friction_audit.reporting.notices import sentence_of
 from tests.diagnosis.toy_effects import altered
 from tests.effects.joint_data_by_hand import (
     COULOMB_NM,
@@ -271,7 +272,8 @@ def jumping() -> JointData:
     ids=["turns around", "too few starts", "enough", "torque that jumps"],
 )
 def test_so_many_starts_are_enough(data: JointData, lacking: str) -> None:
-    assert lacking in str(STICTION.not_identifiable(data, baseline(data)))
+    found = STICTION.not_identifiable(data, baseline(data))
+    assert lacking in (sentence_of(found) if found else "None")
 
 
 def test_an_excess_that_fades_over_a_path_is_looked_for_after_any_start() -> None:

@@ -16,7 +16,7 @@ from friction_audit.joint_log import Float
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.segmentation import segment_cycles
 from friction_audit.preprocessing.settings import CycleSettings
-from friction_audit.reporting.notices import sentence_of
+from friction_audit.reporting.notices import sentence_of, text_of
 from tests.effects.joint_data_by_hand import sines
 from tests.synthetic_interaction import interaction, strokes
 
@@ -114,7 +114,7 @@ def test_the_torque_regression_agrees_without_a_hidden_effect() -> None:
         (
             [0.05, -0.05],
             [1.0, 1.0],
-            r"moved too slowly: the speed peaks at 0\.09\d* rad/s, below the initiation threshold 0\.2 rad/s",
+            r"moved too slowly: the speed peaks at 0\.09\d* rad/s, below .* threshold 0\.2 rad/s",
         ),
         ([0.009, -0.009], [0.3, 0.3], r"hardly moved: by 0\.00\d+ rad"),
         ([0.001, -0.001], [1.0, 1.0], "did not move: the speed stays far below"),
@@ -129,7 +129,7 @@ def test_a_joint_without_an_answer_says_which_motion_would_help(
     joint = estimate(t, v, friction(v, a))
     assert np.isnan(joint.coulomb.value)
     assert len(joint.history.cycle) == 0
-    assert re.search(sentence, joint.reason)
+    assert re.search(sentence, text_of(joint.reason))
 
 
 @pytest.mark.parametrize("model", ["combined", "coulomb", "viscous"])
@@ -138,7 +138,7 @@ def test_a_position_that_stands_still_while_the_velocity_does_not(model: str) ->
     log = interaction(t, v, friction(v, a), q=np.zeros_like(v))
     joint = estimated(log, compare=False, model=model).joints[0]
     assert np.isnan(joint.coulomb.value)
-    assert "the position never changes while the velocity does" in joint.reason
+    assert "the position never changes while the velocity does" in text_of(joint.reason)
 
 
 def test_one_speed_gives_their_sum_and_not_the_two_coefficients() -> None:
@@ -146,8 +146,8 @@ def test_one_speed_gives_their_sum_and_not_the_two_coefficients() -> None:
     v = 0.5 * np.clip(20 * np.sin(np.pi * t), -1, 1)
     joint = estimate(t, v, friction(v, np.gradient(v, t)))
     assert np.isnan(joint.viscous.value)
-    assert "all motion has one speed (0.5 rad/s" in joint.reason
-    assert "friction there is 0.33" in joint.reason
+    assert "all motion has one speed (0.5 rad/s" in text_of(joint.reason)
+    assert "friction there is 0.33" in text_of(joint.reason)
 
 
 def test_negative_friction_is_shown_and_warned_about() -> None:
@@ -229,7 +229,7 @@ def two_joints(coupling: float) -> Interaction:
 def test_excitation_without_a_closed_cycle_is_answered_by_a_regression() -> None:
     history = estimated(two_joints(coupling=0.0))
     for joint in history.joints:
-        assert (joint.method, joint.reason, joint.cycles, len(joint.history.cycle)) == ("regression", "", 0, 0)
+        assert (joint.method, joint.reason, joint.cycles, len(joint.history.cycle)) == ("regression", (), 0, 0)
         assert joint.coulomb.value == pytest.approx(0.3, rel=0.1)
         assert joint.viscous.value == pytest.approx(0.1, rel=0.1)
         assert joint.coulomb.low < 0.3 < joint.coulomb.high
@@ -239,7 +239,7 @@ def test_excitation_without_a_closed_cycle_is_answered_by_a_regression() -> None
 def test_a_joint_whose_torque_follows_another_is_refused_with_its_name_and_takes_none_along() -> None:
     coupled, alone = estimated(two_joints(coupling=0.1)).joints
     assert np.isnan(coupled.coulomb.value)
-    assert "the velocity of joint 2" in coupled.reason
+    assert "the velocity of joint 2" in text_of(coupled.reason)
     assert alone.method == "regression"
 
 
@@ -252,7 +252,7 @@ def test_a_torque_of_noise_is_not_answered_by_a_regression() -> None:
     t, q, v, _ = excitation(0.0)
     noise = np.random.default_rng(0).normal(size=len(t))
     (joint,) = estimated(interaction(t, v, noise, q=q, gravity="in-torque")).joints
-    assert "No torque regression either" in joint.reason
+    assert "No torque regression either" in text_of(joint.reason)
 
 
 def covers(joint: JointFriction, name: str) -> bool:
@@ -294,15 +294,15 @@ def test_a_coefficient_with_an_interval_beyond_any_torque_is_not_determined() ->
     noise = np.interp(t, knots, np.random.default_rng(1).normal(size=len(knots)))
     (joint,) = estimated(interaction(t, v, noise), compare=False).joints
     assert np.isnan([joint.coulomb.value, joint.viscous.value]).all()
-    assert "do not determine its friction" in joint.reason
+    assert "do not determine its friction" in text_of(joint.reason)
     assert np.isnan(joint.history.viscous_nms_per_rad).any()
 
 
 def test_a_dead_velocity_is_named_and_not_taken_for_standstill() -> None:
     t, q, v, _ = excitation(0.0)
     (joint,) = estimated(interaction(t, 0.0 * v, np.sign(v), q=q)).joints
-    assert "dq is dead" in joint.reason
-    assert "did not move" not in joint.reason
+    assert "dq is dead" in text_of(joint.reason)
+    assert "did not move" not in text_of(joint.reason)
 
 
 @pytest.mark.parametrize("freedom", [1, 2, 3, 4, 9, 10, 101, 5000])

@@ -112,6 +112,20 @@ def test_gravity_that_is_left_in_the_torque_moves_no_coefficient() -> None:
     assert found.coulomb.value == pytest.approx(COULOMB, rel=0.02)
 
 
+def test_a_short_range_that_hides_gravity_among_the_offsets_does_not_hide_friction() -> None:
+    t, rng = np.arange(0.0, 25.0, 2e-3), np.random.default_rng(0)
+    dq = 0.3 * np.cos(0.9 * t) * (1.0 + 0.6 * np.sin(0.13 * t)) + 0.2 * np.sin(2.3 * t)
+    q = np.cumsum(dq) * 2e-3
+    torque = COULOMB * np.sign(dq) + VISCOUS * dq + INERTIA * np.gradient(dq, t) + 4.0 * np.sin(q + 0.3)
+    torque += 0.05 * rng.standard_normal(len(t))
+    log = log_from_frame({"time": t, "q_1": q, "dq_1": dq, "tau_J_1": torque})
+    (found,) = estimate_log(log, AuditSettings()).friction.joints
+    assert found.method == "regression"
+    assert found.condition_number > 30.0
+    assert (found.coulomb.value, found.viscous.value) == pytest.approx((COULOMB, VISCOUS), rel=0.03)
+    assert found.coulomb.low <= COULOMB <= found.coulomb.high
+
+
 def test_a_clock_that_starts_elsewhere_has_the_same_rows() -> None:
     """Steps of 2 ms differ by the rounding of their stamps: 20 ms are 9 or 10 of them."""
     t, dq, ddq = (signal[::2] for signal in strokes([0.6, -0.6] * 10, [0.7, 0.9] * 10))

@@ -10,6 +10,7 @@ from friction_audit.batch.identity import FailedLog
 from friction_audit.drift.report import ArmDrift, ChangePoint, CoefficientDrift, ControlPoint, DriftReport, JointDrift
 from friction_audit.drift.session import Conditions, JointSummary, Session, SpeedCurve
 from friction_audit.friction.history import UNDETERMINED, Coefficient
+from friction_audit.preprocessing.interaction import quoted
 from friction_audit.reporting.drift import BatchSummary
 
 NAN = float("nan")
@@ -27,7 +28,7 @@ HOSTILE = "<script>alert('x')</script> & \"$\\frac{1}$\""
 STILL = JointSummary(
     joint=STILL_JOINT, name="panda_joint7", coefficients=dict.fromkeys(LEVELS, UNDETERMINED), cycles=0, moving_s=0.0,
     speed_rad_s=(NAN, NAN, NAN), within=dict.fromkeys(LEVELS, UNDETERMINED), verdict="not_testable",
-    reason="the joint does not move; move it back and forth",
+    reason=quoted("the joint does not move; move it back and forth"),
 )  # fmt: skip
 
 
@@ -121,8 +122,8 @@ def arm(count: int = 24, joints: int = 7, *, robot: str = "panda-1", dated: bool
     return ArmDrift(
         robot=robot, sessions=sessions, compared=tuple(compared), ordered_by="start" if dated else "name",
         autocorrelation=0.05, reference=tuple(range(min(5, count))), joints=tuple(found),
-        left_out=((LEFT_OUT, "payload 0.7 kg, the reference had none"),) if count > LEFT_OUT else (),
-        warnings=("temperatures are not logged: warm and cold sessions are not separated",),
+        left_out=((LEFT_OUT, quoted("payload 0.7 kg, the reference had none")),) if count > LEFT_OUT else (),
+        warnings=quoted("temperatures are not logged: warm and cold sessions are not separated"),
     )  # fmt: skip
 
 
@@ -148,9 +149,9 @@ def hostile() -> BatchSummary:
         for one in plain.sessions
     )
     joints = tuple(replace(joint, name=HOSTILE) for joint in plain.joints)
-    bad = replace(plain, robot=HOSTILE, sessions=sessions, joints=joints, warnings=(HOSTILE,))
+    bad = replace(plain, robot=HOSTILE, sessions=sessions, joints=joints, warnings=quoted(HOSTILE))
     return BatchSummary(
-        report=DriftReport(arms=(replace(bad, left_out=((LEFT_OUT, HOSTILE),)),)), exceeded=(HOSTILE,),
+        report=DriftReport(arms=(replace(bad, left_out=((LEFT_OUT, quoted(HOSTILE)),)),)), exceeded=(HOSTILE,),
         failed=(FailedLog(path=HOSTILE, message=HOSTILE),), settings={HOSTILE: {HOSTILE: [HOSTILE]}},
         command=f"friction-audit batch-report {HOSTILE}",
     )  # fmt: skip

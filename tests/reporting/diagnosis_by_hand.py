@@ -11,6 +11,7 @@ from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Diagnosis
+from friction_audit.preprocessing.interaction import Caution, quoted
 from tests.reporting.batch_by_hand import number
 from tests.reporting.conftest import build_estimate
 
@@ -20,8 +21,8 @@ LOCKED = 9
 LIMIT = "0.4 s of standstill: an offset of the sensor cannot be separated from uneven friction"
 FAULT = "dq differs from the derivative of q by 12%"
 ALONE = "no other joint moves: move the neighbours"
-UNTESTABLE = {"load_dependent_friction": "the load is not known: log gravity"}
-UNTESTABLE |= dict.fromkeys(("torque_crosstalk", "inertial_coupling"), ALONE)
+UNTESTABLE = {"load_dependent_friction": Caution("unknown_load")}
+UNTESTABLE |= dict.fromkeys(("torque_crosstalk", "inertial_coupling"), Caution("still_neighbours"))
 CYCLES, ROWS, STEP_S = 30, 40, 0.01
 LEFT_OUT = 3
 """Samples at the beginning of a cycle that are not there."""
@@ -101,8 +102,9 @@ def gap(before: float, after: float, floor: float) -> r.Gap:
     return r.Gap(before=before, after=after, floor=floor, cycles=LOCKED, **more)
 
 
-def finding(code: str, verdict: str, message: str) -> DataFinding:
-    return DataFinding(code=code, value=0.4, unit="s", bound=2.0, verdict=verdict, message=message)
+def finding(code: str, verdict: str, value: float = 0.4) -> DataFinding:
+    numbers = {"value": value, "case": "scaled"}
+    return DataFinding(code=code, numbers=numbers, value=value, unit="s", bound=2.0, verdict=verdict)
 
 
 NONE = r.JointDiagnosis(
@@ -116,11 +118,11 @@ NAMED = replace(
     from_energy=DECLARED | {"viscous_nms_per_rad": coefficient(NAN, NAN)}, gap=gap(0.061, 0.021, 0.020),
     simulation=moved(), detection_limit_nm=0.0043, profiles=(profile("speed", 0.8), profile("time", 0.1)),
     ladder=(("nominal model", 0.061), ("+ stribeck", 0.021), ("noise floor", 0.020)), untestable=UNTESTABLE,
-    findings=(finding("dq_noise", "fine", ""), finding("standstill", "limit", LIMIT)),
+    findings=(finding("dq_noise", "fine"), finding("standstill", "limit")),
 )  # fmt: skip
 AMBIGUOUS = replace(
     NONE, joint=2, name="panda_joint2", verdict="ambiguous", effects=(BIAS,), augmented=GROWN,
-    gap=gap(0.12, 0.03, 0.03), findings=(finding("standstill", "limit", LIMIT),),
+    gap=gap(0.12, 0.03, 0.03), findings=(finding("standstill", "limit"),),
 )  # fmt: skip
 UNEXPLAINED = replace(
     NONE, joint=4, name="panda_joint4", verdict="unexplained", gap=gap(0.08, 0.08, 0.02), detection_limit_nm=NAN,
@@ -129,14 +131,13 @@ UNEXPLAINED = replace(
 )  # fmt: skip
 NOT_TESTABLE = r.JointDiagnosis(
     joint=5, name="panda_joint5", verdict="not_testable",
-    reason="0 energy cycles with motion; at least 10 are needed: move the joint back and forth",
+    reason=(Caution("too_few_cycles", numbers={"cycles": 0, "fewest": 10, "lacking": ()}),),
 )  # fmt: skip
-DATA_FAULT = r.JointDiagnosis(
-    joint=6, name="panda_joint6", verdict="data_fault", reason=FAULT, findings=(finding("dq_scale", "fault", FAULT),)
-)
+WRONG = (finding("dq_scale", "fault", 0.12),)
+DATA_FAULT = r.JointDiagnosis(joint=6, name="panda_joint6", verdict="data_fault", reason=WRONG, findings=WRONG)
 FAILED = r.JointDiagnosis(
     joint=6, name="panda_joint6", verdict="failed", traceback="ZeroDivisionError: float division by zero\n",
-    reason="the diagnosis failed with ZeroDivisionError: float division by zero; this is a bug, please report it",
+    reason=quoted("the diagnosis failed with ZeroDivisionError: float division by zero; this is a bug"),
 )  # fmt: skip
 VERDICTS_BY_HAND = (NAMED, AMBIGUOUS, NONE, UNEXPLAINED, NOT_TESTABLE, DATA_FAULT)
 

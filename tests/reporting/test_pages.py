@@ -97,7 +97,7 @@ def test_a_drawing_has_words_a_description_and_its_own_ids() -> None:
 def test_a_verdict_counts_without_an_estimate_and_a_regression_is_said() -> None:
     both = log_report_by_hand.cut(report(), 1, 2)
     first, second = both.estimate.friction.joints
-    joints = (replace(first, reason="gravity is in the torque"), replace(second, method="regression"))
+    joints = (replace(first, reason=diagnosis_by_hand.NOT_TESTABLE.reason), replace(second, method="regression"))
     found = replace(both, estimate=replace(both.estimate, friction=replace(both.estimate.friction, joints=joints)))
     assert lead_sentence(found).startswith(
         "Friction is estimated on 1 of 2 joints: joint 2. The model misses Stribeck on joint 1;"

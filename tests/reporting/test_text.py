@@ -11,7 +11,7 @@ from friction_audit.diagnosis.result import ContactTrace
 from friction_audit.effects.registry import NAMES
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.pipeline import Estimate
-from friction_audit.preprocessing.interaction import Caution
+from friction_audit.preprocessing.interaction import Caution, quoted
 from friction_audit.reporting import words
 from friction_audit.reporting.diagnosis import diagnose_lines
 from friction_audit.reporting.diagnosis_words import joint_message
@@ -23,6 +23,7 @@ from friction_audit.reporting.notices import (
     notice_lines,
     reason_lines,
     sentence_of,
+    text_of,
 )
 from friction_audit.reporting.replay import replay_lines
 from tests.reporting import batch_by_hand, log_report_by_hand
@@ -111,8 +112,8 @@ def test_contacts_are_left_out_and_joints_with_the_same_answer_share_a_line() ->
     assert "5 contacts left out; no other effect is missing; record again without contact" in lines
     assert "at 0.0 s (0.5 s long), at 1.0 s (0.5 s long), at 2.0 s (0.5 s long) and 2 more" in lines
     still = [replace(NOT_TESTABLE, joint=number) for number in (5, 6)]
-    assert f"joints 5, 6: {NOT_TESTABLE.reason}" in diagnose_lines(diagnosis(NAMED, *still))
-    assert f"joint 6: {NOT_TESTABLE.reason}" in diagnose_lines(diagnosis(*still), verbose=True)
+    assert f"joints 5, 6: {text_of(NOT_TESTABLE.reason)}" in diagnose_lines(diagnosis(NAMED, *still))
+    assert f"joint 6: {text_of(NOT_TESTABLE.reason)}" in diagnose_lines(diagnosis(*still), verbose=True)
 
 
 @pytest.mark.parametrize(("parameters", "text"), [
@@ -137,7 +138,7 @@ def test_drift_in_detail_of_many_and_of_nothing() -> None:
         "joint 5, Coulomb: +0.0027 ± 0.0003 N m per session, +0.00178 ± 0.00019 N m per day",
     ):
         assert line in verbose
-    many = replace(ARM, robot="[red]arm[/red]", left_out=tuple((k, "no start") for k in range(9)))
+    many = replace(ARM, robot="[red]arm[/red]", left_out=tuple((k, quoted("no start")) for k in range(9)))
     lines = batch_lines(batch_by_hand.batch(many))
     assert "not compared: 9 sessions: no start" in lines
     assert any(line.startswith("[red]arm[/red]: 24 sessions, 2026-03-03 to 2026-04-07") for line in lines)
@@ -177,12 +178,11 @@ def test_notices_of_the_same_words_share_a_line(seven: Estimate) -> None:
     assert ranged("1.5 N m over 2 rad", "3 N m over 1 rad") == ["joints 1, 2: 1.5 to 3 N m over 1 to 2 rad"]
     assert ranged("0.1 s, as q1", "0.2 s, as q2") == ["joint 1: 0.1 s, as q1", "joint 2: 0.2 s, as q2"]
     still = seven.friction.joints[2]
-    one_speed = replace(still, joint=5, reason="gravity is in it. No regression either: one speed (condition 31)")
-    other = replace(one_speed, joint=6, reason=one_speed.reason.replace("31", "42.5"))
-    assert reason_lines([seven.friction.joints[0], one_speed, other]) == [
-        "joints 5, 6: gravity is in it",
-        "joints 5, 6: no regression either: one speed (condition 31 to 42.5)",
-    ]
+    reasons = [(Caution("constant_position"), Caution("one_speed_in_rows", numbers={"mean": v})) for v in (0.31, 0.4)]
+    alike = [replace(still, joint=5 + place, reason=reason) for place, reason in enumerate(reasons)]
+    position, speed = reason_lines([seven.friction.joints[0], *alike])
+    assert position.startswith("joints 5, 6: the position never changes")
+    assert speed.startswith("joints 5, 6: no torque regression either: all motion has one speed (0.31 to 0.4 rad/s)")
 
 
 @pytest.mark.parametrize(("shown", "text"), [

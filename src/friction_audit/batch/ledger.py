@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import asdict, dataclass, field, replace
+from importlib.resources import files
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -29,28 +30,9 @@ from friction_audit.preprocessing.interaction import Caution
 if TYPE_CHECKING:
     from friction_audit.diagnosis.settings import DiagnosisSettings
 
-RESULTS_VERSION = 16  # raised with every change after which the same log gives other numbers: ledgers compute anew
+RESULTS_VERSION = 17  # raised with every change after which the same log gives other numbers: ledgers compute anew
 APPLICATION_ID = 0x46414C47  # "FALG" in the head of the file: an SQLite database without it is not a ledger
-SCHEMA_VERSION = 7  # in user_version; raised with every change below
-# What came of an arm of a log, a session or a fault, is kept whole as JSON, which alone is read back; the other columns
-# are for people who open the file. A log that could not be read has its place as its hash.
-TABLES = (
-    "CREATE TABLE IF NOT EXISTS meta (key TEXT PRIMARY KEY, value TEXT NOT NULL)",
-    "CREATE TABLE IF NOT EXISTS settings (key TEXT PRIMARY KEY, text TEXT NOT NULL)",
-    """CREATE TABLE IF NOT EXISTS files (
-        place TEXT PRIMARY KEY, size INTEGER NOT NULL, changed TEXT NOT NULL, sha256 TEXT NOT NULL)""",
-    "CREATE INDEX IF NOT EXISTS files_by_size ON files (size)",
-    """CREATE TABLE IF NOT EXISTS arms (
-        id INTEGER PRIMARY KEY, sha256 TEXT NOT NULL, settings TEXT NOT NULL, topic TEXT NOT NULL, path TEXT NOT NULL,
-        robot TEXT NOT NULL, start_s REAL, message TEXT, again INTEGER NOT NULL, content TEXT NOT NULL,
-        digest TEXT NOT NULL, UNIQUE (sha256, settings, topic))""",
-    """CREATE TABLE IF NOT EXISTS coefficients (
-        arm INTEGER NOT NULL, joint INTEGER NOT NULL, coefficient TEXT NOT NULL, value REAL, low REAL, high REAL,
-        PRIMARY KEY (arm, joint, coefficient)) WITHOUT ROWID""",
-    """CREATE VIEW IF NOT EXISTS friction AS
-        SELECT robot, datetime(start_s, 'unixepoch') AS start, path, joint, coefficient, value, low, high
-        FROM arms JOIN coefficients ON arm = id ORDER BY robot, start_s, path, joint, coefficient""",
-)
+SCHEMA_VERSION = 7  # in user_version; raised with every change of ledger.sql
 REMEMBER = "INSERT OR REPLACE INTO files VALUES (?, ?, ?, ?)"
 BUSY_S = 60.0  # to wait while another run writes
 PARTS = ("", "-wal", "-shm")  # endings of the files that a ledger consists of while it is open
@@ -220,8 +202,8 @@ class Ledger(AbstractContextManager["Ledger"]):
             return
         with self._whole():
             self._database.execute("BEGIN IMMEDIATE")
-            for table in TABLES:
-                self._database.execute(table)
+            for statement in files(__package__).joinpath("ledger.sql").read_text(encoding="utf-8").split(";"):
+                self._database.execute(statement)
             self._database.execute(f"PRAGMA application_id = {APPLICATION_ID}")
             self._database.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
 
@@ -290,6 +272,6 @@ def _session(held: dict[str, Any]) -> Session:
         joint |= {name: tuple(joint[name]) for name in ("speed_rad_s", "effects")}
         for key in ("coefficients", "within"):
             joint[key] = {name: Coefficient(**one) for name, one in joint[key].items()}
-        joint["curve"] = SpeedCurve(**joint["curve"])
+        joint |= {"curve": SpeedCurve(**joint["curve"]), "reason": tuple(Caution(**one) for one in joint["reason"])}
     held["joints"] = tuple(JointSummary(**joint) for joint in held["joints"])
     return Session(**held)

@@ -27,7 +27,7 @@ from friction_audit.joint_log import Float
 from friction_audit.parallel import one_joint_at_a_time
 from friction_audit.pipeline import Estimate, diagnose_estimate, estimate_log
 from friction_audit.preprocessing.energy_cycles import KEPT, EnergyCycles
-from friction_audit.preprocessing.interaction import Caution
+from friction_audit.preprocessing.interaction import Caution, quoted
 
 if TYPE_CHECKING:
     from friction_audit.diagnosis.result import JointDiagnosis
@@ -245,7 +245,7 @@ def _joint(found: Mapping[str, Any]) -> JointSummary:
         cycles=int(found["cycles"]),
         moving_s=float(found["moving_s"]),
         speed_rad_s=(NAN, NAN, NAN),
-        reason=str(found["reason"] or "") if by_energy else BY_REGRESSION,
+        reason=quoted(str(found["reason"] or "")) if by_energy else BY_REGRESSION,
     )
 
 

@@ -17,7 +17,7 @@ from typer.core import TyperGroup
 from friction_audit import __version__
 from friction_audit.cli.console import discard, open_streams, remark, say
 from friction_audit.cli.grouped_help import GroupedCommand, LateParams, with_option_groups
-from friction_audit.errors import FrictionAuditError, InputError, UsageError, shortened
+from friction_audit.errors import AnalysisError, FrictionAuditError, InputError, UsageError, shortened
 from friction_audit.parallel import own_process
 
 NAMES = (
@@ -91,7 +91,12 @@ def main(argv: list[str] | None = None) -> None:
         reason = _in_words(error, " ".join(sys.argv[1:] if argv is None else argv))
         if reason is None:
             raise
-        remark(f"error: {reason}")
+        lines = [f"error: {reason}"]
+        if isinstance(reason, AnalysisError) and reason.of_joints:
+            from friction_audit.reporting.notices import text_of
+
+            lines += [f"joint {joint}: {text_of(why)}" for joint, why in reason.of_joints]
+        remark("\n  ".join(lines))
         sys.exit(reason.exit_code)
     finally:
         gc.freeze()  # the process ends: a search of the libraries' objects for garbage is of no use

@@ -137,8 +137,10 @@ def exit_if_strict(codes: Mapping[str, Iterable[str]], *, strict: bool) -> None:
 
 def exit_for_bugs(joints: "Iterable[JointDiagnosis]", voice: Voice, unanswered: "Iterable[Unanswered]" = ()) -> None:
     """Report joints, and parts of a report, that ended in a bug after the other results stand; exit as a bug does."""
+    from friction_audit.reporting.notices import text_of
+
     bugs = [(one.message, one.traceback) for one in unanswered if one.traceback]
-    bugs += [(f"joint {one.joint}: {one.reason}", one.traceback) for one in joints if one.traceback]
+    bugs += [(f"joint {one.joint}: {text_of(one.reason)}", one.traceback) for one in joints if one.traceback]
     for sentence, traceback in bugs:
         remark(f"{traceback if voice.verbose else ''}error: {sentence}")
     if bugs:

@@ -134,8 +134,9 @@ def _write_model(found: "Diagnosis", out: ResultFolder, voice: Voice) -> None:
         return
     from friction_audit.diagnosis.augmented_model import augment_models
     from friction_audit.effects.joint_model import save_model
+    from friction_audit.reporting.notices import notices
 
     path = out.folder / MODEL
     augmented, lacking = augment_models(found.joints, found.estimate.log, found.settings.model)
-    voice.warn(f"{path}: joint {joint}: {lack}" for joint, lack in lacking)
+    voice.warn(f"{path}: {lack}" for lack in notices(lacking))
     save_model(augmented, path, overwrite=out.overwrite)

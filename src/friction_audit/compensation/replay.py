@@ -24,14 +24,15 @@ from friction_audit.compensation.counterfactual import Run, make_scene, recordin
 from friction_audit.compensation.feed_forward import NO_MODEL, OF_FRICTION, refuse
 from friction_audit.compensation.law import Coefficients, EnergyCompensator
 from friction_audit.compensation.result import JointReplay, Replay, Signals
-from friction_audit.compensation.settings import FEED_BACK, MODEL, PANDAS, Competitor, Limits, ReplaySettings, limits_of
+from friction_audit.compensation.settings import FEED_BACK, MODEL, Competitor, Limits, ReplaySettings, limits_of
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import FrictionHistory, JointFriction
 from friction_audit.joint_log import Float, Recording, read_only
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
-from friction_audit.preprocessing.interaction import Caution, Interaction
+from friction_audit.preprocessing.interaction import Caution, Interaction, quoted, reason_of
+from friction_audit.presets import FRANKA
 
 LONGEST_STEP = 3.5  # a step of the clock of this many median steps is a gap, at any rate
 FAR_BELOW = 0.25  # share of the published friction of its kind that no healthy joint falls below
@@ -120,7 +121,7 @@ class _JointRun:
         try:
             wanted = tune(settings.competitor, friction, robot, model) if settings.competitor else settings.compensator
         except AnalysisError as reason:
-            self._joint = replace(self._joint, reason=str(reason))
+            self._joint = replace(self._joint, reason=reason_of(reason))
             return
         chosen = _in_force(wanted, cycles, self._column, limits, step_s)
         self._joint = replace(self._joint, compensator=chosen)
@@ -144,7 +145,7 @@ class _JointRun:
             scene = make_scene(part, self._cycles, self.friction, self._settings, cuts, modelled=modelled)
             found = self._run.take(scene)
         except AnalysisError as reason:
-            self._joint = replace(self._joint, reason=str(reason))
+            self._joint = replace(self._joint, reason=reason_of(reason))
             return
         recorded = scene.recorded
         add_torque(self._recorded, recorded.t, recorded.dq, recorded.torque)
@@ -169,10 +170,10 @@ class _JointRun:
         run, history = self._run, np.concatenate(self._run.rows).view(np.recarray)
         history.start_s[1:] = history.stop_s[:-1]
         reason = (
-            result.missing_estimate(history, self.friction, joint.compensator) if isnan(run.tally["diverged_s"]) else ""
+            result.missing_estimate(history, self.friction, joint.compensator) if isnan(run.tally["diverged_s"]) else ()
         )
         if run.felt["samples"] <= 1:
-            reason = "the compensated loop diverges within a sample; lower its gain"
+            reason = quoted("the compensated loop diverges within a sample; lower its gain")
         if reason:
             return replace(joint, reason=reason)
         total = self._total if self._total["samples"] else self._recorded
@@ -195,7 +196,7 @@ def tune(competitor: Competitor, friction: JointFriction, robot: str, model: Joi
         return _modelled(model)
     if competitor.name in FEED_BACK:
         return _feed_back(competitor, friction)
-    if competitor.name == "sigmoid" and robot in PANDAS and friction.joint <= len(PUBLISHED):
+    if competitor.name == "sigmoid" and robot in FRANKA and friction.joint <= len(PUBLISHED):
         return PUBLISHED[friction.joint - 1]
     coulomb, viscous = friction.coulomb.value, friction.viscous.value
     if friction.reason or not (coulomb >= 0.0 and viscous >= 0.0 and coulomb + viscous > 0.0):
@@ -270,15 +271,15 @@ def seems_compensated(
     coefficients = {"Coulomb": friction.coulomb, "viscous": friction.viscous}
     negative = [name for name, found in coefficients.items() if found.high < 0]
     if negative:
-        return {"sign": "negative", "names": " and ".join(negative)}
+        return {"case": "negative", "names": " and ".join(negative)}
     if interaction.choice.sign_turned and interaction.choice.source == "interaction":
-        return {"sign": "sign"}
+        return {"case": "sign"}
     if found := _vanishing(interaction, cycles, friction.joint, square):
         return found
-    if robot in PANDAS and friction.joint <= len(PUBLISHED):
+    if robot in FRANKA and friction.joint <= len(PUBLISHED):
         usual = min(PUBLISHED[friction.joint - 1].plateaus_nm)
         if friction.coulomb.high < FAR_BELOW * usual:
-            return {"sign": "far_below", "coulomb": friction.coulomb.value, "usual": usual}
+            return {"case": "far_below", "coulomb": friction.coulomb.value, "usual": usual}
     return {}
 
 
@@ -293,7 +294,7 @@ def _vanishing(interaction: Interaction, cycles: EnergyCycles, joint: int, squar
     before = float(work[:UNCOMPENSATED].sum() / path[:UNCOMPENSATED].sum())
     after = float(work[half:].sum() / path[half:].sum())
     if before > little and after < -GONE * before:
-        return {"sign": "gives_out", "after": after}
+        return {"case": "gives_out", "after": after}
     if before > little and after < GONE * before:
-        return {"sign": "vanishes", "before": before, "after": after}
-    return {"sign": "nothing"} if abs(work.sum()) < little * path.sum() else {}
+        return {"case": "vanishes", "before": before, "after": after}
+    return {"case": "nothing"} if abs(work.sum()) < little * path.sum() else {}

@@ -16,7 +16,7 @@ from friction_audit.compiled import Record
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.friction.history import Coefficient, JointFriction, TorqueRegression
 from friction_audit.joint_log import Float
-from friction_audit.preprocessing.interaction import Caution
+from friction_audit.preprocessing.interaction import Caution, Reason, quoted
 
 RIGHT = 0.1  # share of the dissipation up to which what is left to the person, or given out, counts as right
 IN_A_ROW = 3  # so many cycles must be right, one after the other: a single one may be so by chance
@@ -134,11 +134,11 @@ class JointReplay:
     simulated: bool = False  # True if a joint, fitted or of a file, moved otherwise than recorded
     # how far the simulated joint without a compensator is from the recorded motion, over this; or NaN
     model_error: float = float("nan")
-    reason: str = ""  # why the replay means nothing for this joint; empty if it does
+    reason: Reason = ()  # why the replay means nothing for this joint; empty if it does
 
     def __repr__(self) -> str:
         if self.numbers is None or self.reason:
-            return f"joint {self.joint} {self.name}: not replayed: {self.reason.partition(';')[0]}"
+            return f"joint {self.joint} {self.name}: not replayed: {', '.join(map(str, self.reason))}"
         removed, numbers = 100.0 * self.numbers.dissipation_removed, self.numbers
         energy = f"{numbers.energy_without_j:.4g} J without, {numbers.energy_with_j:.4g} J with"
         return f"joint {self.joint} {self.name}: dissipation removed {removed:.3g} %, net energy {energy}"
@@ -258,18 +258,18 @@ def _fit(moments: Float) -> tuple[Float, Float]:
 ADVICE = {GAP: "gaps in the log; record without dropping samples", NOT_MOVED: "hardly any motion; move farther"}
 
 
-def missing_estimate(history: ReplayHistory, friction: JointFriction, compensator: Compensator) -> str:
+def missing_estimate(history: ReplayHistory, friction: JointFriction, compensator: Compensator) -> Reason:
     """Return why there was nothing to apply; empty if there was."""
     cycles = len(history)
     if not cycles:
-        return friction.reason or (
+        return friction.reason or quoted(
             "no energy cycle ended while a controller would have watched; pause between motions, or choose other "
             "--thresholds"
         )
     if not isinstance(compensator, EnergyCompensator) or compensator.forced or (history.status == ESTIMATED).any():
-        return ""
+        return ()
     some = "1 cycle" if cycles == 1 else f"{cycles} cycles"
     refused = history.status[history.status >= NOT_MOVED]
     if len(refused):
-        return f"no estimate in {some}: {ADVICE[int(np.bincount(refused).argmax())]}"
-    return f"only {some}, and the compensator needs {compensator.cycles_per_estimate}; record more motions"
+        return quoted(f"no estimate in {some}: {ADVICE[int(np.bincount(refused).argmax())]}")
+    return quoted(f"only {some}, and the compensator needs {compensator.cycles_per_estimate}; record more motions")

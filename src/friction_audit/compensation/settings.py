@@ -18,7 +18,6 @@ FEED_BACK = ("disturbance_observer", "torque_regulation")  # without a loop over
 MODEL = "model"  # applies the friction of a model file
 COMPETITORS = ("fixed", "sigmoid", "lugre", *FEED_BACK, MODEL)  # compensators other than ``energy``
 
-PANDAS = ("panda", "fr3")  # robots with the published static friction, as ``Source.robot`` names them
 
 SAME_MOTION, SAME_TORQUE, SAME_OPERATOR = "same-motion", "same-torque", "same-operator"
 # What is assumed of the person, or of the arm's drive, who would have met another joint than the recorded one.

@@ -23,6 +23,7 @@ from friction_audit.effects.transmission import FAR_SHARE
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import JointLog
+from friction_audit.preprocessing.interaction import Caution
 
 METHOD = "diagnose"
 FRICTION = ("coulomb_nm", "viscous_nms_per_rad")
@@ -34,11 +35,11 @@ LEAST_S = 0.05
 
 def augment_models(
     found: Sequence[JointDiagnosis], log: JointLog, nominal: ArmModel | None
-) -> tuple[ArmModel, list[tuple[int, str]]]:
+) -> tuple[ArmModel, list[Caution]]:
     """Add the effects that were found to the nominal model of each joint of the log that was diagnosed.
 
     A joint that was not fitted, or whose numbers no model allows, keeps its nominal one. With the models come the
-    effects that they lack: number of the joint and a sentence.
+    effects that they lack: a caution of the joint.
     """
     joints: list[JointModel | None] = [None] * len(log.joint_names) if nominal is None else [*nominal.joints]
     lacking, known = [], {term.name for term in terms()}
@@ -48,9 +49,9 @@ def augment_models(
         try:
             joints[joint.joint - 1] = augment_model(joint, joints[joint.joint - 1], origin)
         except AnalysisError as error:
-            lacking.append((joint.joint, f"no augmented model: {error}"))
+            lacking.append(Caution("no_augmented_model", joint.joint, {"error": str(error)}))
         lacking += [
-            (joint.joint, f"{effect.name} is no term of a model, so the augmented one lacks it")
+            Caution("no_term", joint.joint, {"name": effect.name})
             for effect in (*joint.effects, *joint.negligible)
             if effect.name not in known
         ]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from friction_audit.effects.joint_data import SIGMA_PER_MEDIAN, JointData
 from friction_audit.joint_log import DERIVATIVE, Float, JointLog, median_step, step_places
 from friction_audit.preprocessing.even_grid import belated_samples, fresh_samples, gaps, moments_of_samples
-from friction_audit.preprocessing.interaction import Interaction
+from friction_audit.preprocessing.interaction import Caution, Interaction
 from friction_audit.preprocessing.sign import SIGNIFICANT
 from friction_audit.preprocessing.torque_source import CHANNELS
 
@@ -20,69 +20,47 @@ RESTING_RAD = 0.05  # a joint without a cycle whose position stays within this d
 MOST_CHANGES, WHOLE = 0.9, 0.01
 # Share of the changes of a velocity, of one that is differences of positions; samples on either side that smooth one.
 MOST_OF_ITS_OWN, NEAR = 0.05, 5
-DEAD = "channel is dead; check the sensor and the bus, or choose another column with --map"
 
 
 class _Rule(NamedTuple):
-    """Bound of a number, what it means to break it (``fault`` or ``limit``), and the sentence about it."""
+    """Bound of a number, and what it means to break it: ``fault`` or ``limit``."""
 
     bound: float
     broken: str
-    message: str
     unit: str = ""
     at_most: bool = True
 
 
 RULES = {
-    "batched_stamps": _Rule(0.0, "fault", "samples came in batches: their time stamps are uncertain by a period"),
-    "clock_jitter": _Rule(0.5, "fault", "the time step varies by {value:.0%}"),
-    "holes": _Rule(0.1, "limit", "gaps take {value:.0%} of the time"),
-    "stale": _Rule(
-        0.3, "limit", "{value:.0%} of the samples repeat the one before and are left out: {rate:.0f} per second show "
-        "the motion"),
-    "torque_constant": _Rule(
-        0.0, "fault", f"the torque reads {{reads}} N m in all samples: the torque {DEAD} {{channel}}=..."),
-    "dq_constant": _Rule(
-        0.0, "fault",
-        f"the velocity reads {{reads:.4g}} rad/s in all samples while q moves by {{moved:.3g}} rad: "
-        f"the velocity {DEAD} dq=..."),
-    "dq_against_q": _Rule(0.9, "fault", "only {value:.0%} of dq is the derivative of q{why}", at_most=False),
-    "dq_scale": _Rule(0.05, "fault", "{how}"),
-    "dq_delay": _Rule(MOST_DELAY_S, "fault", "dq and the derivative of q are {value:.3f} s apart", "s"),
+    "batched_stamps": _Rule(0.0, "fault"),
+    "clock_jitter": _Rule(0.5, "fault"),
+    "holes": _Rule(0.1, "limit"),
+    "stale": _Rule(0.3, "limit"),
+    "torque_constant": _Rule(0.0, "fault"),
+    "dq_constant": _Rule(0.0, "fault"),
+    "dq_against_q": _Rule(0.9, "fault", at_most=False),
+    "dq_scale": _Rule(0.05, "fault"),
+    "dq_delay": _Rule(MOST_DELAY_S, "fault", "s"),
     # The sum of torque times velocity in standard errors, as in the check of the sign: friction only takes energy.
-    "power": _Rule(
-        -SIGNIFICANT, "fault", "the motion gains energy ({value:.1f} standard errors): torque or velocity has the "
-        "wrong sign", at_most=False),
-    "part": _Rule(
-        0.0, "limit", "only {bound:.0f} s of {value:.0f} s are diagnosed, in parts from {start:.0f} to {stop:.0f} s; "
-        "times count from {start:.0f} s; for the whole log: --at-most {minutes:.0f}", "s"),
-    "gravity": _Rule(
-        0.0, "limit", "gravity is in the torque and {value:.0f} other joints move: an effect that follows the position "
-        "may be gravity"),
-    "standstill": _Rule(
-        2.0, "limit", "{value:.1f} s of standstill: an offset of the sensor cannot be separated from uneven friction",
-        "s", at_most=False),
-    "cycles": _Rule(10, "limit", "{value:.0f} cycles; {bound:.0f} are needed", at_most=False),
-    "speed_spread": _Rule(
-        0.2, "limit", "speeds spread by {value:.0%}: Coulomb and viscous friction cannot be separated", at_most=False),
-    "reversals": _Rule(
-        10, "limit", "{value:.0f} reversals: effects that follow a reversal cannot be seen", at_most=False),
-}  # fmt: skip
-
-
+    "power": _Rule(-SIGNIFICANT, "fault", at_most=False),
+    "part": _Rule(0.0, "limit", "s"),
+    "gravity": _Rule(0.0, "limit"),
+    "standstill": _Rule(2.0, "limit", "s", at_most=False),
+    "cycles": _Rule(10, "limit", at_most=False),
+    "speed_spread": _Rule(0.2, "limit", at_most=False),
+    "reversals": _Rule(10, "limit", at_most=False),
+}
 STATED = {"dq_noise": "rad/s", "standstill_noise": "N m", "torque_step": "N m"}  # units of numbers without a bound
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class DataFinding:
-    """One number about the data and the bound it has to keep."""
+class DataFinding(Caution):
+    """One number about the data and the bound it has to keep; a caution unless the verdict is ``"fine"``."""
 
-    code: str  # stable short name
     value: float  # the number; NaN where it is not known
     unit: str  # its unit, empty for a share or a count
     bound: float  # its bound; NaN for a number that is only stated
     verdict: str  # ``"fine"``, ``"limit"`` (less can be shown) or ``"fault"`` (no effect may be named)
-    message: str  # one sentence for people; empty where all is fine
 
 
 def audit_data(
@@ -100,14 +78,13 @@ def audit_data(
     )
 
 
-def judged(code: str, value: float, bound: float | None = None, **words: object) -> DataFinding:
-    """Compare one number with the bound of its rule, or with another; its sentence takes some words."""
-    rule = RULES.get(code) or _Rule(NAN, "", "", STATED[code])
+def judged(code: str, value: float, bound: float | None = None, **numbers: object) -> DataFinding:
+    """Compare one number with the bound of its rule, or with another; its sentence takes more numbers."""
+    rule = RULES.get(code) or _Rule(NAN, "", STATED[code])
     bound = rule.bound if bound is None else bound
-    broken = value > bound if rule.at_most else value < bound
-    message = rule.message.format(value=value, bound=bound, **words) if broken else ""
-    verdict = rule.broken if broken else "fine"
-    return DataFinding(code=code, value=value, unit=rule.unit, bound=bound, verdict=verdict, message=message)
+    verdict = rule.broken if (value > bound if rule.at_most else value < bound) else "fine"
+    numbers |= {"value": value, "bound": bound}
+    return DataFinding(code, numbers=numbers, value=value, unit=rule.unit, bound=bound, verdict=verdict)
 
 
 def audit_clock(log: JointLog) -> tuple[DataFinding, ...]:
@@ -166,8 +143,7 @@ def _constant_channels(log: JointLog, interaction: Interaction, data: JointData)
     torque: Float = getattr(log, channel)[:, data.own_column]
     q, dq = log.q[:, data.own_column], log.dq[:, data.own_column]
     constant, dead = np.ptp(torque) == 0.0, data.own_column + 1 in log.source.dead_torque  # a few counts of noise
-    reads = f"{torque[0]:.4g}" if constant else f"{torque.min():.3g} to {torque.max():.3g}"
-    no_speed = np.ptp(q) > RESTING_RAD and np.ptp(dq) == 0.0
+    reads, no_speed = (torque.min(), torque.max()), np.ptp(q) > RESTING_RAD and np.ptp(dq) == 0.0
     return (
         judged("torque_constant", float(data.used.any() and (constant or dead)), reads=reads, channel=channel),
         judged("dq_constant", float(no_speed), reads=dq[0], moved=np.ptp(q)),
@@ -183,14 +159,12 @@ def _velocity(interaction: Interaction, data: JointData) -> tuple[DataFinding, .
         return (noise,)
     slope = np.gradient(q, data.step_s)
     if not good.any() or not np.any(slope[good]):
-        return (judged("dq_against_q", 0.0, why=": the position does not change"),)
+        return (judged("dq_against_q", 0.0, case="stands"),)
     design = np.column_stack([slope, -np.gradient(slope, data.step_s)])[good]
     scale, shift = np.linalg.lstsq(design, dq[good], rcond=None)[0]
     left = dq[good] - design @ np.array([scale, shift])
     power = float(np.mean(dq[good] ** 2))
     explained = 1.0 - float(np.mean(left**2)) / power if power > 0 else 0.0
-    error = abs(float(scale) - 1)
-    turned = "dq and the derivative of q have opposite signs: one column has the wrong sign"
     most_delay = max(MOST_DELAY_S, MOST_DELAY_STEPS * median_step(interaction.t))
     delay = abs(float(shift / scale)) if scale else NAN
     for one in interaction.warnings:  # a delay of another clock is too long for the first term of its series
@@ -198,8 +172,8 @@ def _velocity(interaction: Interaction, data: JointData) -> tuple[DataFinding, .
             lags = dict(zip(one.numbers["joints"], one.numbers["lags_s"], strict=True))
             delay = lags.get(interaction.joint_numbers[data.joint], delay)
     return (
-        judged("dq_against_q", explained, why=": they do not belong together"),
-        judged("dq_scale", error, how=f"dq differs from the derivative of q by {error:.0%}" if scale > 0 else turned),
+        judged("dq_against_q", explained, case="moves"),
+        judged("dq_scale", abs(float(scale) - 1), case="scaled" if scale > 0 else "turned"),
         judged("dq_delay", delay, most_delay),
         noise,
     )

@@ -23,6 +23,7 @@ from friction_audit.effects.registry import effects
 from friction_audit.errors import AnalysisError, FrictionAuditError, bug
 from friction_audit.joint_log import Float
 from friction_audit.parallel import WORKERS, in_processes, one_joint_at_a_time, per_joint, workers_for
+from friction_audit.preprocessing.interaction import Caution, Reason, quoted, reason_of
 
 WORKING_BYTES = 1000  # of a process per sample of the fine grid (benchmarks/bench_diagnose.py)
 FEWEST_CYCLES = 6
@@ -50,12 +51,12 @@ def diagnose_subjects(
             with nullcontext() if last else one_joint_at_a_time():
                 return diagnose_joint(subject, candidates, settings)
         except AnalysisError as error:
-            return _answer(subject, "not_testable", str(error))
+            return _answer(subject, "not_testable", reason_of(error))
         except (FrictionAuditError, MemoryError, Warning):  # warnings are errors where the tests run
             raise
         except Exception as error:  # noqa: BLE001 - reported as a bug: verdict, traceback and exit code 1
             sentence, traceback = bug("the diagnosis", error)
-            return replace(_answer(subject, "failed", sentence), findings=(), traceback=traceback)
+            return replace(_answer(subject, "failed", quoted(sentence)), findings=(), traceback=traceback)
 
     joints = len(subjects)
     workers = workers_for(joints, WORKING_BYTES * max(len(subject.data.t) for subject in subjects))
@@ -74,28 +75,25 @@ def diagnose_joint(subject: Subject, effects: Sequence[Effect], settings: Diagno
     # What is kept with a copy, columns of the arm's model above all, is freed with it.
     rigid = subject.data.rigid
     subject = replace(subject, data=replace(subject.data, rigid=None if rigid is None else replace(rigid)))
-    if wrong := [one for one in subject.findings if one.verdict == "fault"]:
-        return _answer(subject, "data_fault", "; ".join(one.message for one in wrong))
+    if wrong := tuple(one for one in subject.findings if one.verdict == "fault"):
+        return _answer(subject, "data_fault", wrong)
     cycles = len(np.unique(make_samples(subject.data).cycle))
     if cycles < FEWEST_CYCLES:
-        lacking = subject.lacking or "move the joint back and forth, or count slower cycles with --thresholds auto"
-        counted = f"{cycles} energy {'cycle' if cycles == 1 else 'cycles'} with motion"
-        why = f"{counted}; at least {FEWEST_CYCLES} are needed: {lacking}"
-        return _answer(subject, "not_testable", why)
+        numbers = {"cycles": cycles, "fewest": FEWEST_CYCLES, "lacking": subject.lacking}
+        return _answer(subject, "not_testable", (Caution("too_few_cycles", numbers=numbers),))
     try:
         state = select(subject.data, subject.model, effects)
         if not state.gram.blocks:
-            why = "; ".join(dict.fromkeys(state.dictionary.not_testable.values()))
-            return _answer(subject, "not_testable", why)
+            return _answer(subject, "not_testable", tuple(dict.fromkeys(state.dictionary.not_testable.values())))
         keep_stable(state)
         found = _result(subject, state, settings)
     except (AnalysisError, np.linalg.LinAlgError) as error:
-        return _answer(subject, "not_testable", str(error))
+        return _answer(subject, "not_testable", reason_of(error))
     test = np.unique(state.problem.samples.cycle[SIMULATED * state.problem.fold < state.problem.folds])
     return replace(found, simulation=gap_in_motion(found, subject, test))
 
 
-def _answer(subject: Subject, verdict: Verdict, reason: str = "") -> JointDiagnosis:
+def _answer(subject: Subject, verdict: Verdict, reason: Reason = ()) -> JointDiagnosis:
     return JointDiagnosis(
         joint=subject.number,
         name=subject.name,
@@ -138,9 +136,9 @@ def _result(subject: Subject, state: State, settings: DiagnosisSettings) -> Join
     checks = residual_checks.run(gram, active)
     bare = held_out(gram, [b for b in active if b.name == "gravity_error"], replaced=active).rms
     verdict, lacking = verdict_of(state, named, checks), _lacking(state, checks)
-    slow = f"the residual follows the time, and this log cannot test slow effects: {lacking}"
+    slow = (Caution("untested_time", numbers={"lacking": lacking}),) if verdict == "not_testable" else ()
     return replace(
-        _answer(subject, verdict, slow if verdict == "not_testable" else ""),
+        _answer(subject, verdict, slow),
         effects=(*profiles.contact_effects(state, first), *named),
         nominal=plain.nominal,
         augmented=estimates.nominal,
@@ -179,12 +177,12 @@ def verdict_of(state: State, named: Sequence[NamedEffect], checks: Sequence[Resi
     return "ambiguous" if any(one.alternatives for one in named) else "named"
 
 
-def _lacking(state: State, checks: Sequence[ResidualCheck]) -> str:
-    """The motion that would test slow effects where the residual follows the time; empty elsewhere."""
+def _lacking(state: State, checks: Sequence[ResidualCheck]) -> Reason:
+    """Why slow effects are not tested where the residual follows the time; empty elsewhere."""
     if not checks or (checks[0].code, checks[0].along) != ("curve", "time"):
-        return ""
+        return ()
     why = state.dictionary.not_testable
-    return next((why[e.name] for e in state.dictionary.effects if e.name in why and e.axis == "time"), "")
+    return tuple(why[e.name] for e in state.dictionary.effects if e.name in why and e.axis == "time")[:1]
 
 
 def _effects(

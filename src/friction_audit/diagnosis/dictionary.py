@@ -14,6 +14,7 @@ from friction_audit.effects.joint_data import Nominal, speeds
 from friction_audit.effects.position import order_range
 from friction_audit.joint_log import Float
 from friction_audit.parallel import per_joint as side_by_side
+from friction_audit.preprocessing.interaction import Caution
 
 # Every so many points of a grid: neighbours are refined afterwards.
 EVERY = {"frictional_lag": 3, "presliding": 2, "nonlinear_viscous": 2}
@@ -86,7 +87,7 @@ class Dictionary:
     baseline: Nominal
     response: Float  # what links are fitted to, at first that of the problem, shape (m,)
     blocks: list[Block] = field(default_factory=list)
-    not_testable: dict[str, str] = field(default_factory=dict)
+    not_testable: dict[str, Caution] = field(default_factory=dict)
     # Points of links that are not built, by name of the effect: in a diagnosis, until ``complete`` asks for them.
     withheld: dict[str, list[Nonlinear]] = field(default_factory=dict)
 
@@ -106,7 +107,7 @@ class Dictionary:
         """
         made = cls(problem, tuple(e for e in effects if e.name != EVENT), baseline, problem.y)
 
-        def of(k: int) -> tuple[str | None, list[Block]]:
+        def of(k: int) -> tuple[Caution | None, list[Block]]:
             effect, data = made.effects[k], problem.data
             why = effect.not_identifiable(data, baseline)
             shapes: Sequence[Nonlinear] = effect.grid(data) if why is None else effect.identifiable_part(data)

@@ -29,7 +29,7 @@ from friction_audit.joint_log import DERIVATIVE, Float, JointLog, median_step
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.energy_cycles import KEPT, EnergyCycles
 from friction_audit.preprocessing.even_grid import MOVING_RAD_S, LowPass
-from friction_audit.preprocessing.interaction import Interaction
+from friction_audit.preprocessing.interaction import Interaction, Reason
 from friction_audit.preprocessing.sign import coarse_log
 from friction_audit.preprocessing.torque_source import CHANNELS
 from friction_audit.preprocessing.velocity import complementary_mean, crossover_of, find_lag, noise_of_both, position_of
@@ -63,7 +63,7 @@ class Subject:
     from_energy: dict[str, Coefficient]  # what the energy method says of it
     model: JointModel | None = None  # its nominal model, None for the simple one
     known_inertia_kg_m2: float = 0.0  # inertia whose torque a rigid-body model took out of the log
-    lacking: str = ""  # why the energy method has no estimate, with the motion that would help; empty where it has one
+    lacking: Reason = ()  # why the energy method has no estimate; empty where it has one
 
 
 def prepare(

@@ -26,6 +26,7 @@ from friction_audit.effects.joint_model import JointModel
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.even_grid import first_order
+from friction_audit.preprocessing.interaction import Caution
 
 FOLDS = 10  # at most (R. Kohavi, Proc. IJCAI (1995) 1137); of ten cycles five folds would take two at once
 KNOTS = 6  # most of a curve, quantiles of its quantity
@@ -111,11 +112,8 @@ class RegressionProblem:
         corner, coarse = corner_for(data, inertia)
         if coarse > 1.0:
             step = 12.0**0.5 * data.rounding
-            unit, other = ("rad", ", or a velocity in fine steps") if data.derived_from == "q" else ("rad/s", "")
-            raise AnalysisError(
-                f"{data.derived_from} is read in steps of {step:.2g} {unit}, too coarse for an acceleration: record "
-                f"steps of at most {step / coarse:.1g} {unit}{other}"
-            )
+            numbers = {"channel": data.derived_from, "case": data.derived_from, "step": step, "largest": step / coarse}
+            raise AnalysisError((Caution("coarse_steps", numbers=numbers),))
         if corner < CORNER_HZ:
             samples = make_samples(data, corner)
             nominal = nominal_model(data, samples, model)

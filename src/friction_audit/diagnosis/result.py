@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from friction_audit.diagnosis.data_audit import DataFinding
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.interaction import Caution, Reason
 
 Verdict = Literal["adequate", "named", "ambiguous", "unexplained", "not_testable", "data_fault", "failed"]
 VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
@@ -148,7 +149,7 @@ class JointDiagnosis:
     joint: int  # number for people (1..n of the log)
     name: str  # name of the joint
     verdict: Verdict  # the one word
-    reason: str = ""  # why there is no answer; empty with one
+    reason: Reason = ()  # why there is no answer; empty with one
     effects: tuple[NamedEffect, ...] = ()  # what is missing, the strongest first
     # coefficients of the nominal model with their intervals; empty where it could not be fitted
     nominal: dict[str, Coefficient] = field(default_factory=dict)
@@ -169,7 +170,8 @@ class JointDiagnosis:
     checks: tuple[ResidualCheck, ...] = ()  # structures in what the augmented model leaves
     remainder_share: float = 0.0  # share of the residual's power without a name, 0..1
     share_explained: float = float("nan")  # of the gap, by the effects, gravity in the model before and after
-    untestable: dict[str, str] = field(default_factory=dict)  # why the log cannot show an effect, by name of the effect
+    # why the log cannot show an effect, by name of the effect
+    untestable: dict[str, Caution] = field(default_factory=dict)
     findings: tuple[DataFinding, ...] = ()  # what the audit of the data found
     traces: Traces | None = None  # measured against simulated; None where nothing was fitted
     contacts: ContactTrace | None = None  # contact events; None without any
@@ -178,7 +180,7 @@ class JointDiagnosis:
     def __repr__(self) -> str:
         names = " and ".join(" or ".join((effect.name, *effect.alternatives)) for effect in self.effects)
         gap = f", residual {self.gap.before:.4g}, augmented {self.gap.after:.4g}" if self.gap else ""
-        why = f" ({self.reason.partition(';')[0]})" if self.reason else ""
+        why = f" ({', '.join(map(str, self.reason))})" if self.reason else ""
         return f"joint {self.joint} {self.name}: {self.verdict}{why}{f': {names}' if names else ''}{gap}"
 
     @property

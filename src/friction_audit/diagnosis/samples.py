@@ -29,6 +29,7 @@ from friction_audit.effects.transmission import MOTION_BELOW_HZ, motion_below
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.even_grid import filtered, kaiser_low_pass, within
+from friction_audit.preprocessing.interaction import Caution
 from friction_audit.preprocessing.velocity import MEDIAN_OF_DENSITY, noise_density
 
 Index = NDArray[np.int64]
@@ -213,7 +214,7 @@ def nominal_model(data: JointData, samples: Samples, model: JointModel | None) -
             else:
                 fine |= columns
     if not fine:
-        raise AnalysisError("model: Coulomb and viscous friction are both held; leave one out of held to be fitted")
+        raise AnalysisError((Caution("all_held"),))
     stacked = np.column_stack(list(fine.values()))
     return NominalModel(
         names=tuple(fine),

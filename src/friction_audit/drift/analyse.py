@@ -18,6 +18,7 @@ from friction_audit.drift.session import COEFFICIENTS, NORMAL_95, Order, Series,
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.joint_numbers import write_joint_numbers
+from friction_audit.preprocessing.interaction import Caution
 
 SPEED_CHANGE = 1.25  # a speed of motion that changes less with a drift does not explain it
 CERTAIN = 30.0  # statistic beyond which the noise of the numerator of t is negligible against that of its denominator
@@ -50,7 +51,7 @@ def analyse_arm(sessions: Sequence[Session], settings: DriftSettings) -> ArmDrif
 
 def choose_reference(
     compared: tuple[int, ...], baseline: int | tuple[int, ...]
-) -> tuple[tuple[int, ...], tuple[str, ...]]:
+) -> tuple[tuple[int, ...], tuple[Caution, ...]]:
     """Return the sessions of the reference, so many first ones or these indices, and what is wrong with them."""
     if isinstance(baseline, int):
         return compared[: min(baseline, max(1, len(compared) // 2))], ()
@@ -58,26 +59,27 @@ def choose_reference(
     missing = [str(index + 1) for index in baseline if index not in compared]
     if not chosen:
         first = choose_reference(compared, DriftSettings().baseline)[0]
-        return first, ("none of the sessions asked for as the reference can be compared: the first ones are taken",)
-    why = f"session {', '.join(missing)} of the reference cannot be compared"
-    return chosen, (why,) if missing else ()
+        return first, (Caution("other_reference"),)
+    lost = Caution("part_of_reference", numbers={"sessions": ", ".join(missing)})
+    return chosen, (lost,) if missing else ()
 
 
-def _collect(order: Order, compared: tuple[int, ...]) -> tuple[list[Series], list[str]]:
+def _collect(order: Order, compared: tuple[int, ...]) -> tuple[list[Series], list[Caution]]:
     """Return each coefficient of each joint, isolated sessions and those without a temperature set aside."""
     joints = sorted({joint.joint for index in compared for joint in order.sessions[index].joints})
     family: list[Series] = []
-    warnings: dict[str, set[int]] = {}
+    warnings: dict[Caution | None, set[int]] = {}
     for joint, coefficient in product(joints, COEFFICIENTS):
         series = make_series(order.sessions, compared, joint, coefficient, by_start=order.by == "start")
         series = replace(series, kept=~find_isolated(series.y, series.y_error))
         like, warning = use_temperature(series, order.sessions)
         family.append(leave_outliers_out(like))
         warnings.setdefault(warning, set()).add(joint)
-    warnings.pop("", None)
-    which = {text: f"joint{'s' * (len(some) > 1)} {write_joint_numbers(sorted(some))}: "
-             for text, some in warnings.items() if len(some) < len(joints)}  # fmt: skip
-    return family, [which.get(text, "") + text for text in warnings]
+    warnings.pop(None, None)
+    numbers = {
+        one: write_joint_numbers(sorted(some)) if len(some) < len(joints) else "" for one, some in warnings.items()
+    }
+    return family, [replace(one, numbers={**one.numbers, "only": only}) for one, only in numbers.items() if one]
 
 
 def _judge(family: Sequence[Series], settings: DriftSettings) -> list[Verdict | None]:

@@ -11,6 +11,7 @@ import numpy as np
 from friction_audit.drift.session import Order, Series, Session
 from friction_audit.joint_log import Float
 from friction_audit.joint_numbers import write_joint_numbers
+from friction_audit.preprocessing.interaction import Caution, Reason
 
 RATE_RATIO = 2.0  # rates further apart filter noise differently
 LEAST_RANGE_K = 2.0  # temperatures that vary less are alike
@@ -28,27 +29,27 @@ LIKE: Mapping[str, Callable[[Session], object]] = {
 }
 
 
-def choose_comparable(order: Order) -> tuple[tuple[int, ...], dict[int, str], list[str]]:
+def choose_comparable(order: Order) -> tuple[tuple[int, ...], dict[int, Reason], list[Caution]]:
     """Return the largest group of sessions that are alike, the latest of equal ones; the others; what limits it."""
     sessions, out, warnings = order.sessions, dict(order.left_out), []
     for find in (_repeated, _unlike, _other_rate):
         out |= find({i: session for i, session in enumerate(sessions) if i not in out})
     compared = tuple(i for i in range(len(sessions)) if i not in out)
     if order.by != "start" and len(sessions) > 1:
-        warnings.append("the starts of most sessions are not known: they are in the order of their names")
+        warnings.append(Caution("ordered_by_name"))
     warnings += _speed_warnings([sessions[i] for i in compared])
     return compared, dict(sorted(out.items())), warnings
 
 
-def _repeated(sessions: dict[int, Session]) -> dict[int, str]:
+def _repeated(sessions: dict[int, Session]) -> dict[int, Reason]:
     """Find recordings that are there twice."""
     first: dict[tuple[object, ...], int] = {}
-    twice: dict[int, str] = {}
+    twice: dict[int, Reason] = {}
     for i, session in sessions.items():
         keys = known_by(session)
         earlier = next((first[key] for key in keys if key in first), None)
         if earlier is not None:
-            twice[i] = f"the same recording as {sessions[earlier].path}"
+            twice[i] = (Caution("recorded_twice", numbers={"path": sessions[earlier].path}),)
         for key in keys:
             first.setdefault(key, i if earlier is None else earlier)
     return twice
@@ -65,15 +66,15 @@ def known_by(session: Session) -> list[tuple[object, ...]]:
     return keys
 
 
-def _unlike(sessions: dict[int, Session]) -> dict[int, str]:
+def _unlike(sessions: dict[int, Session]) -> dict[int, Reason]:
     """Find the sessions outside of the largest group that is alike."""
     keys = {i: tuple(of(session) for of in LIKE.values()) for i, session in sessions.items()}
     latest, count = {key: i for i, key in keys.items()}, Counter(keys.values())
     group = max(count, key=lambda key: (count[key], latest[key]), default=())
     unlike = {i: zip(LIKE, key, group, strict=True) for i, key in keys.items() if key != group}
     return {
-        i: "; ".join(
-            f"{name} {mine}, of the others {theirs}" + " (or its torque has the other sign)" * (name == "drive")
+        i: tuple(
+            Caution("unlike_session", numbers={"name": name, "case": name, "mine": mine, "theirs": theirs})
             for name, mine, theirs in each
             if mine != theirs
         )
@@ -81,15 +82,15 @@ def _unlike(sessions: dict[int, Session]) -> dict[int, str]:
     }
 
 
-def _other_rate(sessions: dict[int, Session]) -> dict[int, str]:
+def _other_rate(sessions: dict[int, Session]) -> dict[int, Reason]:
     """Find the sessions with a sampling rate far from the usual one."""
     rates = {i: session.conditions.rate_hz for i, session in sessions.items()}
     usual = float(np.median(list(rates.values()))) if rates else math.nan
     far = {i: rate for i, rate in rates.items() if not usual / RATE_RATIO <= rate <= usual * RATE_RATIO}
-    return {i: f"{rate:.4g} samples a second, of the others {usual:.4g}" for i, rate in far.items()}
+    return {i: (Caution("other_rate", numbers={"rate": rate, "usual": usual}),) for i, rate in far.items()}
 
 
-def _speed_warnings(sessions: Sequence[Session]) -> list[str]:
+def _speed_warnings(sessions: Sequence[Session]) -> list[Caution]:
     """Warn of joints that some sessions moved at speeds that the usual one does not reach."""
     ranges: dict[int, list[tuple[float, float, float]]] = {}
     for joint in (joint for session in sessions for joint in session.joints if np.all(np.isfinite(joint.speed_rad_s))):
@@ -99,30 +100,27 @@ def _speed_warnings(sessions: Sequence[Session]) -> list[str]:
         table = np.array(found)
         low, _, high = np.median(table, axis=0)
         if apart := int(np.count_nonzero((table[:, 0] > high) | (table[:, 2] < low))):
-            warnings.append(
-                f"joint {number}: {apart} of {len(table)} sessions move at other speeds than the usual "
-                f"{low:.2g} to {high:.2g} rad/s; viscous friction is then an extrapolation"
-            )
+            numbers = {"apart": apart, "every": len(table), "low": float(low), "high": float(high)}
+            warnings.append(Caution("other_speeds", number, numbers))
     return warnings
 
 
-def use_temperature(series: Series, sessions: Sequence[Session]) -> tuple[Series, str]:
+def use_temperature(series: Series, sessions: Sequence[Session]) -> tuple[Series, Caution | None]:
     """Return a series, without its temperature where that is not taken out, and what limits the comparison."""
     bare = replace(series, temperature=None)
     if series.temperature is None or not len(series.y):
-        return bare, ""
+        return bare, None
     known = np.isfinite(series.temperature)
     count, every = int(np.count_nonzero(known)), len(known)
     if count < ENOUGH_KNOWN * every or count < FEWEST:
-        why = f"temperature is known in {count} of {every} sessions only" if count else "temperature is not known"
-        if count == every:
-            why = f"{count} sessions with a temperature, {FEWEST} are needed"
-        return bare, f"{why}: not compared at like temperature"
+        case = "few" if count == every else "some" if count else "none"
+        numbers = {"case": case, "count": count, "every": count and every, "fewest": FEWEST}
+        return bare, Caution("temperature_not_used", numbers=numbers)
     kept = series.take(known)
     counted = kept.take(kept.kept).temperature
     varies = counted is not None and len(counted) >= FEWEST and float(np.ptp(counted)) >= LEAST_RANGE_K
     names = ", ".join(sessions[index].path for index in series.session[~known])
-    unknown = f"not compared, since their temperature is not known: {names}" if names else ""
+    unknown = Caution("temperature_not_known", numbers={"names": names}) if names else None
     return kept if varies else replace(kept, temperature=None), unknown
 
 

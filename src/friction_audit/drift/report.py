@@ -11,6 +11,7 @@ from friction_audit.drift.session import Session
 from friction_audit.errors import UsageError
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_numbers import parse_joint_numbers
+from friction_audit.preprocessing.interaction import Caution, Reason
 
 # What describes a coefficient over the sessions. "step_or_ramp": drift is proven, but the two describe it equally well.
 # "temperature": it changes together with the temperature, so that drift and temperature are confounded.
@@ -20,7 +21,6 @@ LimitVerdict = Literal["kept", "exceeded", "untestable"]
 COEFFICIENT_OF = {"coulomb": "coulomb_nm", "viscous": "viscous_nms_per_rad", "any": None}
 PATTERN = re.compile(r"(?:joint(?P<joint>[1-9]\d*)\.)?(?P<name>[a-z]+)=(?P<size>[^%]+?)\s*(?P<percent>%)?")
 FEWEST_SESSIONS = 4  # two before and two after a step; fewer cannot tell a change from one odd session
-EXPECTED = "expected e.g. coulomb=15%, viscous=0.05 (N m s/rad), joint3.coulomb=10% or any=20%"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -99,7 +99,7 @@ class CoefficientDrift:
     warmer_k: float = float("nan")  # rise of the temperature, first to last sessions, NaN where it is not known [K]
     by_temperature: bool = False  # whether there is a change that the temperature explains
     speed_ratio: float = float("nan")  # speed at the end of a change over its start, where it went with it, else NaN
-    reasons: tuple[str, ...] = ()  # why sessions have no estimate, where there are too few
+    reasons: tuple[Reason, ...] = ()  # why sessions have no estimate, where there are too few
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -125,10 +125,10 @@ class ArmDrift:
     sessions: tuple[Session, ...] = ()  # all of it in order
     compared: tuple[int, ...] = ()  # indices of those that were compared
     reference: tuple[int, ...] = ()  # indices of the sessions of the reference
-    left_out: tuple[tuple[int, str], ...] = ()  # index of each session that was not compared, with the reason
+    left_out: tuple[tuple[int, Reason], ...] = ()  # index of each session that was not compared, with the reason
     ordered_by: str = "name"  # ``"start"`` or ``"name"``
     autocorrelation: float = nan  # of one session's scatter with the next one's, over all joints
-    warnings: tuple[str, ...] = ()  # what limits the comparison, one sentence each
+    warnings: tuple[Caution, ...] = ()  # what limits the comparison
 
     @property
     def drift(self) -> bool:
@@ -167,7 +167,8 @@ def parse_limit(text: str) -> Limit:
     with suppress(ValueError):
         size = float(found["size"] if found else nan)
     if found is None or found["name"] not in COEFFICIENT_OF or not 0.0 <= size < inf:
-        raise UsageError(f"{where}: not a limit; {EXPECTED}")
+        expected = "coulomb=15%, viscous=0.05 (N m s/rad), joint3.coulomb=10% or any=20%"
+        raise UsageError(f"{where}: not a limit; expected e.g. {expected}")
     relative = found["percent"] is not None
     if found["name"] == "any" and not relative:
         raise UsageError(f"{where}: the coefficients have different units; expected a limit in per cent, e.g. any=20%")

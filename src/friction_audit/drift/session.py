@@ -11,16 +11,14 @@ from numpy.typing import NDArray
 
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_log import Float
-from friction_audit.preprocessing.interaction import Caution
+from friction_audit.preprocessing.interaction import Caution, Reason
 
 COEFFICIENTS = ("coulomb_nm", "viscous_nms_per_rad")
 NORMAL_95 = 1.959964  # half of a 95 % interval, in standard errors
 LARGEST_RELATIVE_ERROR = 0.25  # less certain estimates are too skewed for a logarithm
 SECONDS_A_DAY = 86400.0
 # A change of method from session to session would look like drift.
-BY_REGRESSION = (
-    "too few energy cycles count; estimate gives a regression of the torque, which is not compared between sessions"
-)
+BY_REGRESSION: Reason = (Caution("by_regression"),)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -51,7 +49,7 @@ class JointSummary:
     # relative change of each from the first to the last third: warm-up, no drift; NaN where the session is too short
     within: Mapping[str, Coefficient] = field(default_factory=dict)
     curve: SpeedCurve = field(default_factory=SpeedCurve)  # torque against speed
-    reason: str = ""  # why there is no estimate; empty if there is one
+    reason: Reason = ()  # why there is no estimate; empty if there is one
     verdict: str | None = None  # what ``diagnose`` says, or None if it was not asked
     effects: tuple[str, ...] = ()  # names of the effects that it found
 
@@ -96,7 +94,7 @@ class Order:
 
     sessions: tuple[Session, ...]  # all of them
     by: str  # ``"start"`` or ``"name"``
-    left_out: tuple[tuple[int, str], ...] = ()  # index of each one that has no place among the others, with the reason
+    left_out: tuple[tuple[int, Reason], ...] = ()  # index and reason of each one that has no place among the others
 
 
 def put_in_order(sessions: Sequence[Session]) -> Order:
@@ -107,8 +105,7 @@ def put_in_order(sessions: Sequence[Session]) -> Order:
         return Order(sessions=tuple(named), by="name")
     known.sort(key=lambda session: session.start_s or 0.0)
     unknown = [session for session in named if session.start_s is None]
-    reason = "its start is not known, unlike that of the others; give it in the manifest"
-    left_out = tuple((len(known) + i, reason) for i in range(len(unknown)))
+    left_out = tuple((len(known) + i, (Caution("no_start"),)) for i in range(len(unknown)))
     return Order(sessions=(*known, *unknown), by="start", left_out=left_out)
 
 

@@ -17,6 +17,7 @@ from friction_audit.friction.history import NAN, UNDETERMINED, Coefficient
 from friction_audit.friction.weighted import CONFIDENCE
 from friction_audit.joint_log import Float
 from friction_audit.joint_numbers import write_joint_numbers
+from friction_audit.preprocessing.interaction import Reason
 
 SETTINGS = DriftSettings()  # the level of the tests and the power of the smallest change, as in a batch
 UNITS = dict(zip(COEFFICIENTS, ((1.0, 0.0), (0.0, 1.0)), strict=True))  # combinations that are one coefficient alone
@@ -54,7 +55,7 @@ class JointChange:
     coefficients: tuple[CoefficientChange, ...]
     law: LawChange | None
     curves: tuple[tuple[SpeedCurve, ...], ...]  # of the side before, and after
-    reason: str = ""
+    reason: Reason = ()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -117,16 +118,15 @@ def compare_sides(before: Sequence[Recording], after: Sequence[Recording]) -> Tw
             coefficients=tuple(changes[number, name] for name in UNITS),
             law=_law(pairs),
             curves=tuple(tuple(found.curve for _, found in side) for side in pairs),
-            reason="; ".join(dict.fromkeys(found.reason for side in pairs for _, found in side if found.reason)),
+            reason=tuple(dict.fromkeys(one for side in pairs for _, found in side for one in found.reason)),
         )
         for number, pairs in own.items()
     ]
     if not any(np.isfinite(change.found.change.value) for joint in joints for change in joint.coefficients):
-        reasons = "".join(f"\n  joint {joint.joint}: {joint.reason}" for joint in joints if joint.reason)
+        lacking = [(joint.joint, joint.reason) for joint in joints if joint.reason]
         held = " and ".join(write_joint_numbers(side) or "none" for side in numbers)
-        raise AnalysisError(
-            f"no joint has an estimate on both sides, which have joints {held}:{reasons or ' no match'}"
-        )
+        why = f"no joint has an estimate on both sides, which have joints {held}:{'' if lacking else ' no match'}"
+        raise AnalysisError(why, lacking)
     content = {key for one in before for key in known_by(one.session)}
     return TwoSides(
         before=tuple(before),

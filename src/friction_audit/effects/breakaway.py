@@ -29,6 +29,7 @@ from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import SIGMA_PER_MEDIAN, JointData, Nominal, grid_noise, shares_of_span
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.interaction import Caution
 
 Index = NDArray[np.int64]
 
@@ -188,16 +189,11 @@ class Stiction(Effect):
         return tuple(at for at in self.grid(data) if enough and at["renewal_rad"] != AT_ONCE_RAD)
 
 
-def slow_starts(data: JointData, _nominal: Nominal) -> str | None:
+def slow_starts(data: JointData, _nominal: Nominal) -> Caution | None:
     """The motion that is lacking for an excess that is gone at once."""
     starts, telling = _starts(data)
-    if telling >= FEWEST_BREAKAWAYS:
-        return None
-    return (
-        f"the joint breaks away from a standstill {starts} times, {telling} of them under a torque that rises "
-        "slowly or falls after the start: let it stand still for a tenth of a second or more, then raise the "
-        f"torque slowly until it moves, at least {FEWEST_BREAKAWAYS} times"
-    )
+    numbers = {"starts": starts, "telling": telling, "fewest": FEWEST_BREAKAWAYS}
+    return None if telling >= FEWEST_BREAKAWAYS else Caution("few_breakaways", numbers=numbers)
 
 
 def _starts(data: JointData) -> tuple[int, int]:

@@ -13,6 +13,7 @@ from friction_audit.effects.joint_data import JointData, Nominal, reversals
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.even_grid import EvenSpline, first_order
+from friction_audit.preprocessing.interaction import Caution
 
 LAGS_S = np.geomspace(3e-3, 0.5, 8)
 # Excess at rest over Coulomb friction, and the speed at which it fades as a share of the usual top speed.
@@ -51,14 +52,13 @@ class FrictionalLag(Effect):
         return [(lag, excess, share * usual) for (excess, share), lag in product(STRIBECK, LAGS_S.tolist())]
 
 
-def different_speeds(data: JointData, _nominal: Nominal) -> str | None:
+def different_speeds(data: JointData, _nominal: Nominal) -> Caution | None:
     """Peak speeds of the cycles that differ by a tenth: one sinusoid cannot separate it from delay and inertia."""
     cycle, speed = data.cycle[data.used], np.abs(data.dq[data.used])
     peak = np.zeros(int(cycle.max()) + 1)
     np.maximum.at(peak, cycle, speed)
     peak = peak[np.unique(cycle)]
-    equal = "all motions are equally fast: repeat them at two or more clearly different speeds"
-    return equal if peak.std() < 0.1 * peak.mean() else None
+    return Caution("equal_speeds") if peak.std() < 0.1 * peak.mean() else None
 
 
 FRICTIONAL_LAG = FrictionalLag(

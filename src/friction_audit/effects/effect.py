@@ -15,6 +15,7 @@ from friction_audit.dynamics.motion import Forward, Motion
 from friction_audit.effects.joint_data import FEWEST_SAMPLES, JointData, Nominal
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.interaction import Caution
 
 # Values of nonlinear parameters by name: a point of the grid; of one point or of k of them, shape (k,) each.
 Nonlinear = Mapping[str, float]
@@ -37,7 +38,7 @@ class Effect:
     friction: bool = False  # True if it is dissipated
     forward: Forward = "instant"  # how it takes part in a forward simulation
     # What the log of a joint that moves lacks to show it; None if nothing.
-    requires: Callable[[JointData, Nominal], str | None] = lambda *_: None
+    requires: Callable[[JointData, Nominal], Caution | None] = lambda *_: None
     record: str = ""  # the motion on which it shows itself best
     separate: Mapping[str, str] = field(default_factory=dict)  # motions by easily confused effects; a pair stands once
 
@@ -65,10 +66,10 @@ class Effect:
         """Return the coefficient where it ``follows`` from the nonlinear parameters."""
         return 1.0
 
-    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
+    def not_identifiable(self, data: JointData, nominal: Nominal) -> Caution | None:
         """Return why a log cannot show it, i.e. which motion is lacking; None if it can."""
         if np.count_nonzero(data.used) < FEWEST_SAMPLES:
-            return "hardly any motion: move back and forth for several cycles"
+            return Caution("hardly_any_motion")
         return self.requires(data, nominal)
 
     # The formula.

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from friction_audit.dynamics.motion import Motion, Others, RigidBody
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.interaction import Caution
 
 CORNER_HZ = 25.0  # highest corner of the low-pass before a regression
 SIGMA_PER_MEDIAN = 1.4826
@@ -166,32 +167,31 @@ def displacement(data: JointData) -> Float:
     return np.where(still, 0.0, data.q - data.q[np.maximum.accumulate(since)])
 
 
-# What a log of a joint that moves must hold for an effect to be identifiable: None, or a sentence about what it lacks.
+# What a log of a joint that moves must hold for an effect to be identifiable: None, or what it lacks.
 
 
-def both_directions(data: JointData, _nominal: Nominal) -> str | None:
+def both_directions(data: JointData, _nominal: Nominal) -> Caution | None:
     """At least a tenth of the moving time in either direction."""
     mixed = 0.1 <= float(np.mean(data.dq[data.used] > 0)) <= 0.9  # noqa: PLR2004 - a tenth either way
-    return None if mixed else "motion in one direction only: move over the same range both ways"
+    return None if mixed else Caution("one_direction")
 
 
-def speed_range(data: JointData, _nominal: Nominal, ratio: float) -> str | None:
+def speed_range(data: JointData, _nominal: Nominal, ratio: float) -> Caution | None:
     """95th over 5th percentile of speed at least the ratio."""
     slow, fast = np.percentile(np.abs(data.dq[data.used]), [5, 95])
-    if fast >= ratio * slow:
-        return None
-    return f"the speed varies by a factor of {fast / slow:.1f}: vary it by at least {ratio:g}, slow to fast"
+    even = fast < ratio * slow
+    return Caution("even_speed", numbers={"factor": fast / slow, "least": ratio}) if even else None
 
 
-def span(data: JointData, _nominal: Nominal, least_rad: float) -> str | None:
+def span(data: JointData, _nominal: Nominal, least_rad: float) -> Caution | None:
     """Range of positions of the moving joint at least so many radians."""
     low, high = reach(data)
-    few = f"the joint spans {high - low:.2f} rad: move it over at least {least_rad:g} rad"
-    return few if high - low < least_rad else None
+    small = high - low < least_rad
+    return Caution("small_span", numbers={"span": high - low, "least": least_rad}) if small else None
 
 
-def reversals(data: JointData, _nominal: Nominal) -> str | None:
+def reversals(data: JointData, _nominal: Nominal) -> Caution | None:
     """Reversals among the training cycles and among the held-out ones; a direction holds until the other is certain."""
     found = np.count_nonzero(np.diff(np.sign(data.dq[np.abs(data.dq) > data.dead_speed_rad_s])))
-    few = f"{found} reversals: turn the direction of motion at least {FEWEST_REVERSALS} times"
-    return few if found < FEWEST_REVERSALS else None
+    few = found < FEWEST_REVERSALS
+    return Caution("few_reversals", numbers={"found": found, "fewest": FEWEST_REVERSALS}) if few else None

@@ -12,6 +12,7 @@ from friction_audit.effects.effect import Each, Effect, Nonlinear, Points
 from friction_audit.effects.joint_data import JointData, Nominal, both_directions, span
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.interaction import Caution
 
 EXPONENTS = (1.0, 1.5, 2.0)
 LEAST_CHANGE = 0.1  # of a high load, what it must change by: a steady load's friction is Coulomb friction
@@ -46,14 +47,14 @@ class LoadDependentFriction(Effect):
         return (coefficients[0] > 0) & (abs(coefficients[1]) <= coefficients[0])  # resists, whichever way power flows
 
 
-def _changing_load(data: JointData, nominal: Nominal) -> str | None:
+def _changing_load(data: JointData, nominal: Nominal) -> Caution | None:
     if lacking := both_directions(data, nominal):
         return lacking
     if data.load is None:
-        return "the load is not known: log gravity or name the arm, and carry different loads over the same motion"
+        return Caution("unknown_load")
     low, high = np.percentile(np.abs(data.load[data.used]), [5, 95])
     if high - low < max(LEAST_CHANGE * high, abs(nominal.coulomb_nm)):
-        return f"the load varies from {low:.2g} to {high:.2g} N m only: change it threefold, by posture or payload"
+        return Caution("even_load", numbers={"low": low, "high": high})
     return None
 
 

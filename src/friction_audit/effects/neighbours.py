@@ -9,6 +9,7 @@ from friction_audit.effects.effect import Each, Effect, Points
 from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.interaction import Caution
 
 # A neighbour's torque must change by so much of this joint's Coulomb friction before a few percent of it are seen.
 CHANGE_PER_COULOMB = 0.5
@@ -36,14 +37,13 @@ class TorqueCrosstalk(Effect):
         return [(side,) for side, there in ((-1.0, before), (1.0, after), (0.0, before and after)) if there]
 
 
-def _loaded_neighbours(data: JointData, nominal: Nominal) -> str | None:
+def _loaded_neighbours(data: JointData, nominal: Nominal) -> Caution | None:
     joint, joints = data.own_column, data.others_torque.shape[1]
     neighbours = [k for k in (joint - 1, joint + 1) if 0 <= k < joints]
     if not neighbours:
-        return "the log has one joint: record its neighbours too"
+        return Caution("one_joint")
     change = data.others_torque[data.used][:, neighbours].std(axis=0).max()
-    few = "the torque of the neighbours hardly changes: load them, also while this joint rests"
-    return few if change < CHANGE_PER_COULOMB * abs(nominal.coulomb_nm) else None
+    return Caution("even_neighbours") if change < CHANGE_PER_COULOMB * abs(nominal.coulomb_nm) else None
 
 
 TORQUE_CROSSTALK = TorqueCrosstalk(
@@ -121,10 +121,10 @@ class InertialCoupling(Effect):
         return np.all(share_and_mass.T <= (LARGEST_SHARE, LARGEST_MASS_KG), axis=-1)
 
 
-def _moving_neighbours(data: JointData, _nominal: Nominal) -> str | None:
+def _moving_neighbours(data: JointData, _nominal: Nominal) -> Caution | None:
     other = np.delete(data.others_dq[data.valid], data.own_column, axis=1)
     still = other.size == 0 or np.sqrt(np.mean(other**2, axis=0)).max() < data.dead_speed_rad_s
-    return "no other joint moves: move the neighbours, also while this joint rests" if still else None
+    return Caution("still_neighbours") if still else None
 
 
 INERTIAL_COUPLING = InertialCoupling(

@@ -14,6 +14,7 @@ from friction_audit.effects.effect import Effect, SpeedFriction
 from friction_audit.effects.joint_data import JointData, Nominal, both_directions
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.interaction import Caution
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -37,14 +38,9 @@ class Constant(OneColumn):
     misses = "nothing"
 
 
-def stated_inertia(_data: JointData, nominal: Nominal) -> str | None:
+def stated_inertia(_data: JointData, nominal: Nominal) -> Caution | None:
     """The number or the motion that is lacking; at one frequency gravity is its alternative."""
-    if "inertia_kg_m2" in nominal.declared:
-        return None
-    return (
-        "the inertia was fitted to this log, so it cannot be wrong: state it (--joint-model with inertia_kg_m2), and "
-        "move at two or more frequencies"
-    )
+    return None if "inertia_kg_m2" in nominal.declared else Caution("fitted_inertia")
 
 
 NOMINAL = (

@@ -9,6 +9,7 @@ from friction_audit.effects.effect import Each, Effect, Points
 from friction_audit.effects.joint_data import JointData, Nominal, both_directions
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.interaction import Caution
 
 SHORTEST_S = 30.0  # sensors drift with their temperature, within minutes: what changes within seconds is the motion's
 
@@ -52,12 +53,12 @@ class TorqueDrift(Effect):
         return [(float(waves),) for waves in range(1, WAVES + 1)]
 
 
-def _many_cycles(data: JointData, nominal: Nominal) -> str | None:
+def _many_cycles(data: JointData, nominal: Nominal) -> Caution | None:
     length, found = float(np.ptp(data.t)), len(np.unique(data.cycle[data.used]))
     needed = CYCLES_PER_HALF_TURN * WAVES
-    few = f"{found} cycles in {length:.0f} s: a drift is separated from slow motion over at least {needed} cycles"
+    numbers = {"cycles": found, "length": length, "fewest": needed, "shortest": SHORTEST_S}
     short = length < SHORTEST_S or found < needed
-    return f"{few} and {SHORTEST_S:g} s" if short else both_directions(data, nominal)
+    return Caution("too_short_for_drift", numbers=numbers) if short else both_directions(data, nominal)
 
 
 TORQUE_DRIFT = TorqueDrift(
@@ -112,9 +113,9 @@ class WarmUp(Effect):
         return np.any(coefficients > 0, axis=0)  # a cold joint has more friction of one kind at least
 
 
-def _long_enough(data: JointData, nominal: Nominal) -> str | None:
+def _long_enough(data: JointData, nominal: Nominal) -> Caution | None:
     length = float(np.ptp(data.t))
-    short = f"{length:.0f} s are too short: record at least {SHORTEST_S:g} s from a cold start, slow and fast"
+    short = Caution("too_short_to_warm_up", numbers={"length": length, "shortest": SHORTEST_S})
     return short if length < SHORTEST_S else both_directions(data, nominal)
 
 
@@ -161,9 +162,9 @@ class FrictionStep(Effect):
         return [(start + share * length, part * length) for share, part in (*steps, *ramps)]
 
 
-def _cycles_around(data: JointData, nominal: Nominal) -> str | None:
+def _cycles_around(data: JointData, nominal: Nominal) -> Caution | None:
     found = len(np.unique(data.cycle[data.used]))
-    few = f"{found} cycles: record at least {FEWEST_CYCLES}, 4 on either side of the change"
+    few = Caution("few_cycles_around", numbers={"cycles": found, "fewest": FEWEST_CYCLES})
     return few if found < FEWEST_CYCLES else both_directions(data, nominal)
 
 

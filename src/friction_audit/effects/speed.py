@@ -11,6 +11,7 @@ from friction_audit.effects.effect import Each, Effect, Points, SpeedFriction
 from friction_audit.effects.joint_data import JointData, Nominal, both_directions, speed_range, speeds
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.interaction import Caution
 
 # Shares of the log's high speed between which friction may fade: beyond, no film has built up within the log.
 LOWEST, HIGHEST = 0.01, 0.4
@@ -180,14 +181,9 @@ class UnloggedCompensation(Effect):
         return ((width, *form) for width, form in product(low_speeds(data, 6, NARROW), FORMS))
 
 
-def stated_friction(data: JointData, nominal: Nominal) -> str | None:
+def stated_friction(data: JointData, nominal: Nominal) -> Caution | None:
     """The numbers or the motion that are lacking: less of a fitted friction is all that a compensator leaves."""
-    if "coulomb_nm" in nominal.declared:
-        return both_directions(data, nominal)
-    return (
-        "the friction was fitted to this log, and a compensator makes it less: state Coulomb friction "
-        '(--joint-model with held = ["coulomb"]), or log the commanded torque'
-    )
+    return both_directions(data, nominal) if "coulomb_nm" in nominal.declared else Caution("fitted_friction")
 
 
 UNLOGGED_COMPENSATION = UnloggedCompensation(

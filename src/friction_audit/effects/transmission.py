@@ -34,6 +34,7 @@ from friction_audit.effects.joint_data import (
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.even_grid import filtered, windowed_sinc
+from friction_audit.preprocessing.interaction import Caution
 
 # Above, the noise of the position is amplified ten times and more; what people and motors mean to do is below 4 Hz.
 MOTION_BELOW_HZ = 18.0
@@ -48,10 +49,9 @@ MEANING = "part of the inertia on the link side, the rest on the measured side"
 FAR_SHARE = Parameter("far_share", "1", MEANING, lower=0.0, upper=1.0, optional=True, default=1.0)
 
 
-def jumps_and_inertia(data: JointData, nominal: Nominal) -> str | None:
+def jumps_and_inertia(data: JointData, nominal: Nominal) -> Caution | None:
     """Jumps of friction, which show a link, and an inertia that rings."""
-    inertia = "the torque shows no inertia: reverse faster, so that the motor's inertia is felt"
-    return reversals(data, nominal) or (None if nominal.inertia_kg_m2 > 0.0 else inertia)
+    return reversals(data, nominal) or (None if nominal.inertia_kg_m2 > 0.0 else Caution("no_inertia"))
 
 
 class Link(Effect):

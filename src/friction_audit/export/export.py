@@ -1,22 +1,29 @@
 """Friction of the joints of a source -> a file of a simulator or a controller, checked by simulation in MuJoCo."""
 
+import json
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
+from math import pi
 from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING
+from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
+from friction_audit import __version__
+from friction_audit.effects.effect import SpeedFriction
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.errors import InputError, UsageError
-from friction_audit.export import friction_law, plain_text as text, robot_xml as xml
+from friction_audit.export import friction_law, robot_xml as xml
 from friction_audit.export.friction_law import ExportedJoint, FrictionLaw, Joints
 from friction_audit.export.robot_xml import Edit, Tag, XmlText
 from friction_audit.io.files import whole_file
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Estimate
+from friction_audit.preprocessing.interaction import Reason
 from friction_audit.preprocessing.torque_source import known_arm
 
 if TYPE_CHECKING:
@@ -27,9 +34,8 @@ if TYPE_CHECKING:
 class Target:
     """A file format of a simulator or a controller."""
 
-    name: str  # unique name
+    name: str  # unique name, also of the template of a new file
     suffixes: tuple[str, ...]  # file name endings with the dot, the usual one first
-    template: str  # of a new file
     highest_power: int | None = 1  # of the speed, that its damping has; None where it holds the law itself
     armature: bool = False  # whether it has a place for the inertia
     # of a format that takes the user's file: its joints in their order, and the edits that put friction into some
@@ -38,14 +44,14 @@ class Target:
 
 
 TARGETS = (
-    Target("urdf", (".urdf",), text.URDF, joints_of=xml.turning_joints, edits=xml.edit_urdf),
-    Target("mjcf", (".xml",), text.MJCF, 3, armature=True, joints_of=xml.mjcf_joints, edits=xml.edit_mjcf),
-    Target("sdf", (".sdf",), text.SDF, joints_of=xml.turning_joints, edits=xml.edit_sdf),
-    Target("usd", (".usda",), text.USD, armature=True),
-    Target("isaac-lab", (".py",), text.ISAAC_LAB, armature=True),
-    Target("cpp", (".hpp", ".h"), text.CPP, None),
-    Target("ros2-control", (".yaml",), text.ROS2),
-    Target("csv", (".csv",), text.CSV, armature=True),
+    Target("urdf", (".urdf",), joints_of=xml.turning_joints, edits=xml.edit_urdf),
+    Target("mjcf", (".xml",), 3, armature=True, joints_of=xml.mjcf_joints, edits=xml.edit_mjcf),
+    Target("sdf", (".sdf",), joints_of=xml.turning_joints, edits=xml.edit_sdf),
+    Target("usd", (".usda",), armature=True),
+    Target("isaac-lab", (".py",), armature=True),
+    Target("cpp", (".hpp", ".h"), None),
+    Target("ros2-control", (".yaml",)),
+    Target("csv", (".csv",), armature=True),
 )
 CUBIC = 3  # highest power of the damping that MuJoCo simulates
 # After so long the simulation starts again from the recorded state: an arm without friction is far by then.
@@ -77,7 +83,7 @@ class Export:
     path: str  # where it was written
     into: str  # the user's file that it is a changed copy of, or empty
     joints: tuple[ExportedJoint, ...]  # the joints as written
-    lacking: tuple[tuple[int, str], ...]  # number of a joint without friction to export, and why
+    lacking: tuple[tuple[int, Reason], ...]  # number of a joint without friction to export, and why
     by_order: bool  # whether the order of the joints matched them to those of the user's file
     armature_unknown: bool  # whether the inertia was left out because nothing shows whose it is
     simulated: tuple[SimulatedGap, ...]  # forward simulations of the log's joints
@@ -137,7 +143,7 @@ def export_friction(
     fitted = [one.fit(target.highest_power or 1) for one in laws]
     written = tuple(ExportedJoint(*one) for one in zip(names, laws, fitted, strict=True))
     if into is None or target.edits is None:
-        content = text.render(target.template, written)
+        content = render(target.name, written)
     else:
         content = into.edited(target.edits(into, [(tags[joint.name], joint) for joint in written]))
     with whole_file(out, overwrite=overwrite) as draft:
@@ -209,3 +215,64 @@ def _gaps(
     for number, without, rubbed in zip(numbers, *found, strict=True):
         if number in friction:
             yield SimulatedGap(joint=number, without_rad=without, with_rad=rubbed, windows=len(starts))
+
+
+NO_IDENTIFIER = re.compile(r"\W|^(?=\d)")  # what USD refuses in the name of a prim
+NO_COMMENT = re.compile(r"[\x00-\x1f\\]")  # what ends a comment's line in C++ or continues it
+NO_CELL = re.compile(r'[",\r\n]')  # what a cell of CSV holds in quotes
+SIGN_WIDTH = 0.01  # rad/s: a few times the noise of a velocity that is differentiated from an encoder of 16 bit and up
+
+
+# A line that is empty in the file is ``{##}`` after a line that begins with %.
+def render(name: str, joints: Sequence[ExportedJoint]) -> bytes:
+    """Return a new file, by the template of that name."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    made = Environment(  # noqa: S701 - no page
+        loader=PackageLoader(__package__), line_statement_prefix="%", keep_trailing_newline=True,
+        undefined=StrictUndefined,
+    )  # fmt: skip
+    made.finalize = lambda value: "" if value is None else value
+    made.globals = {"version": __version__, "sign_width": SIGN_WIDTH, "pi": pi}
+    made.filters |= {
+        "number": friction_law.number,
+        "decimal": decimal,
+        "quoteattr": quoteattr,
+        "json": json.dumps,
+        "repr": repr,
+        "identifier": lambda name: NO_IDENTIFIER.sub("_", name),
+        "comment": lambda name: NO_COMMENT.sub("?", name),
+        "cell": lambda name: '"{}"'.format(name.replace('"', '""')) if NO_CELL.search(name) else name,
+    }
+    return made.get_template(f"{name}.j2").render(joints=[_values(joint) for joint in joints]).encode()
+
+
+def _values(joint: ExportedJoint) -> dict[str, object]:
+    law, (coulomb, viscous, *_) = joint.law, joint.fitted.coefficients
+    formulas, tables = [], []
+    for term in law.terms:
+        assert isinstance(term.effect, SpeedFriction)
+        name = f"k_{term.name}_{law.joint}"
+        formula, table = term.effect.in_cpp(term.values, name)
+        formulas.append(formula)
+        if table is not None:
+            wrapped = re.sub(r"(.{90,110}?) ", r"\1\n    ", ", ".join(map(repr, table.tolist())))
+            tables.append(f"\ninline constexpr std::array<double, {len(table)}> {name}{{\n    {wrapped}}};\n")
+    return {
+        "joint": law.joint,
+        "name": joint.name,
+        "static": joint.static_nm,
+        "coulomb": coulomb,
+        "viscous": viscous,
+        "damping": joint.damping,
+        "error": joint.fitted.error_nm,
+        "armature": law.inertia_kg_m2,
+        "terms": formulas,
+        "tables": tables,
+    }
+
+
+def decimal(value: float) -> str:
+    """Return a number with a point: ROS 2 takes 0 for an integer and refuses it for a double."""
+    text = friction_law.number(value)
+    return text if "." in text else text.replace("e", ".0e") if "e" in text else f"{text}.0"

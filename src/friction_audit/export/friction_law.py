@@ -21,6 +21,7 @@ from friction_audit.errors import AnalysisError, InputError, UsageError
 from friction_audit.io.files import read_document
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Estimate
+from friction_audit.preprocessing.interaction import Reason, quoted, reason_of
 
 POINTS = 200  # speeds at which a curve is fitted, many more than its four coefficients
 SLOWEST = 1e-9  # rad/s: the speed at which friction at the onset of motion is read
@@ -76,9 +77,9 @@ class FrictionLaw:
         return FittedFriction(coefficients=tuple(found.tolist()), error_nm=error, error_share=share)
 
 
-def friction_law(joint: int, name: str, model: JointModel | str, speeds: Float, *, armature: bool) -> FrictionLaw:
+def friction_law(joint: int, name: str, model: JointModel | Reason, speeds: Float, *, armature: bool) -> FrictionLaw:
     """Return the friction law of a joint's model over speeds; ``armature``: its inertia is the motor's, reflected."""
-    if isinstance(model, str):
+    if isinstance(model, tuple):
         raise AnalysisError(model)
     terms = tuple(term for term in model.terms if isinstance(term.effect, SpeedFriction))
     if not terms:
@@ -152,7 +153,7 @@ def match_names(laws: Sequence[FrictionLaw], joints: int, found: Sequence[str], 
 class Joints:
     """What a source says of its joints."""
 
-    every: tuple[tuple[int, str, JointModel | str], ...]  # number (1..n), name and model of each, or why it has none
+    every: tuple[tuple[int, str, JointModel | Reason], ...]  # number (1..n), name and model of each, or why it has none
     reflected: bool | None  # whether the inertias are the reflected ones of the motors; None if not known
 
 
@@ -174,7 +175,7 @@ def read_result(path: Path, arm: str | None = None) -> Joints:
         raise UsageError(f"--arm {arm}: {path} is no document of batch-report and holds one arm; leave the option out")
     if is_model:
         arm_model = load_model(path)
-        models = ["no model in the file" if one is None else one for one in arm_model.joints]
+        models = [quoted("no model in the file") if one is None else one for one in arm_model.joints]
         return Joints(tuple(zip(count(1), arm_model.names, models, strict=False)), reflected=None)
     try:
         return _of_batch(document, path, arm) if is_batch else _of_document(document, path)
@@ -194,7 +195,7 @@ def of_estimate(estimate: Estimate) -> Joints:
 
 def laws_of(
     joints: Joints, speeds: Mapping[int, Float], usual: Float, *, wanted: Sequence[int] | None, armature: bool
-) -> tuple[list[FrictionLaw], list[tuple[int, str]]]:
+) -> tuple[list[FrictionLaw], list[tuple[int, Reason]]]:
     """Return the friction laws of the joints wanted, each over its speeds, and number and reason of those without."""
     numbers = [number for number, *_ in joints.every]
     if absent := ", ".join(str(number) for number in wanted or () if number not in numbers):
@@ -206,10 +207,9 @@ def laws_of(
         try:
             laws.append(friction_law(number, name, model, speeds.get(number, usual), armature=armature))
         except AnalysisError as error:
-            lacking.append((number, str(error)))
+            lacking.append((number, reason_of(error)))
     if not laws:
-        reasons = "".join(f"\n  joint {number}: {why}" for number, why in lacking)
-        raise AnalysisError(f"no joint has friction to export:{reasons}")
+        raise AnalysisError("no joint has friction to export:", lacking)
     return laws, lacking
 
 
@@ -222,7 +222,7 @@ def _of_document(document: Mapping[str, Any], path: Path) -> Joints:
     for one in document["joints"]:
         found = [None if one[k] is None else one[k][key] for k, key in keys]
         values = np.array(found, dtype=np.float64).tolist()  # NaN for None
-        rows.append((int(one["joint"]), str(one["name"]), values, str(one["reason"] or "")))
+        rows.append((int(one["joint"]), str(one["name"]), values, quoted(str(one["reason"] or ""))))
     return _joints(rows, chosen["drive"], chosen["inertia"])
 
 
@@ -237,12 +237,12 @@ def _of_batch(document: Mapping[str, Any], path: Path, arm: str | None) -> Joint
     for one in (one for one in document["joints"] if one["robot"] == chosen):
         found = [one["coefficients"].get(name, {}).get("level") for name in COEFFICIENTS]
         levels = np.array([None if level is None else level["value"] for level in found], dtype=np.float64)
-        reason = "no session of the reference has its friction" if np.isnan(levels).all() else ""
+        reason = quoted("no session of the reference has its friction" if np.isnan(levels).all() else "")
         rows.append((int(one["joint"]), str(one["name"]), [float("nan"), *levels], reason))
     return _joints(rows, "robot", "none")
 
 
-def _joints(rows: Iterable[tuple[int, str, Sequence[float], str]], drive: str, inertia: str) -> Joints:
+def _joints(rows: Iterable[tuple[int, str, Sequence[float], Reason]], drive: str, inertia: str) -> Joints:
     """Return the joints that have a model, and why the others have none; a number that is not known is zero.
 
     Their inertia is that of the motor alone where a person drives the link, for then the sensor is between the two, and

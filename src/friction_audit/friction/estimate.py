@@ -197,10 +197,10 @@ def _conclude(
     """Choose the method of a joint, let its intervals cover both methods, and drop what is not determined."""
     found = joint.regression
     if joint.reason and found is not None and found.doubt:
-        joint = replace(joint, regression=None, reason=f"{joint.reason}. No torque regression either: {found.doubt}")
+        joint = replace(joint, regression=None, reason=joint.reason + found.doubt)
     elif joint.reason and found is not None:
         same = ("coulomb", "viscous", "offset_nm", "condition_number", "correlation")
-        joint = replace(joint, method="regression", reason="", **{name: getattr(found, name) for name in same})
+        joint = replace(joint, method="regression", reason=(), **{name: getattr(found, name) for name in same})
     if joint.reason:
         return joint, tuple(cautions_of(joint))
     torque, speed = seen.in_motion(standstill_rad_s)
@@ -242,11 +242,7 @@ def _determined(joint: JointFriction, largest: dict[str, float]) -> JointFrictio
     found = replace(joint, history=history, **changed)
     if not changed or not all(np.isnan(getattr(found, name).value) for name in UNITS):
         return found
-    reason = (
-        f"the cycles do not determine its friction: the intervals exceed {MOST_UNCERTAIN:g} times the torque in "
-        "motion; move back and forth more often and at several speeds"
-    )
-    return replace(found, reason=reason)
+    return replace(found, reason=(Caution("wide_intervals", numbers={"most": MOST_UNCERTAIN}),))
 
 
 def _covering(joint: JointFriction, *, alike: bool) -> JointFriction:

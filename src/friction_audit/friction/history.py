@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.joint_log import Float
-from friction_audit.preprocessing.interaction import Caution
+from friction_audit.preprocessing.interaction import Caution, Reason
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -80,7 +80,7 @@ class TorqueRegression:
     # Coulomb [N m] and viscous [N m s/rad] coefficient if friction may change slowly at reversals; None if it does not
     turning: tuple[float, float] | None = None
     # why it cannot stand alone for the friction of the joint; empty if it can, or if that was not asked
-    doubt: str = ""
+    doubt: Reason = ()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -102,12 +102,12 @@ class JointFriction:
     correlation: float = NAN  # between the Coulomb and the viscous coefficient
     regression: TorqueRegression | None = None  # the torque-domain comparison, or None
     history: CoefficientHistory = NO_HISTORY  # coefficients over time
-    reason: str = ""  # why there is no estimate, as a sentence with the motion that would help; empty if there is one
+    reason: Reason = ()  # why there is no estimate; empty if there is one
     method: str = "energy"  # ``"energy"`` of the cycles, or ``"regression"`` of the torque where too few cycles count
 
     def __repr__(self) -> str:
         if self.reason:
-            return f"joint {self.joint} {self.name}: no estimate: {self.reason.partition(';')[0]}"
+            return f"joint {self.joint} {self.name}: no estimate: {', '.join(map(str, self.reason))}"
         return (
             f"joint {self.joint} {self.name}: Coulomb {self.coulomb!s}, viscous {self.viscous!s}, {self.cycles} cycles"
         )

@@ -7,8 +7,8 @@ import numpy as np
 
 from friction_audit.friction.history import UNITS, Coefficient, JointFriction
 from friction_audit.friction.settings import FEWEST_CYCLES, FrictionSettings
-from friction_audit.preprocessing.energy_cycles import GAP, KEPT, LONG, ONE_WAY, OPEN, SMALL, EnergyCycles
-from friction_audit.preprocessing.interaction import Caution, Interaction
+from friction_audit.preprocessing.energy_cycles import KEPT, REASONS, EnergyCycles
+from friction_audit.preprocessing.interaction import Caution, Interaction, Reason
 
 HIGHEST_CORRELATION = 0.97
 FEW_CYCLES = 10
@@ -80,17 +80,6 @@ def _disagree(a: Coefficient, b: Coefficient) -> bool:
     return apart and abs(a.value - b.value) > max(LEAST_DIFFERENCE, LEAST_SHARE * abs(b.value))
 
 
-ADVICE = {
-    GAP: "each contains a gap in the log; record without dropping samples",
-    OPEN: "gravity is in the torque and they do not return to their start; remove gravity (--robot, --urdf, "
-    "--gravity removed), or move back and forth between the same postures",
-    SMALL: "a selected joint moved too little; move all joints, select fewer (--joints), or lower --min-path",
-    LONG: "each lasts longer than 5 min; come to rest more often",
-    ONE_WAY: "all motion has one direction, so friction cannot be separated from gravity or an offset; "
-    "move back and forth at different speeds",
-}
-
-
 class Extremes:
     """Extremes and some samples of one joint's signals, gathered from parts of a log that follow each other."""
 
@@ -121,71 +110,53 @@ class Extremes:
         return torque, speed
 
 
-def dead_channel(seen: Extremes, *, dead_torque: bool) -> str:
+def dead_channel(seen: Extremes, *, dead_torque: bool) -> Reason:
     """Say which channel of a joint records nothing; what is removed from a dead torque makes it move."""
     (changes, travel, _), fastest = seen.high - seen.low, max(seen.high[2], -seen.low[2])
     if dead_torque or (changes == 0.0 and travel > LEAST_TRAVEL_RAD):
-        level = f"is {seen.first_torque:.4g} N m in every sample" if changes == 0.0 else "hardly changes in motion"
-        return f"the torque {level}: a dead channel, or of another joint; check the sensor, or --map its column"
+        case = "constant" if changes == 0.0 else "noisy"
+        return (Caution("dead_torque", numbers={"case": case, "level": seen.first_torque}),)
     if travel > LEAST_TRAVEL_RAD and fastest * seen.duration_s < 0.5 * travel:
-        return (
-            f"the velocity is at most {fastest:.2g} rad/s while the position changes by {travel:.3g} rad: dq "
-            "is dead, or of another joint; --map its column (--map dq=NAME)"
-        )
-    return ""
+        return (Caution("dead_velocity", numbers={"fastest": fastest, "travel": travel}),)
+    return ()
 
 
-def missing_motion(cycles: EnergyCycles, settings: FrictionSettings, seen: Extremes) -> str:
+def missing_motion(cycles: EnergyCycles, settings: FrictionSettings, seen: Extremes) -> Reason:
     """Say why all cycles of one joint, with its thresholds alone, allow no estimate; empty if they do."""
     if not len(cycles.joint):
         return _no_cycle(cycles, seen.duration_s, float(seen.high[1] - seen.low[1]))
     if not cycles.sums.path_rad.any():
-        return "the position never changes while the velocity does; check that q and dq are of this joint (--map q=...)"
+        return (Caution("constant_position"),)
     kept = int((cycles.reason == KEPT).sum())
     fewest = FEWEST_CYCLES if settings.estimator == "weighted" else settings.cycles_per_point
     if kept >= fewest:
-        return ""
+        return ()
     left_out = cycles.reason[cycles.reason != KEPT]
-    advice = ADVICE.get(int(np.bincount(left_out).argmax()), "") if len(left_out) else ""
-    if kept == 0:
-        return f"all cycles are rejected: {advice}"
-    shortage = f"fewer than {fewest} usable cycles"
-    if len(left_out) > kept:
-        return f"{shortage}, the others are rejected: {advice}"
-    return f"{shortage}; move back and forth more often, or count slower cycles with --thresholds auto"
+    case = REASONS[int(np.bincount(left_out).argmax())] if len(left_out) else ""
+    code = "all_rejected" if kept == 0 else "most_rejected" if len(left_out) > kept else "few_usable"
+    return (Caution(code, numbers={"fewest": fewest, "case": case}),)
 
 
-def one_speed(cycles: EnergyCycles) -> str:
+def one_speed(cycles: EnergyCycles) -> Reason:
     """Say that all motion has one speed, which cannot separate Coulomb and viscous friction; empty if it can."""
     path, first, second = cycles.speeds.sum(axis=0).tolist()
     mean = first / path
     spread = max(second / path - mean**2, 0.0) ** 0.5 / mean
-    if spread >= SMALLEST_SPREAD:
-        return ""
-    level = float(cycles.sums.dissipated_j.sum()) / path
-    return (
-        f"all motion has one speed ({mean:.2g} rad/s, spread {100 * spread:.0f} %): friction there is {level:.3f} N m, "
-        "but its Coulomb and viscous parts cannot be separated; move at two or more speeds"
-    )
+    numbers = {"mean": mean, "percent": 100 * spread, "level": float(cycles.sums.dissipated_j.sum()) / path}
+    return () if spread >= SMALLEST_SPREAD else (Caution("one_speed", numbers=numbers),)
 
 
-def _no_cycle(cycles: EnergyCycles, duration_s: float, travel_rad: float) -> str:
+def _no_cycle(cycles: EnergyCycles, duration_s: float, travel_rad: float) -> Reason:
     initiation, termination, fastest = (
         float(values[0]) for values in (cycles.initiation, cycles.termination, cycles.fastest)
     )
-    unit = cycles.speed_unit
-    speed = "the speed" if unit == "rad/s" else "the hand's speed"
-    threshold = f"the initiation threshold {initiation:.3g} {unit}"
-    if fastest < STANDSTILL * initiation:
-        return f"did not move: {speed} stays far below {threshold}; move back and forth"
-    if fastest <= initiation and travel_rad < LEAST_TRAVEL_RAD:
-        return f"hardly moved: by {travel_rad:.2g} rad; move back and forth"
-    if fastest <= initiation:
-        peak = f"{speed} peaks at {fastest:.3g} {unit}, below {threshold}"
-        return f"moved too slowly: {peak}; move back and forth faster, or lower the thresholds (--thresholds auto)"
-    if duration_s < SHORT_S:
-        return f"no complete energy cycle: the log lasts {duration_s:.2g} s; record several motions back and forth"
-    return (
-        f"no complete energy cycle in {duration_s:.3g} s: {speed} peaks at {fastest:.2g} {unit} and never falls below "
-        f"{termination:.2g} {unit}; pause between motions, or use --thresholds auto"
-    )
+    cases = {
+        "did_not_move": fastest < STANDSTILL * initiation,
+        "hardly_moved": fastest <= initiation and travel_rad < LEAST_TRAVEL_RAD,
+        "moved_too_slowly": fastest <= initiation,
+        "short_log": duration_s < SHORT_S,
+        "no_pause": True,
+    }
+    numbers = {"initiation": initiation, "termination": termination, "fastest": fastest, "unit": cycles.speed_unit}
+    numbers |= {"duration": duration_s, "travel": travel_rad}
+    return (Caution(next(code for code, holds in cases.items() if holds), numbers=numbers),)

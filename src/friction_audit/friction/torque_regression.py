@@ -24,7 +24,7 @@ from friction_audit.friction.reasons import SMALLEST_SPREAD
 from friction_audit.friction.settings import FEWEST_CYCLES
 from friction_audit.friction.weighted import Equations, Fit, fit_windows
 from friction_audit.joint_log import Float
-from friction_audit.preprocessing.interaction import Interaction
+from friction_audit.preprocessing.interaction import Caution, Interaction, Reason
 from friction_audit.preprocessing.velocity import filter_velocity, settling_samples
 
 CUTOFF_HZ = 20.0
@@ -39,6 +39,7 @@ BLOCK_S = 0.02  # the position is averaged over so long, against its noise and r
 NEARLY_WHOLE = 0.01  # steps of 1 ms, with the rounding of stamps of today, are as many as those from 0
 LEAST_SWING = 1e-3  # of directions of gravity and of motion: one that changes less shows nothing of its own
 # Of columns of unit length: beyond, they are as good as collinear (Belsley, Kuh, Welsch, Regression Diagnostics, 1980).
+# That offset and gravity are collinear with each other, over a short range, does no harm to friction.
 HIGHEST_CONDITION = 30.0
 LEAST_ONE_WAY = 0.1  # share of the samples that each direction has at least, or the offset takes what is friction
 # Partial R^2 of direction and velocity. Measured excitation logs: 0.90 and more where the coefficients agree with the
@@ -74,9 +75,9 @@ def regress_torque(
         return None
     equations, fit = _fit(found)
     condition, correlation = equations.conditioning()
-    doubt = ""
+    doubt: Reason = ()
     if others is not None:
-        doubt = _coupling(found, others, dead_band_rad_s) or _doubt(found, fit, condition)
+        doubt = _coupling(found, others, dead_band_rad_s) or _doubt(found, fit)
     return TorqueRegression(
         coulomb=fit.coefficient("coulomb"),
         viscous=fit.coefficient("viscous"),
@@ -122,31 +123,28 @@ def _fit_with(rows: "_Rows", name: str, *others: str) -> list[tuple[float, float
     return [(float(value[0]), float(half[0])) for value, half in map(fit.column, (name, *others))]
 
 
-def _doubt(rows: "_Rows", fit: Fit, condition: float) -> str:
+def _doubt(rows: "_Rows", fit: Fit) -> Reason:
     """Say why direction and velocity do not stand for friction; empty if they do."""
     speed, forwards = np.abs(rows.columns[:, 1]), float(np.mean(rows.columns[:, 0] > 0))
     if min(forwards, 1.0 - forwards) < LEAST_ONE_WAY:
-        return f"{100 * max(forwards, 1.0 - forwards):.0f} % of the motion has one direction; move back and forth"
+        return (Caution("mostly_one_way", numbers={"percent": 100 * max(forwards, 1.0 - forwards)}),)
     if speed.std() < SMALLEST_SPREAD * speed.mean():
-        return f"all motion has one speed ({speed.mean():.2g} rad/s); move at two or more speeds"
+        return (Caution("one_speed_in_rows", numbers={"mean": float(speed.mean())}),)
+    unit = rows.columns / np.linalg.norm(rows.columns, axis=0).clip(min=CUTOFF)
+    apart = np.linalg.qr(np.roll(unit, -2, axis=1), mode="r")[-2:, -2:]  # direction and speed without the others
+    condition = 1.0 / float(np.linalg.norm(apart, -2).clip(min=CUTOFF))
     if not condition < HIGHEST_CONDITION:
-        return (
-            f"direction, speed, acceleration and gravity are collinear (condition number {condition:.3g}, at most "
-            f"{HIGHEST_CONDITION:g}); move further and at several speeds"
-        )
+        return (Caution("collinear", numbers={"condition": condition, "most": HIGHEST_CONDITION}),)
     share = 1.0 - _left_by(rows.columns, rows.torque) / _left_by(rows.columns[:, 2:], rows.torque)
     if share < LEAST_FRICTION_SHARE:
-        return (
-            f"direction and velocity explain less than {100 * LEAST_FRICTION_SHARE:.0f} % of the torque without "
-            "inertia and gravity: other joints act on it; give its model (--robot, --urdf), or move one joint at a time"
-        )
+        return (Caution("little_friction", numbers={"percent": 100 * LEAST_FRICTION_SHARE}),)
     found = [fit.coefficient(name) for name in ("coulomb", "viscous")]
     if not max(one.low for one in found) > 0.0 or min(one.high for one in found) < 0.0:
-        return "its coefficients are negative, or not different from zero; check gravity, payload and the sign"
-    return ""
+        return (Caution("no_positive_coefficient"),)
+    return ()
 
 
-def _coupling(rows: "_Rows", others: "Mapping[int, RegressionRows]", dead_band_rad_s: float) -> str:
+def _coupling(rows: "_Rows", others: "Mapping[int, RegressionRows]", dead_band_rad_s: float) -> Reason:
     """Say whether the residual follows the velocity of another joint; empty if it does not."""
     left = _left_by(rows.columns, rows.torque)
     for number, other in others.items():
@@ -155,11 +153,8 @@ def _coupling(rows: "_Rows", others: "Mapping[int, RegressionRows]", dead_band_r
         more = np.column_stack([rows.columns, direction, velocity])
         share = 1.0 - _left_by(more, rows.torque) / left
         if share > LARGEST_COUPLED_SHARE:
-            return (
-                f"the residual follows the velocity of joint {number}: the two share a transmission, whose friction "
-                "one joint alone does not have"
-            )
-    return ""
+            return (Caution("coupled", numbers={"other": number}),)
+    return ()
 
 
 def _left_by(columns: Float, torque: Float) -> float:
@@ -227,9 +222,11 @@ class RegressionRows:
         signals = (np.ascontiguousarray(one) for one in (part.t, part.q[:, column]))
         windows = (np.ndarray((len(index), 2 * around + 1), buffer=one, **view) for one in signals)
         times, places = (one - one[:, around, None] for one in windows)
-        # The mean direction around each row, from sums of all before; short of samples where the log ends.
-        sums = np.append(0.0, np.cumsum(np.sign(velocity)))
-        ends = np.clip(index + self._turn * np.array([[-1], [1]]) + [[0], [1]], 0, len(velocity))
+        # The mean direction around each row, of fewer samples where the log ends; a zero more, at which one may end.
+        begin, end = np.maximum(index - self._turn, 0), np.minimum(index + self._turn + 1, len(velocity))
+        signs = np.zeros(len(velocity) + 1)
+        np.sign(velocity, out=signs[:-1])
+        turning = np.add.reduceat(signs, np.stack([begin, end], axis=1).ravel())[::2] / (end - begin)
         by_position = differences(*((signal @ self._blocks).T for signal in (times, places)))
         found = {
             "lasting": part.t[index + around] - part.t[index - around],
@@ -241,7 +238,7 @@ class RegressionRows:
             "jerk": (far[:, 0] - 2.0 * far[:, 1] + far[:, 2]) / (around * self._step_s) ** 2,
             **dict(zip(("gravity_x", "gravity_y"), _gravity(part, column, index), strict=True)),
             **dict(zip(("velocity by position", "acceleration by position"), by_position, strict=True)),
-            "turning": np.diff(sums[ends], axis=0)[0] / np.diff(ends, axis=0)[0],
+            "turning": turning,
             "torque": self._filtered(load, index),
         }
         for name, values in found.items():
@@ -328,13 +325,12 @@ def huber_weights(design: Float, target: Float, instruments: Float | None = None
     comparable length, shape (m, p), are noisy themselves where instruments stand for them: weights from a biased
     solution are biased, for they count less where noise and error have one sign.
     """
-    own = instruments is None
     instruments = design if instruments is None else instruments
     smallest = np.finfo(float).eps * float(np.abs(target).max()) + np.finfo(float).tiny
     weights = np.ones(len(target))
     for _ in range(REWEIGHTINGS):
         weighted = instruments * weights[:, None]
-        solution = np.linalg.pinv(weighted.T @ design, rcond=CUTOFF, hermitian=own) @ (weighted.T @ target)
+        solution = np.linalg.lstsq(weighted.T @ design, weighted.T @ target, CUTOFF)[0]
         residual = np.abs(target - design @ solution).clip(min=smallest)
         weights = np.minimum(HUBER * SIGMA_PER_MEDIAN * np.median(residual) / residual, 1.0)
     return weights

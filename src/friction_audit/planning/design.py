@@ -113,7 +113,7 @@ def limits_of(
     return replace(found, **given)
 
 
-BEND = 10.0 / np.sqrt(3.0)  # largest change of the slope of the velocity's course (``strokes.course``)
+BEND = 10.0 / np.sqrt(3.0)  # largest second derivative of the velocity of ``strokes.min_jerk``
 REST_S = 0.4  # after an excursion: its cycles end there
 LONGEST_S = 3.0  # of a slow ramp one way: slower ones go less far
 # What it is, places to go to, speeds, rest after each stroke, and whether strokes have no constant speed.

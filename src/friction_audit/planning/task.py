@@ -21,7 +21,7 @@ from friction_audit.errors import AnalysisError, InputError, UsageError
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import AuditSettings, diagnosis_subjects, estimate_log
 from friction_audit.preprocessing.settings import CycleSettings
-from friction_audit.presets import PRESETS
+from friction_audit.presets import FRANKA, PRESETS
 from friction_audit.simulation import PANDA_SENSORS, BenchSettings, JointParameters, Operator, simulate
 from friction_audit.simulation.bench import READY_RAD
 from friction_audit.simulation.periodic import MotionSettings
@@ -30,7 +30,6 @@ from friction_audit.simulation.strokes import StopAndGo
 Purpose = Literal["decide", "diagnose", "estimate"]
 RATE_HZ = 500.0  # of simulated logs: ten times the diagnosis' samples
 LEAST_NOISE_NM = 1e-4
-FRANKA = ("panda", "fr3")  # arms with this ready pose
 REACH_RAD = 0.8  # to either side of the start: room for gravity, which takes 1.5 rad, within most arms' ranges
 COEFFICIENTS = ("inertia_kg_m2", "coulomb_nm", "viscous_nms_per_rad")  # of the nominal model
 SERVO = {"stiffness_nm_per_rad": 2000.0, "damping_nms_per_rad": 60.0}  # of a position controller, as in joint-driven

@@ -12,7 +12,7 @@ from friction_audit.preprocessing.interaction import Caution
 from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.preprocessing.sign import CoarseLog, most, strokes_of, voting
 from friction_audit.preprocessing.torque_source import with_a_model
-from friction_audit.robot import STANDARD_GRAVITY, parse_urdf, read_urdf
+from friction_audit.robot import STANDARD_GRAVITY, read_urdf
 
 # An identified model errs by a few tenths of a N m, the vendor's by up to 2; a forgotten hand makes 2 to 3.
 LARGEST_NM = 1.5
@@ -27,6 +27,8 @@ def not_used(log: JointLog, balance: Balance, settings: TorqueSettings, *, hand:
     """Name options about the arm that change nothing, because the torque needs no model of it."""
     known, modelled = balance.plan.arm is not None, balance.modelled_means is not None
     if settings.urdf is not None and not known:
+        from friction_audit.robot.urdf import parse_urdf
+
         parse_urdf(read_urdf(settings.urdf), str(settings.urdf))  # a file that is no arm is refused though not used
     given = (
         ("--payload", settings.payload is not None and not modelled),
@@ -44,15 +46,11 @@ def not_used(log: JointLog, balance: Balance, settings: TorqueSettings, *, hand:
 def sign_cautions(log: JointLog, balance: Balance, settings: TorqueSettings, *, turned: bool) -> Iterator[Caution]:
     """Yield what the energy shows about the sign, and that inertia is still in the torque."""
     evidence, plan = balance.evidence, balance.plan
-    known = {"formula": balance.formula, "source": plan.source}
+    known = {"formula": balance.formula, "case": plan.source}
     if turned:
         yield Caution(code="sign_turned", numbers=known)
     if most(evidence, "falls"):
-        asked = f"--drive {balance.drive}" if settings.drive != "auto" else "--inertia model (the robot moves the arm)"
-        free = plan.source == "interaction" or len(plan.drives) > 1
-        compensated = log.tau_compensation is not None or log.tau_passivity is not None
-        open_to = {"drive": balance.drive, "asked": "" if free else asked, "compensated": compensated}
-        yield Caution(code="sign_contradicts_drive", numbers=known | open_to)
+        yield Caution(code="sign_contradicts_drive", numbers=known)
     elif not most(evidence, "rises") and voting(evidence):
         yield Caution(code="sign_unproved", numbers=known)
     if balance.inertia_left:
@@ -92,7 +90,7 @@ def gravity_cautions(
         Caution(
             code="gravity_error" if by_position else "torque_offset",
             joint=column + 1,
-            numbers={"mean": mean, "rms": rms, "moved": moved, "gravity": gravity if several else ""},
+            numbers={"mean": mean, "rms": rms, "moved": moved, "case": gravity if several else ""},
         )
         for column, mean, rms, moved, _, by_position in found
     )

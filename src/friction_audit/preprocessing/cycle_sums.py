@@ -88,26 +88,23 @@ def groups(borders: Int) -> Iterator[slice]:
         first = last
 
 
-def cut_evenly(t: Float, speed: Float, borders: Int, parts: int) -> tuple[Int, Float, Float]:
-    """Cut each cycle into parts of equal path by the filtered velocity ``speed``.
+def cut_evenly(step: Float, speed: Float, borders: Int, parts: int) -> tuple[Int, Float]:
+    """Cut each cycle into parts of equal path by the filtered velocity ``speed``, given the steps of the clock.
 
     Return the border samples of the parts, shape (m, parts + 1), the last parts empty in a cycle of few samples, and
-    the peak speed [rad/s] and longest time step [s] of each cycle, shape (m,).
+    the peak speed [rad/s] of each cycle, shape (m,).
     """
     cycles = len(borders) - 1
-    edges = np.empty((cycles, parts + 1), np.int64)
-    peak, longest = np.zeros(cycles), np.zeros(cycles)
+    edges, peak = np.empty((cycles, parts + 1), np.int64), np.zeros(cycles)
     for group in groups(borders):
         begin = int(borders[group.start])
         own = borders[group.start : group.stop + 1] - begin
         start, stop = own[:-1], own[1:]
-        rows = slice(begin, begin + int(stop[-1]) + 1)
-        fast, step = np.abs(speed[rows]), np.diff(t[rows])
+        fast = np.abs(speed[begin : begin + int(stop[-1]) + 1])
         peak[group] = np.maximum.reduceat(fast[:-1], start)
-        longest[group] = np.maximum.reduceat(step, start)
         gone = np.zeros(-(-len(fast) // PIECE) * PIECE)  # path since the sample before
         np.add(fast[1:], fast[:-1], out=gone[1 : len(fast)])
-        gone[1 : len(fast)] *= step
+        gone[1 : len(fast)] *= step[begin : begin + len(fast) - 1]
         place = _places_of_shares(gone.reshape(-1, PIECE), own, np.arange(1, parts) / parts)
         # A part holds one sample at least, as long as there are enough of them for the parts that are left.
         order = np.arange(parts - 1)
@@ -115,7 +112,7 @@ def cut_evenly(t: Float, speed: Float, borders: Int, parts: int) -> tuple[Int, F
         room = np.logical_and.accumulate(stop[:, None] - place >= parts - order, axis=1)
         inner = np.where(room, place, stop[:, None])
         edges[group] = begin + np.column_stack([start, inner, stop])
-    return edges, peak, longest
+    return edges, peak
 
 
 def _places_of_shares(gone: Float, borders: Int, share: Float) -> Int:
@@ -142,20 +139,19 @@ def add_up(
     of the velocity enters neither. ``edges`` are the border samples of the parts of each cycle, shape (m, parts + 1);
     all else has shape (n,).
     """
-    sums = {name: np.zeros(np.subtract(edges.shape, (0, 1))) for name in SUMS}
+    found = np.zeros((len(SUMS), len(edges), edges.shape[1] - 1))
     for group in groups(np.append(edges[:, 0], edges[-1:, -1])):
         own = edges[group] - edges[group.start, 0]
         rows = slice(int(edges[group.start, 0]), int(edges[group.stop - 1, -1]) + 1)
         signals = [None if one is None else one[rows] for one in (dq, filtered, torque, compensation)]
-        starts, before = own[:, :-1], np.maximum(own - 1, 0)
         # A sample counts for the steps on both of its sides, at the borders of a part for one of them.
         areas = _areas(*(_both_steps(one[rows]) for one in (t, q)), *signals)
+        before = np.maximum(own - 1, 0)
         steps = ((one[rows][own] - one[rows][before]) for one in (t, q))
         at_borders = _areas(*steps, *(None if one is None else one[own] for one in signals))
-        for (name, area), (_, border) in zip(areas, at_borders, strict=True):
-            found = np.add.reduceat(area, starts.ravel()).reshape(starts.shape) * (np.diff(own) > 0)
-            sums[name][group] = 0.5 * (found + np.diff(border, axis=1))
-    return sums | {"half_square_speed_change": 0.5 * np.diff(filtered[edges] ** 2, axis=1)}
+        whole = np.add.reduceat(areas, own[:, :-1].ravel(), axis=1).reshape(len(SUMS), len(own), -1)
+        found[:, group] = 0.5 * (whole * (np.diff(own) > 0) + np.diff(at_borders))
+    return dict(zip(SUMS, found, strict=True)) | {"half_square_speed_change": 0.5 * np.diff(filtered[edges] ** 2)}
 
 
 def _both_steps(x: Float) -> Float:
@@ -166,16 +162,17 @@ def _both_steps(x: Float) -> Float:
     return steps
 
 
-def _areas(
-    step: Float, moved: Float, dq: Float, filtered: Float, torque: Float, compensation: Float | None
-) -> Iterator[tuple[str, Float]]:
-    """Yield each sum with what it adds up, one after the other: these arrays are large."""
+def _areas(step: Float, moved: Float, dq: Float, filtered: Float, torque: Float, compensation: Float | None) -> Float:
+    """Return what each of the sums adds up, shape (k, ...)."""
+    found = np.zeros((len(SUMS), *step.shape))
+    work, by_active, printed, path, rectified, square = found
+    np.multiply(torque, moved, out=work)
     moved_by_dq, driving = dq * step, torque
-    yield "work_j", torque * moved
     if compensation is not None:
-        yield "compensation_j", compensation * moved
+        np.multiply(compensation, moved, out=by_active)
         driving = torque + compensation
-    yield "path_rad", np.sign(filtered) * moved
-    yield "printed_net_j", driving * moved_by_dq
-    yield "rectified_path_rad", np.abs(moved_by_dq)
-    yield "square_speed_rad2_s", dq * moved_by_dq
+    np.multiply(driving, moved_by_dq, out=printed)
+    np.multiply(np.sign(filtered, out=path), moved, out=path)
+    np.abs(moved_by_dq, out=rectified)
+    np.multiply(dq, moved_by_dq, out=square)
+    return found

@@ -35,6 +35,27 @@ class SignEvidence:
         return self.against_motion_nm / self.standard_error_nm if self.standard_error_nm else float("nan")
 
 
+@dataclass(frozen=True, slots=True)
+class Caution:
+    """Something the user must know about a result; ``reporting/sentences.toml`` has the sentence of each code."""
+
+    code: str  # stable short name
+    joint: int | None = None  # joint number for people (1..n), or None
+    # what the sentence needs, by name, as JSON knows it, or cautions that it quotes
+    numbers: Mapping[str, Any] = field(default_factory=dict, hash=False)
+
+    def __str__(self) -> str:
+        return str(self.numbers.get("text", self.code))
+
+    def renamed(self, path: str, name: str) -> "Caution":
+        """Return it with another name of the log, in commands to paste."""
+        texts = {key: one.replace(path, name) for key, one in self.numbers.items() if isinstance(one, str)}
+        return replace(self, numbers={**self.numbers, **texts})
+
+
+Reason = tuple[Caution, ...]  # why there is no result; empty where there is one
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class TorqueChoice:
     """How the interaction torque was made; stored in every result."""
@@ -50,22 +71,19 @@ class TorqueChoice:
     payload: tuple[float, float, float, float] | None  # mass [kg], x, y, z [m] in the flange frame, or None
     model_rate_hz: float | None  # rate at which inertial torque was evaluated, or None [Hz]
     formula: str  # the balance in words, for people
-    reason: str = ""  # why this source was chosen, for people
+    reason: Reason = ()  # why this source was chosen
     sign_evidence: tuple[SignEvidence, ...] = ()  # what the energy of each joint of the log says about the sign
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Caution:
-    """Something the user must know about a result; ``reporting.notices`` has the sentence of each code."""
+def quoted(text: str) -> Reason:
+    """Return a sentence of a document or of an error as a reason."""
+    return (Caution("quoted", numbers={"text": text}),) if text else ()
 
-    code: str  # stable short name
-    joint: int | None = None  # joint number for people (1..n), or None
-    numbers: Mapping[str, Any] = field(default_factory=dict)  # what the sentence needs, by name, as JSON knows it
 
-    def renamed(self, path: str, name: str) -> "Caution":
-        """Return it with another name of the log, in commands to paste."""
-        texts = {key: one.replace(path, name) for key, one in self.numbers.items() if isinstance(one, str)}
-        return replace(self, numbers={**self.numbers, **texts})
+def reason_of(error: Exception) -> Reason:
+    """Return why an analysis ended in an error."""
+    reason = error.args[0] if error.args else ""
+    return reason if isinstance(reason, tuple) else quoted(str(error))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

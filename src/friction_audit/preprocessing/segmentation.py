@@ -165,7 +165,14 @@ class CycleSearch:
         """Add up the energies between borders, which are counted from the first sample needed."""
         settings, shift, inside = self._settings, self.first - part.first, part.choice.gravity == "in-torque"
         t = part.t[shift:]
-        edges, peak, longest_step = cycle_sums.cut_evenly(t, self._filtered, borders, PARTS)
+        # At a low rate a single lost sample is no hole: its neighbours still describe the motion in between.
+        hole_s = max(settings.maximum_gap_s, LONGEST_STEP / self._rate_hz)
+        # Next to a hole the filtered velocity is a mean over both sides: a border there is no rest.
+        near = int(0.5 * self._rate_hz / settings.cutoff_hz)
+        first = max(int(borders[0]) - near, -shift)
+        steps = np.diff(part.t[first + shift : borders[-1] + shift + near + 1])
+        holes = np.flatnonzero(steps > hole_s) + first
+        edges, peak = cycle_sums.cut_evenly(steps[-first:], self._filtered, borders, PARTS)
         parts = self._sums(part, edges)
         sums = EnergySums(**{one.name: getattr(parts, one.name).sum(axis=-1) for one in fields(parts)})
         start, stop = borders[:-1] + self.first, borders[1:] + self.first
@@ -173,20 +180,14 @@ class CycleSearch:
         if self._begun is not None and len(start):
             begun, place[0] = self._begun
             start[0], start_s[0], peak[0] = begun.start[0], begun.start_s[0], max(peak[0], begun.peak_speed_rad_s[0])
-            longest_step[0] = np.inf if begun.reason[0] == GAP else longest_step[0]
             for one in fields(sums):
                 getattr(sums, one.name)[0] += getattr(begun.sums, one.name)[0]
         is_open = np.abs(np.diff(place, axis=0)).max(axis=1) > settings.closure_rad
         reason = np.where(stop - start > self._longest, LONG, KEPT)
         reason[is_open & inside] = OPEN
-        # At a low rate a single lost sample is no hole: its neighbours still describe the motion in between.
-        hole_s = max(settings.maximum_gap_s, LONGEST_STEP / self._rate_hz)
-        # Next to a hole the filtered velocity is a mean over both sides: a border there is no rest.
-        near = int(0.5 * self._rate_hz / settings.cutoff_hz)
-        first = max(int(borders[0]) + shift - near, 0)
-        holes = np.flatnonzero(np.diff(part.t[first : borders[-1] + shift + near + 1]) > hole_s) + first - shift
-        at_hole = np.searchsorted(holes, borders - near) < np.searchsorted(holes, borders + near)
-        reason[(longest_step > hole_s) | at_hole[1:] | at_hole[:-1]] = GAP
+        reason[np.searchsorted(holes, borders[:-1] - near) < np.searchsorted(holes, borders[1:] + near)] = GAP
+        if self._begun is not None and self._begun[0].reason[0] == GAP:
+            reason[:1] = GAP
         later: dict[str, Any] = {name: np.empty(0) for name in PER_JOINT}
         products, speeds = _moments(parts)
         return EnergyCycles(

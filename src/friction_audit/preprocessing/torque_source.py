@@ -7,7 +7,7 @@ import numpy as np
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import JointLog
-from friction_audit.preprocessing.interaction import Caution, TorqueChoice
+from friction_audit.preprocessing.interaction import Caution, Reason, TorqueChoice
 from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.preprocessing.sign import CoarseLog
 from friction_audit.presets import BUILT_IN, PRESETS
@@ -22,17 +22,6 @@ EXPLAINED_BY_OWN_MODEL = 0.1  # share of the torque's variance that the model of
 # Median difference from the vendor's own model beyond which a payload must be missing: identified inertias and the
 # vendor's differ by a few tenths of a N m, a forgotten hand makes 2 to 3 N m.
 VENDOR_DISAGREES_NM = 1.0
-REASONS = {
-    "asked": "asked for",
-    "interaction": "the log holds the interaction torque itself",
-    "logged": "measured torque without a filter, and gravity was logged",
-    "model": "measured torque without a filter, and a model of the arm is known",
-    "unfiltered": "measured torque and a model of the arm; tau_ext_hat_filtered is low-pass filtered, and a delay "
-    "of the torque looks like viscous friction",
-    "payload": "tau_J contradicts the Panda's model, so a payload is missing from it; the vendor's estimate knows it",
-    "tau_ext": "the vendor's estimate has gravity and inertia removed, and no model of this arm is known here",
-    "last": "the only torque that was logged",
-}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -44,7 +33,7 @@ class Plan:
     drives: tuple[str, ...]  # rows of the balance to try, in order; one if the user chose
     inertia: bool  # True if the robot row removes inertial and Coriolis torque
     arm: Arm | None  # the rigid-body model, or None
-    reason: str  # why this source
+    reason: Reason  # why this source
     warnings: tuple[Caution, ...]  # what the user must know
 
 
@@ -67,7 +56,7 @@ def make_plan(log: JointLog, coarse: CoarseLog, settings: TorqueSettings) -> Pla
         drives=("robot",) if settings.inertia == "model" else drives,
         inertia=arm is not None and settings.inertia != "none",
         arm=arm,
-        reason=REASONS[reason],
+        reason=(Caution("torque_source", numbers={"case": reason}),),
         warnings=tuple(_cautions(log, coarse, settings, source, reason, gravity, robot)),
     )
 
@@ -117,7 +106,7 @@ def known_robot(log: JointLog, settings: TorqueSettings) -> str:
 
 
 def _source(log: JointLog, settings: TorqueSettings, robot: str) -> tuple[str, str]:
-    """Choose the channel; the second word is a key of REASONS."""
+    """Choose the channel; the second word is why."""
     if settings.torque != "auto":
         return settings.torque, "asked"
     if settings.gravity in FROM_TAU_J or settings.inertia == "model":

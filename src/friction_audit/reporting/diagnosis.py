@@ -12,7 +12,7 @@ from friction_audit.joint_log import Float
 from friction_audit.pipeline import Diagnosis
 from friction_audit.reporting import diagnosis_tables as tables, diagnosis_words as words
 from friction_audit.reporting.documents import ResultDocument
-from friction_audit.reporting.notices import SENTENCE_END, diagnose_notices, log_line, physics_of
+from friction_audit.reporting.notices import SENTENCE_END, diagnose_notices, log_line, physics_of, text_of
 from friction_audit.reporting.table import Column, Get, Record, to_json
 from friction_audit.reporting.words import format_share, in_unit, joints_label, range_of
 
@@ -117,7 +117,7 @@ def diagnose_lines(found: Diagnosis, *, verbose: bool = False) -> list[str]:
     details: list[str] = []
     groups: dict[object, list[JointDiagnosis]] = {}
     for joint in joints:
-        answer = SENTENCE_END.split(joint.reason)[0]
+        answer = SENTENCE_END.split(text_of(joint.reason))[0]
         groups.setdefault(answer if answer and not verbose else joint.joint, []).append(joint)
     for answer, alike in groups.items():
         numbers, joint = joints_label(joint.joint for joint in alike), alike[0]

@@ -8,6 +8,7 @@ from friction_audit.diagnosis.result import VERDICTS, Evidence, JointDiagnosis, 
 from friction_audit.effects.registry import motion_to_decide
 from friction_audit.friction.history import Coefficient
 from friction_audit.reporting import diagnosis_words as words
+from friction_audit.reporting.notices import sentence_of
 from friction_audit.reporting.table import ALL, INTERVAL, JOINT, NAME, PEOPLE, Column, Get, Record, Tone, joint_column
 
 WORDS = {verdict: verdict.replace("_", " ") for verdict in VERDICTS}
@@ -193,7 +194,10 @@ FINDING = Record(
     Column("value", float, "what was found", "1.value", title="found", on="jp"),
     Column("bound", float, "what it was held against", "1.bound", on="jp"),
     Column("unit", str, "its unit", "1.unit", on="jp"),
-    Column("message", str, "what it means", "1.message", title="what it means", on="jp"),
+    Column(
+        "message", str, "what it means", lambda row: "" if row[1].verdict == "fine" else sentence_of(row[1]),
+        title="what it means", on="jp",
+    ),
 )  # fmt: skip
 
 
@@ -255,7 +259,10 @@ JOINT_DIAGNOSIS = Record(
     Column("remaining", [PROFILE], "after the effects", lambda j: zip_longest(j.remaining, j.remaining[:1]), on="j"),
     Column("negligible", str, get=words.negligible_words, on="p"),
     Column("unexplained", str, get=words.remainder_words, on="p"),
-    Column("untestable", {"*": str}, "effects that this log cannot show, and the motion it lacks", on="j"),
+    Column(
+        "untestable", {"*": str}, "effects that this log cannot show, and the motion it lacks",
+        lambda joint: {name: sentence_of(why) for name, why in joint.untestable.items()}, on="j",
+    ),
     Column("findings", [FINDING], "the audit of the data", lambda own: ((own, one) for one in own.findings), on="j"),
     name="verdicts",
     summary="verdict and residual RMS of a joint",
@@ -265,6 +272,6 @@ JOINT_DIAGNOSIS = Record(
 def untestable_rows(joint: JointDiagnosis) -> list[tuple[JointDiagnosis, list[str], str]]:
     """Return joint, effects that its log cannot show, and why: effects with the same reason together."""
     reasons: dict[str, list[str]] = {}
-    for name, reason in joint.untestable.items():
-        reasons.setdefault(reason, []).append(name)
+    for name, why in joint.untestable.items():
+        reasons.setdefault(sentence_of(why), []).append(name)
     return [(joint, names, reason) for reason, names in reasons.items()]

@@ -11,6 +11,7 @@ from friction_audit.effects.joint_model import ArmModel
 from friction_audit.effects.registry import NAMES, motion_between, terms
 from friction_audit.effects.slow import UNFELT_PER_K
 from friction_audit.friction.history import Coefficient
+from friction_audit.reporting.notices import text_of
 from friction_audit.reporting.words import UNBOUNDED, count_of, enumerate_words, format_share, with_unit
 
 MOST_NUMBERS = 6  # parameters of an effect that a line has room for
@@ -56,7 +57,7 @@ def nominal_model(model: ArmModel | None) -> str:
 def joint_message(joint: JointDiagnosis) -> str:
     """Return the answer for a joint in a sentence: cause, size, what to do; tables and details have the rest."""
     if joint.reason:
-        return joint.reason
+        return text_of(joint.reason)
     if joint.verdict == "adequate":
         small = "negligible effects apart, no effect" if joint.negligible else "no effect"
         band = "" if joint.traces is None else f" below {joint.traces.corner_hz:.2g} Hz"

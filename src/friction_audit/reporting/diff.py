@@ -9,7 +9,7 @@ from friction_audit.drift.two_sides import CoefficientChange, JointChange, TwoSi
 from friction_audit.friction.history import Coefficient
 from friction_audit.reporting.documents import SETTINGS, WARNINGS
 from friction_audit.reporting.drift_words import NAMES, UNITS, amount, how_much, limit_lines, total_text, verb_of
-from friction_audit.reporting.notices import Notice, notice, session_sentences
+from friction_audit.reporting.notices import Notice, notice, session_sentences, text_of
 from friction_audit.reporting.table import JOINT, NAME, Column, Document, Record, joint_column
 from friction_audit.reporting.words import NOTHING, format_p, in_unit, iso_start, joints_label, signed
 
@@ -72,7 +72,7 @@ JOINT_CHANGE = Record(
     Column("coulomb", _coefficient("N m"), "Coulomb friction", "coefficients.0"),
     Column("viscous", _coefficient("N m s/rad"), "viscous friction", "coefficients.1"),
     Column("law", LAW, "Coulomb plus viscous friction over the speed", on="j", null=True),
-    Column("reason", str, "why an estimate is missing", null=True, on="j"),
+    Column("reason", str, "why an estimate is missing", lambda one: text_of(one.reason), null=True, on="j"),
     *_people(0, "Coulomb", "N m"),
     *_people(1, "viscous", "N m s/rad"),
 )
@@ -113,7 +113,7 @@ def diff_notices(sides: TwoSides) -> Iterator[Notice]:
         yield notice("joint_on_one_side", number, side="before" if first else "after")
     for joint in sides.joints:
         if joint.reason:
-            yield notice("not_compared", joint.joint, why=in_unit(joint.reason, sides.unit))
+            yield notice("not_compared", joint.joint, why=in_unit(text_of(joint.reason), sides.unit))
 
 
 def diff_lines(sides: TwoSides, exceeded: Iterable[str] = (), cannot_tell: Iterable[str] = ()) -> list[str]:

@@ -18,7 +18,7 @@ from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.preprocessing.interaction import Caution
 from friction_audit.reporting import drift_words as phrases, words
 from friction_audit.reporting.drift_sessions import SESSION, SessionRow
-from friction_audit.reporting.notices import ODD_TORQUE, sentence_of
+from friction_audit.reporting.notices import ODD_TORQUE, sentence_of, text_of
 from friction_audit.reporting.table import INTERVAL, Column, Document, Record, joint_column
 
 RARE = 0.25  # share of the sessions
@@ -206,10 +206,13 @@ ARM = Record(
     Column("sessions", int, "number of sessions", lambda arm: len(arm.sessions)),
     Column("compared", [int], "sessions compared", lambda arm: [index + 1 for index in arm.compared]),
     Column("reference", [int], "sessions of the reference", lambda arm: [index + 1 for index in arm.reference]),
-    Column("left_out", [Record(PLACE, Column("reason", str, "why", "1"))], "sessions not compared, with the reason"),
+    Column(
+        "left_out", [Record(PLACE, Column("reason", str, "why", lambda row: text_of(row[1])))],
+        "sessions not compared, with the reason",
+    ),
     Column("ordered_by", str, "`start` or `name`"),
     Column("autocorrelation", float, "of one session's scatter with the next one's"),
-    Column("warnings", [str], "what limits the comparison"),
+    Column("warnings", [str], "what limits the comparison", lambda arm: [*map(sentence_of, arm.warnings)]),
 )  # fmt: skip
 
 
@@ -314,15 +317,15 @@ def _arm_lines(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
         yield from _details(arm, joint) if verbose else ()
     alike: dict[tuple[str, int | None], list[int]] = {}  # those alike in one line, or each with its file
     for session, reason in arm.left_out:
-        alike.setdefault((reason, session if verbose else None), []).append(session)
-    for (reason, alone), sessions in alike.items():
+        alike.setdefault((text_of(reason), session if verbose else None), []).append(session)
+    for (why, alone), sessions in alike.items():
         which = words.count_of(len(sessions), "session") if alone is None else arm.sessions[alone].path
         if alone is None and len(sessions) <= MOST_NAMED:
             named = (f"{one + 1} ({PurePath(arm.sessions[one].path).name})" for one in sessions)
             which = f"session{'s' if sessions[1:] else ''} {words.enumerate_words(named)}"
-        yield f"not compared: {which}: {reason}"
+        yield f"not compared: {which}: {why}"
     yield from _odd_lines(arm)
-    yield from (f"note: {warning}" for warning in arm.warnings)
+    yield from (f"note: {sentence_of(warning)}" for warning in arm.warnings)
 
 
 def _odd_lines(arm: ArmDrift) -> Iterator[str]:

@@ -11,7 +11,7 @@ from friction_audit.drift.session import Session
 from friction_audit.errors import shortened
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.reporting.drift_words import UNITS
-from friction_audit.reporting.notices import session_sentences
+from friction_audit.reporting.notices import session_sentences, text_of
 from friction_audit.reporting.table import JOINT, NAME, Column, Record, to_json
 from friction_audit.reporting.words import SHORTEST_NAME, format_start, iso_start, joint_label
 
@@ -33,7 +33,7 @@ SESSION_JOINT = Record(
     Column("speed_quartiles_rad_s", [float], "quartiles of the speed in motion", "speed_rad_s"),
     Column("temperature", float, "mean of the logged temperature", unit="°C"),
     Column("relative_change_within_session", {"*": Coefficient}, "from the first to the last third", "within"),
-    Column("reason", str, "why there is no estimate", null=True),
+    Column("reason", str, "why there is no estimate", lambda one: text_of(one.reason), null=True),
     Column("verdict", str, "of `diagnose`, null if it was not asked", lambda one: one.verdict or None, null=True),
     Column("effects", [str], "effects that it named"),
     Column("curve", CURVE, "torque against speed"),
@@ -165,6 +165,6 @@ def _value_rows(arm: ArmDrift) -> Iterator[SimpleNamespace]:
                 yield SimpleNamespace(
                     place=k, session=session, joint=joint, coefficient=name,
                     own=joint.coefficients.get(name, UNDETERMINED), within=joint.within.get(name, UNDETERMINED),
-                    left_out=left_out.get(k, ""), is_compared=k in used, reference=k in reference, compared=value,
-                    isolated=isolated, control=control.get(key),
+                    left_out=text_of(left_out.get(k, ())), is_compared=k in used, reference=k in reference,
+                    compared=value, isolated=isolated, control=control.get(key),
                 )  # fmt: skip

@@ -24,6 +24,7 @@ from friction_audit.errors import printable
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_numbers import write_joint_numbers
 from friction_audit.reporting import words
+from friction_audit.reporting.notices import text_of
 from friction_audit.reporting.table import Tone
 from friction_audit.reporting.words import NEWTON_METRES, NOTHING, count_of, format_date, format_start, in_unit
 
@@ -60,7 +61,7 @@ def describe(found: CoefficientDrift, sessions: Sequence[Session]) -> str:
     """Return one sentence on a coefficient over the sessions of its arm, without a full stop."""
     parts = [headline(found, sessions)]
     if found.shape == "too_few":  # with the reason that most sessions share
-        clauses = Counter(re.split("[:;]", reason)[0] for reason in found.reasons)
+        clauses = Counter(re.split("[:;]", text_of(reason))[0] for reason in found.reasons)
         return "; ".join([*parts, *(f"{why} ({count_of(n, 'session')})" for why, n in clauses.most_common(1))])
     if isfinite(found.speed_ratio):
         parts.append(f"the speed of motion changed with it ({found.speed_ratio:.2g} times), compare at like speed")

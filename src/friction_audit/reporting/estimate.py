@@ -9,7 +9,7 @@ from friction_audit.io.writers.tables import TidyTable
 from friction_audit.pipeline import Estimate
 from friction_audit.preprocessing.energy_cycles import REASONS
 from friction_audit.reporting.documents import ResultDocument
-from friction_audit.reporting.notices import estimate_notices, log_line, physics_of, reason_lines
+from friction_audit.reporting.notices import estimate_notices, log_line, physics_of, reason_lines, text_of
 from friction_audit.reporting.table import ALL, INTERVAL, JOINT, NAME, Column, Record, joint_column
 from friction_audit.reporting.words import format_coefficient, in_unit, joint_label
 
@@ -83,7 +83,7 @@ FRICTION = Record(
     Column("viscous", Coefficient, get="regression.viscous", unit="N m s/rad", title="regression: viscous", on="p"),
     Column("residual_rms", float, get="regression.residual_rms_nm", unit="N m", on="f"),
     Column(
-        "reason", str, "why there is no estimate", null=True,
+        "reason", str, "why there is no estimate", lambda one: text_of(one.reason), null=True,
         form=lambda reason: f"no estimate: {reason}", title="remark", on="jfp",
     ),
     Column("regression", REGRESSION, "the torque regression, for comparison", on="j", null=True),
@@ -148,7 +148,7 @@ def estimate_lines(estimate: Estimate) -> list[str]:
     window = f"history over up to {settings.cycles_per_point} cycles; intervals are 95 %"
     lines = [
         log_line(estimate.log),
-        "; ".join(text for text in (f"interaction torque: {choice.formula}", choice.reason) if text),
+        "; ".join(text for text in (f"interaction torque: {choice.formula}", text_of(choice.reason)) if text),
         f"drive {choice.drive}, gravity {choice.gravity}, inertia {choice.inertia}; {SIGN[choice.sign_proved]}",
         f"estimator: {estimate.friction.estimator}, {settings.model} model, {window}",
         *FRICTION.people(joints, "t", unit=unit).lines(marked),

@@ -4,12 +4,12 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from friction_audit.export.export import Export
+from friction_audit.presets import FRANKA
 from friction_audit.reporting.documents import WARNINGS
-from friction_audit.reporting.notices import Notice, estimate_notices, notice
+from friction_audit.reporting.notices import Notice, estimate_notices, notice, text_of
 from friction_audit.reporting.table import Column, Document, Record, joint_column
 
 ROUNDED = 1e-3  # share of the friction below which an error of the fit is nothing to a simulator
-INNER_LOOP = ("panda", "fr3")  # arms whose joints have an inner torque loop
 
 JOINT = Record(
     Column("joint", int, "number, from 1", "law.joint", on="j"),
@@ -40,7 +40,7 @@ def export_notices(export: Export) -> Iterable[Notice]:
     """Yield what the user must know of the numbers in the file."""
     yield from estimate_notices(export.estimate) if export.estimate else ()
     target = export.target.name
-    yield from (notice("no_friction", number, why=why) for number, why in export.lacking)
+    yield from (notice("no_friction", number, why=text_of(why)) for number, why in export.lacking)
     for joint in export.joints:
         number, fitted, speeds = joint.law.joint, joint.fitted, joint.law.speeds
         if joint.law.left_out:
@@ -52,7 +52,7 @@ def export_notices(export: Export) -> Iterable[Notice]:
         yield notice("joints_by_order", pairs=", ".join(f"{one.law.name} = {one.name}" for one in export.joints))
     if export.armature_unknown:
         yield notice("armature_left_out")
-    if export.estimate and export.estimate.log.source.robot in INNER_LOOP:
+    if export.estimate and export.estimate.log.source.robot in FRANKA:
         yield notice("inner_torque_loop", robot=export.estimate.log.source.robot)
 
 

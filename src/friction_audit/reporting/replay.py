@@ -13,7 +13,7 @@ from friction_audit.friction.history import Coefficient
 from friction_audit.io.writers.tables import TidyTable
 from friction_audit.pipeline import LogReplay
 from friction_audit.reporting.documents import ResultDocument
-from friction_audit.reporting.notices import log_line, physics_of, reason_lines, replay_notices
+from friction_audit.reporting.notices import log_line, physics_of, reason_lines, replay_notices, text_of
 from friction_audit.reporting.table import ALL, JOINT, NAME, PEOPLE, Column, Record, joint_column, to_json
 from friction_audit.reporting.words import in_unit, with_unit
 
@@ -147,9 +147,10 @@ JOINT_REPLAY = Record(
         form=lambda found: "no" if found.violations else f"yes, acted in {found.active_cycles} cycles",
     ),
     Column("friction_step", STEP, "a step of friction in the log, or null", "recovery", on="j", null=True),
-    Column("reason", str, "why the joint cannot be replayed", null=True),
+    Column("reason", str, "why the joint cannot be replayed", lambda j: text_of(j.reason), null=True),
     Column(
-        "remark", str, get=lambda j: f"diverges at {j.numbers.diverged_s:.3g} s" if _diverged(j) else j.reason, on="p",
+        "remark", str, on="p",
+        get=lambda j: f"diverges at {j.numbers.diverged_s:.3g} s" if _diverged(j) else text_of(j.reason),
     ),
     Column("history", HISTORY, "per cycle of the compensator", on="j"),
     name="replay_joints",

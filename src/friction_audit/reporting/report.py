@@ -20,7 +20,7 @@ from friction_audit.reporting.diagnosis_tables import TONES, WORDS, effect_rows
 from friction_audit.reporting.diagnosis_words import joint_message, plain_names
 from friction_audit.reporting.documents import SETTINGS, SOURCE, WARNINGS, settings_document
 from friction_audit.reporting.estimate import ESTIMATE, estimate_tables
-from friction_audit.reporting.notices import Notice, diagnose_notices, estimate_notices, replay_notices
+from friction_audit.reporting.notices import Notice, diagnose_notices, estimate_notices, replay_notices, text_of
 from friction_audit.reporting.replay import REPLAY, replay_tables
 from friction_audit.reporting.table import JOINT, NAME, Column, Document, Record, Tone, joint_column
 from friction_audit.reporting.words import count_of, enumerate_words, with_unit
@@ -160,7 +160,7 @@ def verdict_word(joint: JointReport) -> str:
 def friction_words(friction: JointFriction) -> str:
     """Return the coefficients with their intervals, or why there are none."""
     if friction.reason:
-        return f"{NO_ESTIMATE}: {friction.reason}"
+        return f"{NO_ESTIMATE}: {text_of(friction.reason)}"
     found = (("Coulomb", friction.coulomb, "N m"), ("viscous", friction.viscous, "N m s/rad"))
     return ", ".join(f"{name} {with_unit(value, unit)}" for name, value, unit in found if not math.isnan(value.value))
 

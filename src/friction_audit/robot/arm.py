@@ -5,17 +5,16 @@ from concurrent.futures import ThreadPoolExecutor
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import lru_cache, reduce
-from importlib import import_module, resources
+from importlib import import_module
 from operator import add
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.presets import BUILT_IN
-from friction_audit.robot.urdf import Inertial, parse_urdf
 
 if TYPE_CHECKING:
     import mujoco
@@ -27,6 +26,14 @@ CHUNK = 4096
 ZERO = 1e-15  # rounding of the cosine of a right angle
 
 Payload = tuple[float, float, float, float]  # mass [kg] and place x, y, z [m] of a point mass in the flange frame
+
+
+class Inertial(NamedTuple):
+    """Mass [kg], centre of mass in the link's frame, shape (3,) [m], and inertia about it, shape (3, 3) [kg m^2]."""
+
+    mass: float
+    centre: Float
+    inertia: Float
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -230,6 +237,8 @@ def load_arm(
     gravity_vector: tuple[float, float, float] = STANDARD_GRAVITY,  # in the base frame [m/s^2]
 ) -> Arm:
     """Load the built-in Panda, or the arm of a URDF."""
+    from friction_audit.robot.urdf import parse_urdf
+
     # In a thread: MuJoCo keeps an error from its import, with all frames that it was called from, and so a whole log.
     with ThreadPoolExecutor(max_workers=1) as pool:
         mj: Any = pool.submit(import_module, "mujoco").result()
@@ -249,6 +258,8 @@ def load_arm(
 
 def read_urdf(urdf: Path | None) -> bytes:
     """Return the content of a URDF; of the built-in Panda's without a file."""
+    from importlib import resources
+
     if urdf is None:
         return resources.files("friction_audit.robot").joinpath("panda.urdf").read_bytes()
     try:

@@ -1,19 +1,17 @@
 """Reading a URDF: which of its joints count, the inertias of its links, and whether it is enough for dynamics."""
 
-import re
 from collections.abc import Iterator
 from graphlib import CycleError, TopologicalSorter
 from math import inf
-from typing import NamedTuple
 from xml.etree import ElementTree as ET
 
 import numpy as np
 
 from friction_audit.errors import UsageError, few
-from friction_audit.joint_log import Float
+from friction_audit.presets import FINGER
+from friction_audit.robot.arm import Inertial
 
 TURNING = ("revolute", "continuous")
-FINGER = re.compile("finger|gripper", re.IGNORECASE)
 # Joints with one position or none; a log has no place for that of a planar or floating one.
 _KNOWN = ("revolute", "continuous", "prismatic", "fixed")
 _MOST_LINKS = 1000  # trees are walked by recursion, here and in MuJoCo
@@ -25,14 +23,6 @@ _PLACEHOLDER = {
     "mass": {"value": "1"},
     "inertia": {"ixx": "3", "ixy": "0", "ixz": "0", "iyy": "4", "iyz": "0", "izz": "5"},
 }
-
-
-class Inertial(NamedTuple):
-    """Mass [kg], centre of mass in the link's frame, shape (3,) [m], and inertia about it, shape (3, 3) [kg m^2]."""
-
-    mass: float
-    centre: Float
-    inertia: Float
 
 
 def parse_urdf(text: bytes, where: str) -> tuple[str, dict[str, tuple[Inertial, ...]]]:

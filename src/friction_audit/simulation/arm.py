@@ -21,10 +21,10 @@ from friction_audit.simulation.settings import (
     AnyCompensator,
     JointParameters,
     Moved,
+    RecordingSettings,
     Sensors,
     Streams,
     count_ticks,
-    require_no_hand,
 )
 from friction_audit.simulation.strokes import HandPath, plan_hand
 
@@ -54,7 +54,7 @@ class Servo(Checked):
     motion: Commanded = field(default_factory=Commanded)  # what the joints are commanded to do
 
 
-class ArmSettings(Checked):
+class ArmSettings(RecordingSettings):
     """A Panda, who moves it, one recording; the tuples have one entry per joint."""
 
     robot = "panda"
@@ -80,14 +80,11 @@ class ArmSettings(Checked):
     rate_hz: float = within(1000.0, 0.0, CONTROL_RATE_HZ)  # at which states are kept [Hz]
 
     def __post_init__(self) -> None:
-        Checked.__post_init__(self)
-        count_ticks(self.duration_s, self.rate_hz)
+        RecordingSettings.__post_init__(self)
         counts = [len(part) for part in (self.joints, self.hidden, self.sensors, self.pose_rad)]
         if set(counts) != {JOINTS} or not set(self.braked) <= set(range(1, JOINTS + 1)):
             found = f"{', '.join(map(str, counts))} joints, hidden, sensors and angles, braked {self.braked}"
             raise UsageError(f"arm: {found}: expected {JOINTS} of each, and braked joints from 1 to {JOINTS}")
-        if self.driven:
-            require_no_hand(self.hidden, self.compensator)
 
     @property
     def moving(self) -> tuple[int, ...]:

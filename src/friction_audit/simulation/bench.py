@@ -27,6 +27,7 @@ from friction_audit.simulation.settings import (
     PANDA_SENSORS,
     JointParameters,
     Moved,
+    RecordingSettings,
     Sensors,
     SomeSettings,
     Streams,
@@ -34,7 +35,6 @@ from friction_audit.simulation.settings import (
     TrueMotion,
     count_ticks,
     of_each_joint,
-    require_no_hand,
     require_sane,
 )
 from friction_audit.simulation.strokes import StopAndGo
@@ -52,7 +52,7 @@ class Operator(Checked):
     motion: MotionSettings = field(default_factory=StopAndGo)  # the intended motion
 
 
-class BenchSettings(Checked):
+class BenchSettings(RecordingSettings):
     """One joint, who moves it, one recording."""
 
     robot = "unknown"
@@ -75,13 +75,10 @@ class BenchSettings(Checked):
     rate_hz: float = within(1000.0, 0.0, CONTROL_RATE_HZ)  # at which states are kept [Hz]
 
     def __post_init__(self) -> None:
-        Checked.__post_init__(self)
-        count_ticks(self.duration_s, self.rate_hz)
+        RecordingSettings.__post_init__(self)
         if (self.gravity_nm != 0.0 or self.driven) and not self.logs_sensor:
             found = "a joint with a gravity load, or one that moves by itself, cannot log the interaction torque"
             raise UsageError(f"simulation: {found}; expected logs_sensor=true")
-        if self.driven:
-            require_no_hand(self.hidden, self.compensator)
 
     def move(self, streams: Streams, path: str, progress: Progress | None) -> Moved:
         """Move one joint."""
@@ -217,7 +214,7 @@ PANDA_JOINTS = tuple(
 JOINTS = 7
 
 
-class HandGuidedPanda(Checked):
+class HandGuidedPanda(RecordingSettings):
     """One joint of a Panda moved by hand; of the others only the sensors matter."""
 
     robot = "panda"
@@ -235,12 +232,11 @@ class HandGuidedPanda(Checked):
     rate_hz: float = within(1000.0, 0.0, CONTROL_RATE_HZ)  # at which states are kept [Hz]
 
     def __post_init__(self) -> None:
-        Checked.__post_init__(self)
+        RecordingSettings.__post_init__(self)
         counts = [len(part) for part in (self.joints, self.hidden, self.sensors, self.pose_rad)]
         if not 1 <= self.joint <= JOINTS or set(counts) != {JOINTS}:
             found = f"joint {self.joint}, {', '.join(map(str, counts))} joints, hidden, sensors and angles"
             raise UsageError(f"Panda: {found}: expected a joint from 1 to {JOINTS} and {JOINTS} of each")
-        count_ticks(self.duration_s, self.rate_hz)
         # Effects that do nothing in a joint at rest would stand in the truth.
         for number, hidden in enumerate(self.hidden, start=1):
             groups, rests = hidden.present(), number != self.joint

@@ -8,7 +8,7 @@ import numpy as np
 from friction_audit.compensation.law import FINITE, Checked, positive, within
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.simulation.strokes import SHORTEST_S, Intention, Prescribed, SlowSweep, StopAndGo, area, course
+from friction_audit.simulation.strokes import SHORTEST_S, Intention, Prescribed, SlowSweep, StopAndGo, area, min_jerk
 
 WIDEST = 0.5  # up to this spread, the speed never changes its sign inside a half-period
 ROUNDING = 1e-9  # a half-period that ends with the recording still fits
@@ -32,7 +32,7 @@ class Sinusoid(Checked):
         halves, pace = t / half_period, np.full_like(t, 1 / half_period)
         if self.ease_s > 0:
             eased = t / self.ease_s
-            halves, pace = self.ease_s * area(eased) / half_period, course(eased)[0] / half_period
+            halves, pace = self.ease_s * area(eased) / half_period, min_jerk(eased)[0] / half_period
         fitting = int(halves[-1] + ROUNDING)
         pace[halves >= fitting] = 0.0
         halves = np.minimum(halves, fitting)
@@ -41,7 +41,7 @@ class Sinusoid(Checked):
         ends[0] = self.amplitude_rad
         end = np.minimum(np.floor(halves), fitting).astype(np.intp)
         passed, change = halves - end, np.diff(ends)[end]
-        covered, slope = course(passed)
+        covered, slope = min_jerk(passed)
         amplitude, change = ends[end] + change * covered, change * slope
         half = np.minimum(np.floor(halves), max(fitting - 1, 0))
         x, side = halves - half, np.where(half % 2 == 0, 1.0, -1.0)
@@ -86,7 +86,7 @@ def intend_joints(settings: Commanded, joints: int, ticks: int, dt: float, rng: 
     phase = rng.uniform(0.0, 2 * np.pi, pulsation.shape)
     # A factor that rises from 0 to 1 and falls to 0 at the end, and its derivative [1/s].
     ease_s = min(settings.ease_s, t[-1] / 2)
-    (rise, steeper), (fall, flatter) = course(t / ease_s), course((t[-1] - t) / ease_s)
+    (rise, steeper), (fall, flatter) = min_jerk(t / ease_s), min_jerk((t[-1] - t) / ease_s)
     envelope, steepness = np.minimum(rise, fall), (steeper - flatter) / ease_s
     position, velocity = np.empty((2, ticks + 1, joints))
     for joint in range(joints):

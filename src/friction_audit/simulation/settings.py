@@ -1,6 +1,6 @@
 """Checks that settings share, the joint, its sensors, the clock of a recording; and what a simulation gives."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, NamedTuple, TypeAlias
 
@@ -21,19 +21,24 @@ FINEST_STEP = 1e-9  # readings are kept to so many places (``sensors.SCALE``)
 SomeSettings: TypeAlias = Any  # of a bench, of one joint of a Panda or of an arm, whose modules import this one
 
 
-def require_no_hand(hidden: Iterable[Any], compensator: object) -> None:
-    """Refuse what takes a person's hand where motors move the joints: sensors read all that these give."""
-    unlogged = any(inside.unlogged_compensation.share != 0.0 for inside in hidden)
-    if unlogged or compensator is not None:
-        what = "unlogged_compensation" if unlogged else "a friction compensator"
-        raise UsageError(f"simulation: {what} takes a hand that moves the joints; expected driven=false")
-
-
 def count_ticks(duration_s: float, rate_hz: float) -> int:
     """Return the number of the controller's ticks in a recording, after checking that it is long enough."""
     if duration_s * rate_hz < 2.0:  # noqa: PLR2004 - as the message says
         raise UsageError(f"simulation: {duration_s:g} s at {rate_hz:g} Hz: expected at least 2 sampling intervals")
     return round(duration_s * CONTROL_RATE_HZ)
+
+
+class RecordingSettings(Checked):
+    """Settings of a recording: its length, and who moves the joints."""
+
+    def __post_init__(self: SomeSettings) -> None:
+        """Refuse one that is too short, and what takes a person's hand where motors move the joints."""
+        Checked.__post_init__(self)
+        count_ticks(self.duration_s, self.rate_hz)
+        unlogged = any(inside.unlogged_compensation.share != 0.0 for inside in self.hidden)
+        if self.driven and (unlogged or self.compensator is not None):  # sensors read all that motors give
+            what = "unlogged_compensation" if unlogged else "a friction compensator"
+            raise UsageError(f"simulation: {what} takes a hand that moves the joints; expected driven=false")
 
 
 class Streams(NamedTuple):

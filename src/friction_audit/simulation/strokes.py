@@ -12,7 +12,7 @@ from friction_audit.compensation.law import FINITE, Checked, positive, within
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 
-PEAK = 1.875  # steepest slope of the course, half-way: the peak speed of a stroke of length 1 in time 1
+PEAK = 1.875  # steepest slope of ``min_jerk``, half-way: the peak speed of a stroke of length 1 in time 1
 REST_S = 0.5  # rest before the first stroke of a motion and after the last
 SHORTEST_S = 0.01  # no person starts a stroke and ends it in less
 
@@ -24,7 +24,7 @@ class Intention(NamedTuple):
     velocity: Float  # its exact derivative [rad/s]
 
 
-def course(x: Float) -> tuple[Float, Float]:
+def min_jerk(x: Float) -> tuple[Float, Float]:
     """Return the share of the way covered at the share x of the time, and its derivative; level outside of [0, 1]."""
     x = np.clip(x, 0.0, 1.0)
     covered = x * x * x * (10.0 + x * (6.0 * x - 15.0))
@@ -32,7 +32,7 @@ def course(x: Float) -> tuple[Float, Float]:
 
 
 def area(x: Float) -> Float:
-    """Return the integral from 0 to x of the course, which stays 0 below 0 and 1 above 1."""
+    """Return the integral from 0 to x of ``min_jerk``, which stays 0 below 0 and 1 above 1."""
     inside = np.clip(x, 0.0, 1.0)
     return inside**4 * (2.5 + inside * (inside - 3.0)) + np.maximum(x - 1.0, 0.0)
 
@@ -51,7 +51,7 @@ def at_constant_speed(t: Float, start_s: Float, way: Float, speed: Float, ease_s
     fall = rise - (np.abs(way) / speed / ease_s)[stroke]
     signed, origin = np.copysign(speed, way)[stroke], (np.cumsum(way) - way)[stroke]
     position = origin + signed * ease_s[stroke] * (area(rise) - area(fall))
-    return Intention(position, signed * (course(rise)[0] - course(fall)[0]))
+    return Intention(position, signed * (min_jerk(rise)[0] - min_jerk(fall)[0]))
 
 
 STRATA = 10  # the speeds of so many strokes in a row are spread evenly over their distribution
@@ -97,7 +97,7 @@ class StopAndGo(Checked):
             place, direction = place + way, float(np.sign(way))
         strokes, t = np.array(rows), np.arange(ticks + 1, dtype=np.float64) * dt
         start, lasts, origin, length = strokes[latest(strokes[:, 0], t)].T
-        covered, slope = course((t - start) / lasts)
+        covered, slope = min_jerk((t - start) / lasts)
         return Intention(origin + length * covered, length / lasts * slope)
 
 
@@ -266,7 +266,7 @@ def plan_hand(settings: HandPath, ticks: int, dt: float, rng: np.random.Generato
         pose = pose + change
     strokes, t = np.array(rows), np.arange(ticks + 1, dtype=np.float64) * dt
     start, lasts, origin, change = np.split(strokes[latest(strokes[:, 0], t)], [1, 2, 8], axis=1)
-    covered, slope = course((t[:, np.newaxis] - start) / lasts)
+    covered, slope = min_jerk((t[:, np.newaxis] - start) / lasts)
     position, rotation = np.hsplit(origin + covered * change, 2)
     velocity, turning = np.hsplit(slope / lasts * change, 2)
     # The angular velocity in the world's axes, by the left Jacobian of the rotation group.

@@ -62,12 +62,12 @@ def compare(
             tuning=tuning,
             role=role,
             tuning_losses=losses,
-            outcomes=tuple(outcome for outcome, _ in heap),
+            outcomes=tuple(outcome for outcome, _ in trials),
             margins=own,
             margin=median_interval(own),
-            course=heap[0][1],
+            course=trials[0][1],
         )
-        for (method, tuning, role, losses), heap, own in zip(chosen, tried, margins, strict=True)
+        for (method, tuning, role, losses), trials, own in zip(chosen, tried, margins, strict=True)
     ]
     return Comparison(
         scene=scene.name,
@@ -129,7 +129,7 @@ class _Trials:
         return [[next(done) for _ in seeds] for _ in settings]
 
     def sweep(self, methods: Sequence[Method], seeds: Sequence[int]) -> tuple[Curve, ...]:
-        """Make the sweeps of methods, all trials in one heap."""
+        """Make the sweeps of methods, all trials at once."""
         scene = self.scene
         sweeps = [(method, sweep) for method in methods for sweep in method.sweeps[: scene.sweeps]]
         values = [sweep.values[:: ceil(len(sweep.values) / scene.most_values)] for _, sweep in sweeps]
@@ -138,8 +138,8 @@ class _Trials:
         curves = []
         for (method, sweep), some in zip(sweeps, values, strict=True):
             points = [
-                Point(value=value, tuning=tuning, outcomes=tuple(outcome for outcome, _ in heap))
-                for value, (tuning, heap) in zip(some, tried, strict=False)
+                Point(value=value, tuning=tuning, outcomes=tuple(outcome for outcome, _ in trials))
+                for value, (tuning, trials) in zip(some, tried, strict=False)
             ]
             held = [point.value for point in takewhile(lambda point: not point.losses, points)]
             boldest = held[-1] if held else None

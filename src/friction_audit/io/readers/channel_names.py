@@ -9,7 +9,7 @@ from typing import NamedTuple
 from friction_audit.errors import InputError, few
 from friction_audit.io.readers.reader import SeveralLogsError
 from friction_audit.joint_log import Source
-from friction_audit.presets import ARM_JOINT, PRESETS, candidates
+from friction_audit.presets import ARM_JOINT, FINGER, PRESETS, candidates
 
 # Channel -> words for its quantity, the best first. A name is read word by word: ``MeasuredJointPosition_A1`` holds a
 # quantity (position), words that say nothing about it (measured, joint, a) and one number, and nothing else.
@@ -102,7 +102,7 @@ def parse_name(name: str) -> ForeignName | None:
     text = name.strip("- ")
     units = " ".join(_BRACKETED_UNIT.findall(text))
     bare = _BRACKETED_UNIT.sub(lambda unit: " " * len(unit[0]), _IN_PARENTHESES.sub(r"[\1]", text))
-    tried = (pattern for part, pattern in _PATTERNS if re.search(part, bare) and not _FINGER.search(text))
+    tried = (pattern for part, pattern in _PATTERNS if re.search(part, bare) and not FINGER.search(text))
     match = next((found for pattern in tried if (found := re.fullmatch(pattern, bare))), None)
     if match is None or OTHER_UNIT.search(units):
         return None
@@ -270,7 +270,6 @@ def positions_of(part: str, names: Sequence[str]) -> list[int]:
 DRIVER_NODES = {"franka_state_controller", "franka_robot_state_broadcaster", "joint_state_broadcaster",
                  "joint_state_controller", "franka"}  # fmt: skip
 UNNAMED_ARM = "joint"  # what an arm without prefix is called after the # of --topic
-_FINGER = re.compile(r"finger|gripper", re.IGNORECASE)  # no part of the arm
 _LAST_NUMBER = re.compile(r"(.*?)(\d+)")
 _MAKE = re.compile("|".join(("franka", "lbr", r"fr3v\d_\d", *(one.pattern for one in PRESETS.values()))), re.IGNORECASE)
 _FEWEST_OF_A_SECOND_ARM = 2  # a single numbered joint next to an arm (a lift, a gripper) is not a second arm
@@ -282,7 +281,7 @@ def arms_in(names: Sequence[str]) -> dict[str, tuple[str, ...]]:
     Where no name ends in ``joint`` and a number, there is one arm, "": names that differ in a number at their end alone
     (``A1``) in the order of the numbers, others in the order of the message.
     """
-    bodies = [name for name in dict.fromkeys(names) if not _FINGER.search(name)]
+    bodies = [name for name in dict.fromkeys(names) if not FINGER.search(name)]
     numbered: dict[str, list[tuple[int, str]]] = {}
     for name in bodies:
         if match := ARM_JOINT.match(name):

@@ -5,6 +5,7 @@ import json
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
+from importlib.resources import files
 from itertools import count
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -70,43 +71,16 @@ def _write_ros(message: ros.MessageType, log: JointLog, path: Path) -> None:
 
 
 _SCHEMA = "foxglove.JointStates"
-_NUMBER = {"type": "number"}
-_JOINT = {"name": {"type": "string"}, **dict.fromkeys(("position", "velocity", "acceleration", "effort"), _NUMBER)}
-_TIME = {"type": "object", "properties": {"sec": {"type": "integer"}, "nsec": {"type": "integer"}}}
-_JSON_SCHEMA = {
-    "title": _SCHEMA,
-    "description": "The state of joints",
-    "type": "object",
-    "properties": {
-        "timestamp": {"title": "time", **_TIME},
-        "joints": {"type": "array", "items": {"type": "object", "properties": _JOINT}},
-    },
-}
+_DEFINITIONS = files("friction_audit.io.writers") / "foxglove"
 
 
 def _descriptors() -> Any:  # noqa: ANN401 - a FileDescriptorSet
-    """Return the same as protobuf: foxglove/JointState.proto and foxglove/JointStates.proto."""
-    from google.protobuf import timestamp_pb2
-    from google.protobuf.descriptor_pb2 import FileDescriptorSet
+    """Return the schema as protobuf."""
+    from google.protobuf import descriptor_pb2, text_format, timestamp_pb2
 
-    found, form = FileDescriptorSet(), {"package": "foxglove", "syntax": "proto3"}
+    found: Any = descriptor_pb2.FileDescriptorSet()
     timestamp_pb2.DESCRIPTOR.CopyToProto(found.file.add())
-    joint = found.file.add(name="foxglove/JointState.proto", **form).message_type.add(name="JointState")
-    one, many = {"label": "LABEL_OPTIONAL"}, {"label": "LABEL_REPEATED"}
-    for number, name in enumerate(_JOINT, start=1):
-        if name == "name":
-            joint.field.add(name=name, number=number, type="TYPE_STRING", **one)
-            continue
-        # Optional, so that a number that is not there is none.
-        own = {"oneof_index": len(joint.oneof_decl), "proto3_optional": True}
-        joint.field.add(name=name, number=number, type="TYPE_DOUBLE", **one, **own)
-        joint.oneof_decl.add(name=f"_{name}")
-    file = found.file.add(name="foxglove/JointStates.proto", **form)
-    file.dependency.extend(["google/protobuf/timestamp.proto", "foxglove/JointState.proto"])
-    states, of_type = file.message_type.add(name="JointStates"), {"type": "TYPE_MESSAGE"}
-    states.field.add(name="timestamp", number=1, type_name=".google.protobuf.Timestamp", **of_type, **one)
-    states.field.add(name="joints", number=2, type_name=".foxglove.JointState", **of_type, **many)
-    return found
+    return text_format.Merge((_DEFINITIONS / "JointStates.txtpb").read_text(encoding="utf-8"), found)
 
 
 def _write_foxglove(log: JointLog, path: Path, *, encoding: str) -> None:
@@ -130,7 +104,9 @@ def _write_foxglove(log: JointLog, path: Path, *, encoding: str) -> None:
                 filled = joint_states(timestamp={"seconds": sec, "nanos": nsec}, joints=joints)
                 yield stamp, 0, filled.SerializeToString()
 
-    schema = json.dumps(_JSON_SCHEMA).encode() if is_json else descriptors.SerializeToString()
+    schema = descriptors.SerializeToString()
+    if is_json:
+        schema = json.dumps(json.loads((_DEFINITIONS / "JointStates.json").read_text(encoding="utf-8"))).encode()
     channel = Channel("/joint_states", _SCHEMA, "jsonschema" if is_json else encoding, schema, encoding)
     write_channels(path, (channel,), messages())
 

@@ -15,8 +15,10 @@ from matplotlib.ticker import MaxNLocator
 
 from friction_audit.errors import UsageError, printable, shortened
 from friction_audit.joint_log import Float, median_step
+from friction_audit.preprocessing.interaction import Reason
 from friction_audit.reporting.figures import style as theme
 from friction_audit.reporting.figures.style import COLUMN_IN, Look, figure_style
+from friction_audit.reporting.notices import text_of
 from friction_audit.reporting.words import NEWTON_METRES, SHORTEST_NAME, in_unit, joint_label, joints_label
 
 HANDLE_PT, LETTER_PT, LONGEST_FORMULA = 26.0, 3.5, 24  # room that a label of a legend takes; of formulas, less is seen
@@ -154,12 +156,12 @@ def write_message(
     )  # fmt: skip
 
 
-def write_reason(axes: Axes, lack: str, reason: str, *, characters: int = 44) -> None:
+def write_reason(axes: Axes, lack: str, reason: Reason, *, characters: int = 44) -> None:
     """Write why a result is lacking, if there is a reason, without the advice in it; on a sheet that it is lacking."""
     if len(axes.figure.axes) > MOST_WITH_REASON:  # a sentence in each small panel would cover what it shows
-        write_message(axes, reason and lack, height=0.94)
+        write_message(axes, lack if reason else "", height=0.94)
         return
-    write_message(axes, reason and f"{lack}: {reason.partition(';')[0]}", characters=characters)
+    write_message(axes, f"{lack}: {text_of(reason).partition(';')[0]}" if reason else "", characters=characters)
 
 
 def mark_zero(axes: Axes, *, x: bool = False, y: bool = True, **look: Any) -> None:

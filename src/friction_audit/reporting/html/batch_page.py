@@ -10,6 +10,7 @@ from friction_audit.reporting import drift as tables, drift_words as phrases
 from friction_audit.reporting.drift_sessions import LEFT_OUT, NUMBER, SESSION, SessionRow, coefficient_column
 from friction_audit.reporting.figures.registry import FigureKind, figures_of
 from friction_audit.reporting.html import page as html
+from friction_audit.reporting.notices import sentence_of, text_of
 from friction_audit.reporting.table import Record, Table
 from friction_audit.reporting.words import count_of, enumerate_words, joint_label, joints_label
 
@@ -111,8 +112,8 @@ def _arm_section(arm: ArmDrift, anchor: str, figures: tuple[html.Figure, ...], m
         html.Section(f"{anchor}-diagnosis", "What the model misses", (_diagnosed(arm),)),
         html.Section(f"{anchor}-sessions", "Sessions", tuple(_session_tables(arm, most))),
     )
-    noted = html.Text(arm.warnings, listed=True, tone="unsure")
-    missing = [SessionRow(k, arm.sessions[k], reason) for k, reason in arm.left_out]
+    noted = html.Text([*map(sentence_of, arm.warnings)], listed=True, tone="unsure")
+    missing = [SessionRow(k, arm.sessions[k], text_of(reason)) for k, reason in arm.left_out]
     caption = "Sessions that were not compared, and why"
     left_out = LEFT_OUT.people(missing, caption=caption, folded=len(missing) > ACROSS)
     parts = (html.Text((f"{phrases.sessions_text(arm)}.",)), left_out, noted)

@@ -16,7 +16,7 @@ from friction_audit.reporting.figures.panels import label_in_unit
 from friction_audit.reporting.figures.registry import FigureKind, figures_of
 from friction_audit.reporting.html import page as html
 from friction_audit.reporting.info import MOTION, facts_of, summarize_log
-from friction_audit.reporting.notices import estimate_notices, notice_lines, notices, physics_of, reason_lines
+from friction_audit.reporting.notices import estimate_notices, notice_lines, notices, physics_of, reason_lines, text_of
 from friction_audit.reporting.replay import JOINT_REPLAY, describe_compensator
 from friction_audit.reporting.table import Column, Record, joint_column
 from friction_audit.reporting.words import MARK, NOTHING, format_start, in_unit, joint_label, joints_label
@@ -197,7 +197,7 @@ def _recording(report: made.LogReport) -> Iterator[html.Part]:
     summary, choice = summarize_log(log, estimate.interaction, estimate.cycles), estimate.interaction.choice
     source = {"file": log.source.path, "SHA-256": log.source.sha256, "serial number": log.source.serial}
     facts = (pair for pair in facts_of(summary) if pair[0] != "channel")
-    pairs = [*source.items(), *facts, ("torque source", choice.reason)]
+    pairs = [*source.items(), *facts, ("torque source", text_of(choice.reason))]
     yield html.Terms([(name, in_unit(text, unit)) for name, text in pairs if text])
     yield MOTION.people(summary.joints, caption="How the joints moved")
     caption = "Channels as they are called in the log; {i} is the number of the joint"
