@@ -39,11 +39,6 @@ def test_mypy_is_clean(request: pytest.FixtureRequest) -> None:
     assert result.returncode == 0, result.stdout + result.stderr
 
 
-def test_no_module_is_a_drawer_for_odds_and_ends() -> None:
-    drawers = {"utils", "util", "helpers", "common", "tools", "misc"}
-    assert [p for p in (ROOT / "src").rglob("*.py") if p.stem in drawers] == []
-
-
 def test_the_readme_gives_the_two_commands_and_ci_runs_the_second() -> None:
     readme = (ROOT / "README.md").read_text()
     assert "<!-- main job -->" in readme

@@ -100,7 +100,7 @@ def test_one_way_motion_proves_no_sign() -> None:
     assert np.isfinite(found.torque).all()
 
 
-@pytest.mark.parametrize(("name", "reason"), [(AT_REST, "did not move: "), (ONE_WAY, "all motion has one direction")])
+@pytest.mark.parametrize(("name", "reason"), [(AT_REST, "did not move: "), (ONE_WAY, "all motion that counts has one")])
 def test_an_arm_at_rest_or_moved_one_way_has_no_answer(
     name: str, reason: str, capsys: pytest.CaptureFixture[str]
 ) -> None:

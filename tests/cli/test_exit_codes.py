@@ -71,6 +71,7 @@ REFUSED = [
     ("replay {logs}/moved1.csv --assume same-operator --operator 0,0,0", 2, "at least one of them"),
     ("replay {logs}/moved1.csv --compensator-model viscous --compensator-window 0", 2, "window 0"),
     ("replay {logs}/moved1.csv --max-torque -1", 2, "'--max-torque': -1: expected a number above zero"),
+    ("diagnose {logs}/moved1.csv --at-most 0", 2, "'--at-most': 0: expected a number above zero"),
     ("replay {logs}/moved1.csv --cycles-from hand", 2, ""),
     ("compare --set driven=true", 2, "driven"),
     ("info {logs}/empty.csv", 3, "error: "),

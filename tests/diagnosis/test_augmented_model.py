@@ -15,7 +15,6 @@ from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel,
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.interaction import Caution
-from friction_audit.reporting.notices import sentence_of
 from tests.dynamics.joints import simulate
 from tests.effects.joint_data_by_hand import joint_of
 from tests.reporting.conftest import build_estimate
@@ -71,7 +70,7 @@ def test_friction_below_zero_is_no_model_and_said_unless_it_may_be_zero() -> Non
     assert model.joints == (None, None, None)
     (lack,) = lacking
     assert lack.joint == 1
-    assert "viscous_nms_per_rad = -0.01; expected a number from 0" in sentence_of(lack)
+    assert "viscous_nms_per_rad = -0.01; expected a number from 0" in lack.numbers["error"]
     maybe = {**NAMED.augmented, "viscous_nms_per_rad": coefficient(-0.01, 0.02)}
     assert augmented(replace(NAMED, augmented=maybe)).joints[0].values("viscous") == (0.0,)
 
@@ -81,7 +80,7 @@ def test_a_term_of_the_nominal_model_that_is_found_again_is_no_model() -> None:
     arm = nominal_arm(STRIBECK_TERM)
     model, lacking = augment_models((replace(NAMED, augmented=fitted),), LOG, arm)
     assert model.joints == arm.joints
-    assert "stribeck stands twice" in sentence_of(lacking[0])
+    assert "stribeck stands twice" in lacking[0].numbers["error"]
 
 
 def test_an_effect_that_is_no_term_is_left_out_and_said() -> None:

@@ -47,7 +47,6 @@ def joint_data(q: Float, dq: Float, ddq: Float) -> JointData:
 
 
 def two_sines(duration_s: float = 60.0) -> JointData:
-    """Strokes of different length and speed."""
     return joint_data(*sines(np.arange(0.0, duration_s, STEP_S), (0.7, 2.0, 0.0), (0.4, 3.3, 0.0)))
 
 

@@ -195,7 +195,6 @@ LOAD = np.asarray(MOTION.load) + REST
 
 
 def law_of(function: str) -> Any:
-    """A formula of the simulator, in the family that has it."""
     modules = (import_module(effect.__module__) for effect in EFFECTS)
     return next(getattr(module, function) for module in modules if hasattr(module, function))
 

@@ -165,9 +165,6 @@ def test_the_opposite_of_a_torque_is_not_explained(name: str, data: JointData, t
     assert share_explained(effect_of(name), data, torque) < most
 
 
-# What the grids hold
-
-
 def values(name: str, parameter: str, data: JointData = DATA) -> list[float]:
     return [at[parameter] for at in effect_of(name).grid(data) if at]
 
@@ -246,9 +243,6 @@ def test_columns_that_depend_on_others_are_left_out() -> None:
 )
 def test_what_pulls_like_one_link_is_not_several(weight: Sequence[Float]) -> None:
     assert SEVERAL_LINKS not in GRAVITY.grid(an_arm(*weight))
-
-
-# What is possible, and what a log lacks
 
 
 @pytest.mark.parametrize(

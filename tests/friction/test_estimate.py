@@ -111,14 +111,10 @@ def test_the_torque_regression_agrees_without_a_hidden_effect() -> None:
 @pytest.mark.parametrize(
     ("lengths", "durations", "sentence"),
     [
-        (
-            [0.05, -0.05],
-            [1.0, 1.0],
-            r"moved too slowly: the speed peaks at 0\.09\d* rad/s, below .* threshold 0\.2 rad/s",
-        ),
+        ([0.05, -0.05], [1.0, 1.0], r"moved too slowly: the speed peaks at 0\.09\d* rad/s, below .* threshold 0\.2 "),
         ([0.009, -0.009], [0.3, 0.3], r"hardly moved: by 0\.00\d+ rad"),
         ([0.001, -0.001], [1.0, 1.0], "did not move: the speed stays far below"),
-        ([0.8, 0.7, 0.6, 0.5, 0.4], [1.0] * 5, "all motion has one direction"),
+        ([0.8, 0.7, 0.6, 0.5, 0.4], [1.0] * 5, "all motion that counts has one direction"),
         ([0.8, -0.8], [1.0, 1.0], "fewer than 4 usable cycles; .*--thresholds auto"),
     ],
 )
@@ -146,8 +142,7 @@ def test_one_speed_gives_their_sum_and_not_the_two_coefficients() -> None:
     v = 0.5 * np.clip(20 * np.sin(np.pi * t), -1, 1)
     joint = estimate(t, v, friction(v, np.gradient(v, t)))
     assert np.isnan(joint.viscous.value)
-    assert "all motion has one speed (0.5 rad/s" in text_of(joint.reason)
-    assert "friction there is 0.33" in text_of(joint.reason)
+    assert re.search(r"all motion has one speed \(0\.5 rad/s.* friction there is 0\.33", text_of(joint.reason))
 
 
 def test_negative_friction_is_shown_and_warned_about() -> None:
@@ -301,8 +296,7 @@ def test_a_coefficient_with_an_interval_beyond_any_torque_is_not_determined() ->
 def test_a_dead_velocity_is_named_and_not_taken_for_standstill() -> None:
     t, q, v, _ = excitation(0.0)
     (joint,) = estimated(interaction(t, 0.0 * v, np.sign(v), q=q)).joints
-    assert "dq is dead" in text_of(joint.reason)
-    assert "did not move" not in text_of(joint.reason)
+    assert [one.code for one in joint.reason] == ["dead_velocity"]
 
 
 @pytest.mark.parametrize("freedom", [1, 2, 3, 4, 9, 10, 101, 5000])

@@ -23,7 +23,6 @@ DEAD_BAND = 0.02
 
 
 def regressed(seen: Interaction) -> Any:
-    """Regress the torque of a single joint."""
     rate_hz = 1.0 / median_step(seen.t)
     rows = RegressionRows(0, len(seen.t), rate_hz)
     rows.take(seen, filter_velocity(seen.dq[:, 0], rate_hz=rate_hz, cutoff_hz=CUTOFF_HZ), 0, len(seen.t))

@@ -37,7 +37,6 @@ def number(value: float, half: float) -> Coefficient:
 
 
 def change_of(joint: int, coefficient: str, session: int) -> float:
-    """Return the relative change that was put in."""
     step = STEP * (joint == STEP_JOINT and session >= STEP_SESSION)
     return (step + RISE * session * (joint == RISE_JOINT)) * (coefficient == "coulomb_nm")
 
@@ -141,7 +140,6 @@ def batch(*arms: ArmDrift) -> BatchSummary:
 
 
 def hostile() -> BatchSummary:
-    """Return a batch of which every word from outside is markup."""
     plain = arm(LEFT_OUT + 4, 3)
     words: dict[str, Any] = {"path": f"{HOSTILE}.csv", "robot": HOSTILE, "note": HOSTILE, "warnings": (HOSTILE,)}
     sessions = tuple(

@@ -69,7 +69,6 @@ def single() -> Estimate:
 
 @pytest.fixture
 def open_page(open_address: Open, tmp_path: Path) -> Open:
-    """Return what opens HTML text, like ``open_address``."""
 
     def opened(html: str, **look: Any) -> Opened:
         path = tmp_path / "page.html"

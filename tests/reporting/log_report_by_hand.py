@@ -36,7 +36,6 @@ def hostile() -> LogReport:
 
 
 def many(joints: int, name: str = "segment") -> LogReport:
-    """Return a report of an arm of many joints, each moving alike."""
     one = build_estimate(1, rate=100.0).log
     columns: dict[str, Any] = {name: np.repeat(channel, joints, axis=1) for name, channel in one.channels().items()}
     log = replace(one, **columns, joint_names=tuple(f"{name}_{k}" for k in range(1, joints + 1)))

@@ -33,7 +33,6 @@ ODD = r"a$\bad{$"
 
 @cache
 def result_of(kind: str, name: str = "") -> Any:
-    """Return a result with several joints, the first of which has this name."""
     if kind == "drift":
         arm = batch_by_hand.arm(8, 3)
         return replace(arm, joints=(replace(arm.joints[0], name=name or arm.joints[0].name), *arm.joints[1:]))

@@ -78,7 +78,6 @@ def test_residual_is_measured_less_model_and_effects_are_words() -> None:
 
 
 def sessions_of(summary: BatchSummary, path: Path) -> pd.DataFrame:
-    """Write the table of sessions in both forms, which hold the same, and return it."""
     for kind in ("csv", "parquet"):
         write_rows(*session_columns(summary.report.arms), path / f"sessions.{kind}", kind)
     frame: pd.DataFrame = pq.read_table(path / "sessions.parquet").to_pandas()

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from friction_audit.cli import chain, choices, options as opt
-from friction_audit.cli.choices import group, option
+from friction_audit.cli.choices import group, option, positive
 from friction_audit.cli.console import Voice
 from friction_audit.cli.grouped_help import DIAGNOSIS
 from friction_audit.cli.outputs import ResultFolder, show
@@ -45,7 +45,7 @@ class DiagnosisOptions:
     seed: int = option(
         "Seed of the screening test; no effect and no verdict depends on it.", default=0, metavar="INT", min=0
     )
-    at_most: float = option(
+    at_most: float = positive(
         "Of a longer log, so much is diagnosed, in parts spread over it [min].", default=5.0, metavar="MINUTES"
     )
     joint_model: Path | None = option(

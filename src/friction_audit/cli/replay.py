@@ -122,7 +122,10 @@ def command(
 
             # Figures and exports take all samples at once, and so does a joint that moves otherwise.
             in_blocks = folder is None and not settings.needs_whole
-            recorded = chain.read(log, replace(reading, in_blocks=in_blocks), stages, while_read(audit))
+            # The text of the terminal shows no hash; that of a model's log is compared with it.
+            hashed = shared.general.json or not in_blocks or settings.joint_model is not None
+            how = replace(reading, in_blocks=in_blocks, hashed=hashed)
+            recorded = chain.read(log, how, stages, while_read(audit))
         if settings.joint_model is not None:
             chain.check_joint_model(settings.joint_model.path, settings.joint_model.model, recorded)
         estimated = chain.estimate(recorded, audit, stages)

@@ -29,6 +29,7 @@ SPEED_BOUND_RAD_S, TORQUE_BOUND_NM = 100.0, 1e4  # beyond all arms with torque s
 # So many ticks in a row a torque at its limit has turned back: the limits hold a loop that would grow without them.
 # Noise does that for three or four ticks, a hand for one.
 REVERSALS = 50
+EVEN = 1e-8  # time constants of a filter between a step of the clock and its period
 
 
 @compiled()
@@ -104,7 +105,13 @@ def find_end(settings: Record, memory: Record, dq: float, dt: float) -> bool:
 
     It ends when the filtered speed has fallen below another one and the joint, by its velocity as measured, rests.
     """
-    gain = 1.0 if memory.ticks == 1 else 1.0 - math.exp(-settings.corner_rad_s * dt)
+    late = settings.corner_rad_s * (dt - settings.period_s)
+    if memory.ticks == 1:
+        gain = 1.0
+    elif abs(late) < EVEN:  # the first two terms of the exponential are all of it
+        gain = settings.gain + (1.0 - settings.gain) * late
+    else:
+        gain = 1.0 - math.exp(-settings.corner_rad_s * dt)
     memory.filtered_rad_s += gain * (dq - memory.filtered_rad_s)
     direction = memory.direction
     ended = (

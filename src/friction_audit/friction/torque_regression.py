@@ -131,7 +131,7 @@ def _doubt(rows: "_Rows", fit: Fit) -> Reason:
     if speed.std() < SMALLEST_SPREAD * speed.mean():
         return (Caution("one_speed_in_rows", numbers={"mean": float(speed.mean())}),)
     unit = rows.columns / np.linalg.norm(rows.columns, axis=0).clip(min=CUTOFF)
-    apart = np.linalg.qr(np.roll(unit, -2, axis=1), mode="r")[-2:, -2:]  # direction and speed without the others
+    apart = np.linalg.qr(np.roll(unit, -2, axis=1))[1][-2:, -2:]  # direction and speed without the others
     condition = 1.0 / float(np.linalg.norm(apart, -2).clip(min=CUTOFF))
     if not condition < HIGHEST_CONDITION:
         return (Caution("collinear", numbers={"condition": condition, "most": HIGHEST_CONDITION}),)

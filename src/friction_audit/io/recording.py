@@ -11,7 +11,10 @@ from friction_audit.joint_log import DERIVATIVE, Finding, Float
 from friction_audit.parallel import ahead
 
 Block = tuple[Float, dict[str, Float]]  # clock and channels of samples that follow each other
-HALF_WINDOW_S = 0.01  # of the parabola whose slope is the velocity: shorter than a change of direction by hand
+# Of the parabola whose slope is the velocity: shorter than a change of direction by hand. Of a coarse position it is
+# longer, until the slope has little noise: jitter that looks like motion adds path, and takes Coulomb friction away.
+HALF_WINDOW_S, LONGEST_HALF_WINDOW_S, NOISE_RAD_S = 0.01, 0.05, 1e-3
+MEAN_OF_THIRD = np.sqrt(20.0 * 2.0 / np.pi)  # absolute third difference of white noise, over its standard deviation
 _TURN_RAD = 2.001 * np.pi
 _PIECE = 1 << 16  # samples of a recording in memory that are looked at at a time: they stay in the processor's cache
 
@@ -156,8 +159,8 @@ class Recording:
 def with_velocity(recording: Recording, step_s: float) -> Recording:
     """Return a recording in memory with the derivative of q as dq (Savitzky and Golay, 1964), unless dq was logged.
 
-    A parabola is fitted to the samples within HALF_WINDOW_S of each: to q and to t over the sample's number, so that an
-    uneven clock does no harm. There is no phase shift.
+    A parabola is fitted to the samples within HALF_WINDOW_S of each, of a coarse position to more: to q and to t over
+    the sample's number, so that an uneven clock does no harm. There is no phase shift.
     """
     is_derived, names = recording.mapping.get("dq") == DERIVATIVE, recording.mapping
     if "dq" in recording.channels and not is_derived:
@@ -165,14 +168,21 @@ def with_velocity(recording: Recording, step_s: float) -> Recording:
     from scipy.signal import savgol_filter
 
     t, q = recording.t, recording.channels["q"]
-    width = min(2 * max(2, round(HALF_WINDOW_S / step_s)) + 1, (len(t) - 1) // 2 * 2 + 1)
+    # One position within a turn may jump from one of its ends to the other.
+    columns = [np.unwrap(column) if np.ptp(column) <= _TURN_RAD else column for column in q.T]
 
-    def slope(values: Float) -> Float:
-        return savgol_filter(values, width, 2, deriv=1) if width > 1 else np.gradient(values)
+    def fitted(half_s: float) -> tuple[int, Float]:
+        width = min(2 * max(2, round(half_s / step_s)) + 1, (len(t) - 1) // 2 * 2 + 1)
+        ts, *qs = (savgol_filter(x, width, 2, deriv=1) if width > 1 else np.gradient(x) for x in (t, *columns))
+        return width, np.asfortranarray(np.divide(qs, ts).T)
 
-    steps, rate = slope(t), np.empty(q.shape, order="F")
-    for joint, column in enumerate(q.T):  # one within a turn may jump from one of its ends to the other
-        rate[:, joint] = slope(np.unwrap(column) if np.ptp(column) <= _TURN_RAD else column) / steps
+    width, rate = fitted(HALF_WINDOW_S)
+    # Noise and resolution, from third differences without those of the clock; the slope's falls with width^1.5.
+    third = (np.diff(x, 3) - v[1:-2] * np.diff(t, 3) for x, v in zip(columns, rate.T, strict=True))
+    noise = max(float(np.abs(one).sum()) for one in third) / (MEAN_OF_THIRD * len(t))
+    enough_s = 0.5 * step_s * (np.sqrt(12.0) * noise / (NOISE_RAD_S * step_s)) ** (2.0 / 3.0)
+    if enough_s > HALF_WINDOW_S:
+        width, rate = fitted(min(enough_s, LONGEST_HALF_WINDOW_S))
     message = f"dq is the derivative of q ({names.get('q', 'q')}), by a parabola through {width} samples"
     if recording.guessed_unit:
         message += f" of a clock read in {recording.guessed_unit}"

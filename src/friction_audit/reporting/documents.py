@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import Any
 
 from friction_audit.pipeline import Estimate
+from friction_audit.preprocessing.interaction import TorqueChoice
 from friction_audit.reporting.notices import Notice, estimate_notices, left_out_notices, log_notices, text_of
 from friction_audit.reporting.table import Column, Document, Record, to_json
 
@@ -77,10 +78,15 @@ def _text(value: Any, margin: str) -> str:  # noqa: ANN401 - what JSON knows
     return ENCODE(value)
 
 
+def torque_choice(choice: TorqueChoice | None) -> dict[str, Any] | None:
+    """Return how the torque was made, and why so in words; None where it was not."""
+    return None if choice is None else to_json(choice) | {"reason": text_of(choice.reason)}
+
+
 def settings_document(estimate: Estimate, reading: Mapping[str, object]) -> dict[str, Any]:
     """Return all settings, defaults included, and the choices that the log made where the user left them open."""
     settings: dict[str, Any] = to_json(estimate.settings)
-    chosen = to_json(estimate.interaction.choice) | {"reason": text_of(estimate.interaction.choice.reason)}
+    chosen = torque_choice(estimate.interaction.choice)
     points = estimate.settings.friction.cycles_per_point
     return {"reading": to_json(dict(reading)), **settings, "torque_chosen": chosen, "cycles_per_point": points}
 

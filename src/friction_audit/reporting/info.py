@@ -12,7 +12,7 @@ from friction_audit.joint_log import JointLog
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction, TorqueChoice
 from friction_audit.presets import PRESETS, candidates
-from friction_audit.reporting.documents import WARNING, log_columns
+from friction_audit.reporting.documents import WARNING, log_columns, torque_choice
 from friction_audit.reporting.estimate import SIGN
 from friction_audit.reporting.notices import Notice, log_notices, notice, notices
 from friction_audit.reporting.table import ALL, JOINT, NAME, Column, Document, Record, joint_column
@@ -110,7 +110,9 @@ LOG = Record(
     Column("longest_gap", float, "the longest of them", "summary.longest_gap_s", unit="s"),
     Column("stale_samples", int, "repeated samples left out", "summary.stale_samples"),
     Column("clock_windows", int, "windows on which the clock was checked", "summary.log.source.clock_windows"),
-    Column("torque", dict, "how the interaction torque is made, or null", "summary.torque", null=True),
+    Column("torque", dict, "how the interaction torque is made, or null", torque_choice, null=True).at(
+        "summary.torque"
+    ),
     Column("joints", [MOTION], "per joint", "summary.joints"),
     Column("warnings", [WARNING], "what the user must know", "summary.notices"),
 )

@@ -202,6 +202,8 @@ def choose_reader(path: Path) -> Reader:
         what = f"a directory without the storage files of a bag or the {DATA_SET} of a LeRobot data set"
     elif by_suffix:
         return by_suffix[0]
+    elif starts_with(path, b'{\n  "schema": "friction-audit/'):
+        what = "a result of friction-audit, no log; give the log that it is of"
     raise InputError(f"{path}: {what}; what is read: {_FORMATS}; convert it, or choose a file inside")
 
 
