@@ -208,10 +208,7 @@ _WORK: Callable[[int], Any] | None = None  # of a forked process
 
 def _do(piece: int) -> Any:  # noqa: ANN401
     assert _WORK is not None
-    try:
-        return _WORK(piece)
-    finally:
-        release_memory()
+    return _WORK(piece)
 
 
 def _begin(work: Callable[[int], Any] | None) -> None:

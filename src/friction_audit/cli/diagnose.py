@@ -3,6 +3,7 @@
 from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -30,8 +31,8 @@ LOADED = (
     "friction_audit.friction.estimate",
     "friction_audit.diagnosis.diagnose",
     "scipy.ndimage",
-    "friction_audit.reporting.diagnosis",
 )
+REPORT = "friction_audit.reporting.diagnosis"
 
 
 @group(DIAGNOSIS)
@@ -90,7 +91,13 @@ def command(
             subjects = diagnosis_subjects(estimate, settings)
             estimate = without_samples(estimate)  # most of the memory, released before processes are forked
             recorded = estimate.log
-            diagnosed = diagnose_subjects(subjects, settings, share)
+
+            def done(part: float) -> None:
+                import_module(REPORT)  # while the next joints are diagnosed
+                if share is not None:
+                    share(part)
+
+            diagnosed = diagnose_subjects(subjects, settings, done)
             found = Diagnosis(estimate=estimate, joints=diagnosed, settings=settings)
         from friction_audit.diagnosis.result import UNANSWERED
         from friction_audit.reporting.diagnosis import diagnose_document, diagnose_lines, diagnose_tables

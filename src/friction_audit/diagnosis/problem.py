@@ -192,26 +192,24 @@ class RegressionProblem:
     def nuisances(self, baseline: Nominal) -> tuple[Nuisance, ...]:
         """Smoothing of the sign, delay of the recorder, offset of the sensor."""
         data, coulomb = self.data, abs(baseline.coulomb_nm)
-        fine = self._smoothed_sign()
-        priors: list[tuple[float, tuple[str, ...]]] = [(coulomb, ())] * len(fine)
+        fine, signs = [], self._smoothed_sign()
+        priors: list[tuple[float, tuple[str, ...]]] = [(coulomb, ())] * len(signs)
         if data.sample_s > 0:
             fine.append(-np.gradient(baseline.torque, data.step_s))
             priors.append((SAMPLE_SD * data.sample_s, ("time_delay",)))
         fine.append(np.ones(len(data.t)))
         priors.append((OFFSET_SHARE * coulomb, ("torque_bias", "asymmetric_coulomb")))
-        columns = zip(self.columns(np.column_stack(fine)), priors, strict=True)
+        columns = zip([*signs, *self.columns(np.column_stack(fine))], priors, strict=True)
         return tuple(Nuisance(column, max(sd, 1e-12), names) for column, (sd, names) in columns)
 
     def _smoothed_sign(self) -> list[Float]:
         """What a smoothed sign differs from the sign by, at the width that fits best, and its change with the width."""
-        data, inside = self.data, np.linalg.qr(self.X.T)[0].T
-        smooth = [np.tanh(data.dq / width) for width in SIGN_WIDTHS_RAD_S]
-        signs = self.columns(np.stack([one - data.way for one in smooth]).T)
+        (_, near, seen), inside = self.near, np.linalg.qr(self.X.T)[0].T
+        signs = seen(np.stack([np.tanh(near.dq / width) - near.way for width in SIGN_WIDTHS_RAD_S]).T)
         free = signs - (signs @ inside.T) @ inside
         gain = (free @ self.y) ** 2 / np.maximum(np.sum(free**2, axis=1), 1e-300)
         k = int(np.clip(np.argmax(gain), 1, len(gain) - 2))
-        low, best, high = smooth[k - 1 : k + 2]
-        return [best - data.way, 0.5 * (high - low)]
+        return [signs[k], 0.5 * (signs[k + 1] - signs[k - 1])]
 
     def model_error(self, baseline: Nominal) -> Float:
         """Standard deviation of what any formula gets wrong: at reversals and in proportion to the inertia, (m,)."""

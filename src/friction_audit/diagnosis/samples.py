@@ -81,7 +81,7 @@ class Samples:
         rows = np.ascontiguousarray(np.atleast_2d(columns.T), np.float64)
         out = filtered(rows, self.kernel, self.fine)
         if len(self.onsets.onset):
-            out[:, self.breakaway] = self.onsets.of(rows.T).T
+            out[:, np.flatnonzero(self.breakaway)] = self.onsets.of(rows.T).T
         return out[0] if columns.ndim == 1 else out.T
 
     def near(self, n: int) -> tuple[Index, "Samples"]:

@@ -20,6 +20,7 @@ from friction_audit.joint_log import Float
 DRAWS = 399  # of the bootstrap
 ROUNDING = 1e-12  # of a root mean square that was added up in another order
 RIDGE = 1e-3  # for curves over quantities that may be copies of each other
+REGULAR = 1e-8  # least eigenvalue of scaled products that are solved without their eigenvectors, in a tenth of the time
 
 
 class HeldOut(NamedTuple):
@@ -67,8 +68,13 @@ class _Model:
         grams, rights = self.grams[:, which[:, None], which], self.rights[:, which]
         total, right = grams.sum(axis=0) + np.diag(self.prior[which]), rights.sum(axis=0)
         scale = np.sqrt(np.maximum(np.diag(grams.sum(axis=0)), 1e-300))
-        inverses = np.linalg.pinv((total - grams) / scale[:, None] / scale, rcond=1e-11, hermitian=True)
-        return np.asarray(np.einsum("fij,fj->fi", inverses, (right - rights) / scale) / scale)
+        scaled, right = (total - grams) / scale[:, None] / scale, ((right - rights) / scale)[..., None]
+        try:
+            np.linalg.cholesky(scaled - REGULAR * np.eye(len(scale)))
+            found = np.linalg.solve(scaled, right)
+        except np.linalg.LinAlgError:  # a column depends on others, or is zero outside of a fold
+            found = np.linalg.pinv(scaled, rcond=1e-11, hermitian=True) @ right
+        return np.asarray(found[..., 0] / scale)
 
     def left(self, y: Float, rows: Float, coefficients: Float) -> Float:
         """What rows, shape (k, m), leave of the fold that their coefficients do not know."""

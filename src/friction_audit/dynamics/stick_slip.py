@@ -60,7 +60,7 @@ def rest_of(step: Step, share: float) -> Step:
     )
 
 
-@compiled()
+@compiled(inline=True)
 def slide(q: float, v: float, sign: float, step: Step, bent: Float, tables: Tables) -> float:
     """Return the velocity of a joint with tables after sliding through a step in one direction."""
     damping = bristle_damping(bent, sign, tables)

@@ -124,14 +124,15 @@ def _forms(term: Term, motion: Motion, empty: Tables) -> Iterable[Tables]:
         yield empty._replace(**shares)
 
 
-@compiled()
-def read(table: Float, place: float) -> float:
-    """Read a table between its entries; level beyond its ends."""
-    if len(table) == 1:
-        return float(table[0])
-    place = min(max(place, 0.0), len(table) - 1.0)
-    low = min(int(place), len(table) - 2)
-    return float(table[low] + (place - low) * (table[low + 1] - table[low]))
+@compiled(inline=True)
+def read(table: Float, way: int, place: float) -> float:
+    """Read a row of a table between its entries; level beyond its ends. (A row by itself costs as much as reading.)"""
+    last = table.shape[1] - 1
+    if last == 0:
+        return float(table[way, 0])
+    place = min(max(place, 0.0), float(last))
+    low = min(int(place), last - 1)
+    return float(table[way, low] + (place - low) * (table[way, low + 1] - table[way, low]))
 
 
 @compiled()
@@ -139,9 +140,9 @@ def taken(sign: float, q: float, speed: float, moment: float, tables: Tables) ->
     """Return what a joint takes without its bristles, forwards (1.0) or backwards, at a sample of the recording."""
     way = 0 if sign > 0.0 else 1
     place = (q - tables.place_start) / tables.place_step
-    per_speed = read(tables.place_per_speed[way], place) + read(tables.time_per_speed[way], moment)
-    torque = read(tables.speed[way], speed / tables.speed_step) + read(tables.place[way], place)
-    return torque + read(tables.time[way], moment) + per_speed * speed
+    per_speed = read(tables.place_per_speed, way, place) + read(tables.time_per_speed, way, moment)
+    torque = read(tables.speed, way, speed / tables.speed_step) + read(tables.place, way, place)
+    return torque + read(tables.time, way, moment) + per_speed * speed
 
 
 @compiled()
@@ -153,7 +154,7 @@ def taken_along(q: Float, dq: Float, tables: Tables) -> Float:
     return out
 
 
-@compiled()
+@compiled(inline=True)
 def bristle_nm(bent: Float, way: float, tables: Tables) -> float:
     """Return the torque of the bristles a displacement ahead, without damping. [N m]"""
     torque = bend(bent[0], way, tables.bristles.path, tables.bristles.torque)
@@ -162,7 +163,7 @@ def bristle_nm(bent: Float, way: float, tables: Tables) -> float:
     return torque
 
 
-@compiled()
+@compiled(inline=True)
 def bend_on(bent: Float, way: float, tables: Tables) -> None:
     """Let the bristles follow a displacement, in place."""
     bent[0] = bend(bent[0], way, tables.bristles.path, tables.bristles.torque)
@@ -170,7 +171,7 @@ def bend_on(bent: Float, way: float, tables: Tables) -> None:
         bent[1 + k] = stretch(bent[1 + k], way, tables.bristles.reach[k])
 
 
-@compiled()
+@compiled(inline=True)
 def bristle_damping(bent: Float, sign: float, tables: Tables) -> float:
     """Return the damping of the bristles that bend on in a direction. [N m s/rad]"""
     if tables.bristles.damping_s == 0.0:

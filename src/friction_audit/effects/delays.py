@@ -55,9 +55,7 @@ class FrictionalLag(Effect):
 def different_speeds(data: JointData, _nominal: Nominal) -> Caution | None:
     """Peak speeds of the cycles that differ by a tenth: one sinusoid cannot separate it from delay and inertia."""
     cycle, speed = data.cycle[data.used], np.abs(data.dq[data.used])
-    peak = np.zeros(int(cycle.max()) + 1)
-    np.maximum.at(peak, cycle, speed)
-    peak = peak[np.unique(cycle)]
+    peak = np.maximum.reduceat(speed, np.flatnonzero(np.diff(cycle, prepend=-1)))
     return Caution("equal_speeds") if peak.std() < 0.1 * peak.mean() else None
 
 
