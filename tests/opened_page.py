@@ -3,13 +3,12 @@
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass, field
-from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, BrowserContext, Page
+    from playwright.sync_api import BrowserContext, Page
 
 
 @dataclass
@@ -25,12 +24,6 @@ class Opened:
 
 
 Open = Callable[..., Opened]
-
-
-@pytest.fixture(scope="session")
-def profile(browser: "Browser") -> "Callable[[bool], BrowserContext]":
-    """Return what gives a profile with scripts or without: to make one takes twice as long as to open a page."""
-    return cache(lambda scripts: browser.new_context(java_script_enabled=scripts))
 
 
 @pytest.fixture

@@ -26,6 +26,8 @@ def test_an_unknown_format(tmp_path: Path) -> None:
     path = tmp_path / "photo.jpg"
     path.write_bytes(b"\xff\xd8\xff\xe0" + bytes(100))
     refused(r"photo.jpg: of no known format; what is read: .*csv \(.csv .tsv", read_log, path)
+    path.write_text('{\n  "schema": "friction-audit/estimate/1",\n')
+    refused("photo.jpg: a result of friction-audit, no log", read_log, path)
 
 
 def test_the_hash_is_that_of_the_content_and_of_a_directory_that_of_its_files(tmp_path: Path) -> None:
@@ -165,6 +167,15 @@ def test_a_velocity_that_was_made_is_not_written_as_logged(tmp_path: Path, write
     assert again.source.channels["dq"] == "derivative"
     inside = slice(-len(again.t) + 20, None)  # the first row of libfranka's tables is left out; they have six digits
     np.testing.assert_allclose(again.dq[inside], log.dq[inside], atol=1e-2)
+
+
+@pytest.mark.parametrize(("counts", "noise_rad_s"), [(1 << 12, 0.005), (1 << 20, 0.001)])
+def test_the_velocity_of_a_coarse_position_is_not_mostly_noise(counts: int, noise_rad_s: float) -> None:
+    t = np.arange(0.0, 20.0, 0.002)
+    count = 2.0 * np.pi / counts
+    q = np.rint(0.5 * np.sin(t) / count) * count
+    log = friction_audit.log_from_frame({"time": t, "q_1": q, "tau_J_1": np.sign(np.cos(t)) + 1e-3 * t})
+    assert np.std(log.dq[50:-50, 0] - 0.5 * np.cos(t[50:-50])) < noise_rad_s  # of 20 ms of the coarse one 0.026 rad/s
 
 
 def test_two_samples_have_a_velocity_too(tmp_path: Path) -> None:

@@ -27,8 +27,7 @@ EMPTIED = "document.querySelectorAll('figure svg > :not(title, desc)').forEach((
 
 
 def overflow(opened: Opened) -> int:
-    wider: int = opened.evaluate("document.documentElement.scrollWidth - window.innerWidth")
-    return wider
+    return int(opened.evaluate("document.documentElement.scrollWidth - window.innerWidth"))
 
 
 def unfold(opened: Opened) -> None:
@@ -76,8 +75,7 @@ def test_every_figure_is_there(open_page: Open, case: str, count: int, scheme: s
 
 def column(opened: Opened, number: int) -> list[str]:
     rows = "[...document.querySelectorAll('table')[2].tBodies[0].rows]"
-    cells: list[str] = opened.evaluate(f"(k) => {rows}.map((row) => row.cells[k].textContent)", number)
-    return cells
+    return list(opened.evaluate(f"(k) => {rows}.map((row) => row.cells[k].textContent)", number))
 
 
 def test_a_table_is_sorted_by_mouse_and_by_keys(open_page: Open) -> None:
