@@ -28,9 +28,6 @@ CHANGED = 0.005
 # most the root of the inverse, and below 0.4, the least of all links, from 6.25 on. Other effects in the model and the
 # nominal model of the link itself change that by less than a factor of two.
 TOO_LARGE = 12.5
-# Every so many points are built first, those of a link's first kind; the others where these are promising.
-EVERY_OF_FIRST = {"presliding": 3, "frictional_lag": 2, "stribeck": 2, "stiction": 2, "cable_spring": 3}
-EVERY_OF_FIRST |= {"joint_limit_stop": 3, "joint_elasticity": 2, "backlash": 2}
 ORDERS_SCANNED = 2
 STORED = np.float32  # of columns alone, a thousand of them; products add up in double precision
 
@@ -104,7 +101,7 @@ class Dictionary:
     ) -> "Dictionary":
         """Ask every effect whether the log can show it, and build its columns over its grid, if not whole for a screen.
 
-        Effects with dear columns are screened by some of their points, links by some of one kind (sure independence
+        Effects whose columns take long are screened by some points, links by some of one kind (sure independence
         screening: J. Fan, J. Lv, J. R. Stat. Soc. B 70 (2008) 849): to build all of them takes a third of the time.
         """
         made = cls(problem, tuple(e for e in effects if e.name != EVENT), baseline, problem.y)
@@ -118,11 +115,11 @@ class Dictionary:
                 speed, exponent, least = "curved_viscous_speed_rad_s", "curved_viscous_exponent", speeds(data, 95.0)[0]
                 shapes = [s for s in shapes if s[exponent] > 0.0 or s[speed] >= LEAST_BEND * float(least)]
             first = shapes
-            if effect.name in EVERY_OF_FIRST and not whole:
+            if effect.screened > 1 and not whole:
                 name = effect.nonlinear[0].name
                 # Of a link some that differ from the first one in the first parameter alone.
                 alike = [s for s in shapes if not effect.transmits or {**s, name: shapes[0][name]} == shapes[0]]
-                first = alike[:: EVERY_OF_FIRST[effect.name]]
+                first = alike[:: effect.screened]
             if len(first) < len(shapes):
                 made.withheld[effect.name] = [s for s in shapes if s not in first]
             return why, made.build_blocks(effect, first, shapes)

@@ -16,7 +16,8 @@ import numpy as np
 
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.gram import Gram, Training
-from friction_audit.diagnosis.selection import Projected, split
+from friction_audit.diagnosis.problem import SIGN_COLUMNS, SMOOTHED
+from friction_audit.diagnosis.selection import PRIOR, Projected, occam, split
 from friction_audit.effects.effect import Nonlinear
 from friction_audit.effects.joint_data import Nominal
 from friction_audit.friction.history import Coefficient
@@ -226,8 +227,14 @@ class Estimates(NamedTuple):
 
 
 def intervals(gram: Gram, dictionary: Dictionary, active: Sequence[Block], baseline: Nominal) -> Estimates:
-    """Intervals of the nominal model and of all effects."""
-    fit = Training(gram).fit(active)
+    """Intervals of the nominal model and of all effects.
+
+    A smoothed sign, whose width was chosen, takes part where it is as evident as an effect has to be.
+    """
+    training = Training(gram)
+    fit, sharp = training.fit(active), training.fit(active, SMOOTHED)
+    if occam(training.samples * np.log(sharp.rss / fit.rss), SIGN_COLUMNS) < PRIOR:
+        fit = sharp
     each = [(Scale(dictionary, block), c) for block, c in zip(active, split(fit, active), strict=True)]
     base, free = gram.base[fit.kept], [gram.of(block) for block in active if not block.effect.follows]
     slopes = [_slopes(gram, scale, c, baseline) for scale, c in each]

@@ -33,6 +33,8 @@ KNOTS = 6  # most of a curve, quantiles of its quantity
 MOST_CYCLES_PER_KNOT = 6  # a curve has at most so many numbers as a third of the cycles, two per knot
 # A sign smoothed by up to 10 mrad/s is a regularised drive, no effect.
 SIGN_WIDTHS_RAD_S = np.geomspace(5e-4, 1.2e-2, 9)
+SMOOTHED: tuple[str, ...] = ("smoothed_sign",)  # what its columns are left out by
+SIGN_COLUMNS = 2.0
 SLOW_RAD_S = 5e-3  # below it the law of friction is as uncertain as right after a reversal
 OFFSET_SHARE = 0.0025  # of Coulomb friction: a quarter of what counts as negligible
 SAMPLE_SD = 0.29  # of a sample, the standard deviation of a delay evenly spread over one sample
@@ -193,7 +195,7 @@ class RegressionProblem:
         """Smoothing of the sign, delay of the recorder, offset of the sensor."""
         data, coulomb = self.data, abs(baseline.coulomb_nm)
         fine, signs = [], self._smoothed_sign()
-        priors: list[tuple[float, tuple[str, ...]]] = [(coulomb, ())] * len(signs)
+        priors = [(coulomb, SMOOTHED)] * len(signs)
         if data.sample_s > 0:
             fine.append(-np.gradient(baseline.torque, data.step_s))
             priors.append((SAMPLE_SD * data.sample_s, ("time_delay",)))

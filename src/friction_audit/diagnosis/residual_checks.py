@@ -70,22 +70,23 @@ def competing_structure(gram: Gram, active: Sequence[Block], block: Block) -> st
 
     It has more evidence, its knots paid for, explains clearly more, and leaves no evidence for the effect: a formula
     that stands in for what the catalogue lacks (outside_acceleration_friction_16002). A test of models that are not
-    nested: R. Davidson, J. G. MacKinnon, Econometrica 49 (1981) 781. A constant, or a torque of the position, is part
-    of many curves. So is an effect part of a curve over its own quantity, unless it holds torque of the nominal model.
+    nested: R. Davidson, J. G. MacKinnon, Econometrica 49 (1981) 781. A constant is part of many curves, and an effect
+    of one over its own quantity, unless it holds torque of the nominal model. A torque of the position or time is part
+    of those where the motion repeats: there the other must tell more than it with a curve over its own quantity.
     """
-    if block.effect.misses != "any":
+    if block.effect.misses == "nothing":
         return ""
     given, own = Projected(Training(gram), [b for b in active if b is not block]), gram.of(block)
     evidence, effect_rss = given.evidence(own), given.and_also(own).rss
-    others = [
-        (c.axis.name, [gram.whiten(c.columns)])
-        for c in gram.problem.curves
-        if c.axis.name != block.effect.axis or block.effect.needs_nominal
-    ]
-    for name, white in (*others, ("past motion", [gram.whiten(one) for one in gram.problem.responses])):
+    others = {c.axis.name: [gram.whiten(c.columns)] for c in gram.problem.curves}
+    others["past motion"] = [gram.whiten(one) for one in gram.problem.responses]
+    free = [] if block.effect.needs_nominal else others.pop(block.effect.axis, [])
+    helped = given.and_also(np.vstack([own, *free])) if block.effect.misses == "even" else given
+    for name, white in others.items():
         found, best = _integrated(given, white)
         other = given.and_also(white[best])
         more = given.rss - other.rss > (1.0 + MORE) * (given.rss - effect_rss)
+        more &= helped.evidence(white[best]) > PRIOR
         if more and found >= evidence + STRONG and other.evidence(own) < PRIOR:
             return name
     return ""

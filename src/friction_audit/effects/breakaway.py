@@ -169,6 +169,8 @@ FEWEST_BREAKAWAYS = 6
 
 
 class Stiction(Effect):
+    screened = 2
+
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield the excess after every onset per unit of that after a long rest, each as a column."""
         slow = REST_SHARE * float(np.sqrt(np.mean(motion.dq**2)))

@@ -30,6 +30,7 @@ class FrictionalLag(Effect):
     Tribol. 112 (1990) 147). The excess e at rest is 0 for viscous friction alone.
     """
 
+    screened = 2
     needs_nominal = True
 
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:

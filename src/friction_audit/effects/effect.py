@@ -47,6 +47,7 @@ class Effect:
     needs_nominal: ClassVar[bool] = False  # True if its columns hold torque of the nominal model and change with that
     # What its formula may miss: any torque, one that is the same in both directions, or nothing, as that of a constant.
     misses: ClassVar[Literal["any", "even", "nothing"]] = "any"
+    screened: ClassVar[int] = 1  # every so many points of its grid come first, the others where these show promise
     recorder: ClassVar[str] = ""  # what in the recording makes the same torque, and what to do
 
     def tries(self, data: JointData) -> Iterable[Sequence[float] | Nonlinear]:

@@ -182,6 +182,7 @@ class CableSpring(Effect):
     other. A linear spring about another centre is one about this centre with a preload.
     """
 
+    screened = 3
     misses = "even"
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
@@ -247,6 +248,7 @@ class JointLimitStop(Effect):
     Mechanics 42 (1975) 440: the torque grows with a power of the depth, and so does the damping; a plain damper too.
     """
 
+    screened = 3
     misses = "even"
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:

@@ -35,6 +35,8 @@ KINDS = ((0.02, 1e-4), (0.5, 1e-4), (1.0, 1e-4), (2.0, 1e-4), (1.0, 0.01))
 
 
 class Presliding(Effect):
+    screened = 3
+
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield what bristles in the place of Coulomb friction add, z + T dz/dt - sgn(dq); equal bristles are one."""
         sign, steps = motion.direction, np.diff(motion.t)

@@ -43,6 +43,8 @@ class Stribeck(SpeedFriction):
     exp(-|dq / v_s|^delta).
     """
 
+    screened = 2
+
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         speed, exponent = values
         fading = np.exp(-(np.abs(motion.dq / speed) ** exponent))

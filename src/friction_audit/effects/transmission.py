@@ -57,6 +57,7 @@ def jumps_and_inertia(data: JointData, nominal: Nominal) -> Caution | None:
 class Link(Effect):
     """A spring or a gap: those of many parameters are followed side by side."""
 
+    screened = 2
     needs_nominal = True
     # Share of the coefficient that it follows from above which it is possible.
     least: ClassVar[float]
