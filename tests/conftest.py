@@ -2,7 +2,7 @@
 
 import gc
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -18,7 +18,7 @@ from tests.opened_page import open_address  # noqa: F401 - a fixture
 from tests.sketches import sketch
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser
+    from playwright.sync_api import BrowserContext
 
 FLAGS = ("--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run")
 
@@ -102,7 +102,8 @@ def sketched(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) ->
 
 
 @pytest.fixture(scope="session")
-def browser() -> "Iterator[Browser]":
+def profile() -> "Iterator[Callable[[bool], BrowserContext]]":
+    """Return what gives a profile with scripts or without: to make one takes twice as long as to open a page."""
     playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed: pip install '.[test]'")
     try:
         chromium = find_chromium()
@@ -117,5 +118,5 @@ def browser() -> "Iterator[Browser]":
             if not chromium.env:  # the machine's own browser is meant to start
                 raise
             pytest.skip(f"no browser: the fetched one does not start on this system: {error}")
-        yield browser
+        yield cache(lambda scripts: browser.new_context(java_script_enabled=scripts))
         browser.close()

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, Page
+    from playwright.sync_api import BrowserContext, Page
 
 
 @dataclass
@@ -27,7 +27,7 @@ Open = Callable[..., Opened]
 
 
 @pytest.fixture
-def open_address(browser: "Browser") -> Iterator[Open]:
+def open_address(profile: "Callable[[bool], BrowserContext]") -> Iterator[Open]:
     """Return what opens an address at a width, in a colour scheme, with scripts or without.
 
     What the page asks for and complains of is noted from the beginning.
@@ -35,9 +35,9 @@ def open_address(browser: "Browser") -> Iterator[Open]:
     with ExitStack() as stack:
 
         def opened(address: str, *, width: int = 1280, scheme: Any = "light", scripts: bool = True) -> Opened:
-            window: Any = {"width": width, "height": 900}
-            context = browser.new_context(viewport=window, color_scheme=scheme, java_script_enabled=scripts)
-            found = Opened(page=stack.enter_context(context).new_page())
+            found = Opened(page=stack.enter_context(profile(scripts).new_page()))
+            found.page.set_viewport_size({"width": width, "height": 900})
+            found.page.emulate_media(color_scheme=scheme)
             found.page.on("console", lambda message: found.complaints.append(message.text))
             found.page.on("pageerror", lambda error: found.complaints.append(str(error)))
             found.page.on("request", lambda request: found.requests.append(request.url))

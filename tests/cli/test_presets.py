@@ -8,6 +8,8 @@ import pytest
 
 from friction_audit.compensation.settings import limits_of as compensator_limits
 from friction_audit.io.readers.channel_names import arm_name, robot_of
+from friction_audit.planning import plan
+from friction_audit.planning.design import candidates_of
 from friction_audit.presets import BUILT_IN, PRESETS, TORQUES, candidates
 from friction_audit.robot.arm import read_urdf
 from friction_audit.robot.urdf import limits_in
@@ -68,7 +70,8 @@ def test_limits_of_a_compensator_are_those_of_the_preset() -> None:
     assert compensator_limits("iiwa14", 8).torque_nm == inf
 
 
-def test_a_plan_without_a_log_is_for_the_arm_named(run: Run, tmp_path: Path) -> None:
+def test_a_plan_without_a_log_is_for_the_arm_named(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(plan, "candidates_of", lambda limits: candidates_of(limits)[::3])
     words = ("--robot", "ur5e", "--joints", "3", "--drive", "robot", "--no-check", "--duration", "60")
     done = run("plan", *words, "-o", tmp_path)
     assert done.code == 0, done.err

@@ -117,7 +117,6 @@ def test_two_arms_are_for_the_user_to_choose(tmp_path: Path, form: Form) -> None
     assert bags.read(path, topic="right/joint_states").topic == "/right/joint_states"
 
 
-@pytest.mark.parametrize("share", [0.3, 0.75, 0.98])
 @pytest.mark.parametrize(
     "form",
     [
@@ -127,20 +126,21 @@ def test_two_arms_are_for_the_user_to_choose(tmp_path: Path, form: Form) -> None
     ],
     ids=str,
 )
-def test_what_breaks_off_is_read_up_to_there(tmp_path: Path, form: Form, share: float) -> None:
+def test_what_breaks_off_is_read_up_to_there(tmp_path: Path, form: Form) -> None:
     values = bags.samples(9000)
     path = form.write(tmp_path, values)
     whole = path.read_bytes()
-    path.write_bytes(whole[: int(share * len(whole))])
-    recording = bags.read(path)
-    saved = len(recording.t)
-    assert max(1000, (share - 0.25) * 9000) < saved <= 9000
-    bags.assert_read(recording, {name: array[:saved] for name, array in values.items()})
-    (finding,) = recording.findings
-    assert (finding.code, finding.damaged) == ("truncated", True)
-    assert f" of {int(share * len(whole))} " in finding.message
-    assert f"the {saved} messages outside the damage were read" in finding.message
-    assert (finding.amount or 0) <= share * len(whole)
+    for share in (0.3, 0.75, 0.98):
+        path.write_bytes(whole[: int(share * len(whole))])
+        recording = bags.read(path)
+        saved = len(recording.t)
+        assert max(1000, (share - 0.25) * 9000) < saved <= 9000
+        bags.assert_read(recording, {name: array[:saved] for name, array in values.items()})
+        (finding,) = recording.findings
+        assert (finding.code, finding.damaged) == ("truncated", True)
+        assert f" of {int(share * len(whole))} " in finding.message
+        assert f"the {saved} messages outside the damage were read" in finding.message
+        assert (finding.amount or 0) <= share * len(whole)
 
 
 SQLITE, MCAP_MAGIC, BAG = b"SQLite format 3\x00", b"\x89MCAP0\r\n", b"#ROSBAG V2.0\n"

@@ -77,22 +77,22 @@ LOGS = sorted((Path(__file__).parents[2] / "sample_logs" / "formats").iterdir())
 WINDOWS = [(0.5, 1.5), (1.0, None), (-3.0, 1.0)]
 
 
-@pytest.mark.parametrize("is_large", [False, True], ids=["small", "large"])
 @pytest.mark.parametrize("path", LOGS, ids=[path.name for path in LOGS])
-def test_a_part_is_the_part_of_the_whole(path: Path, is_large: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    if is_large:  # so that readers leave out what lies outside the part
-        monkeypatch.setattr("friction_audit.io.readers.reader.WHOLE_BYTES", 0)
-        monkeypatch.setattr("friction_audit.io.readers.csv_lines._BLOCK_BYTES", 20_000)
+def test_a_part_is_the_part_of_the_whole(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     whole = read_log(path)
-    for start_s, stop_s in WINDOWS:
-        part = read_log(path, ReadOptions(t_start_s=start_s, t_end_s=stop_s))
-        expected = whole.take_window(start_s, stop_s)
-        np.testing.assert_array_equal(part.t, expected.t)
-        for channel, array in expected.channels().items():
-            np.testing.assert_array_equal(part.channels()[channel], array)
-        assert part.source.start_s == expected.source.start_s
-        assert part.source.skipped_s == expected.source.skipped_s
-        assert part.take_window(start_s, stop_s) is part
+    for is_large in (False, True):
+        if is_large:  # so that readers leave out what lies outside the part; else they read all, and it is cut
+            monkeypatch.setattr("friction_audit.io.readers.reader.WHOLE_BYTES", 0)
+            monkeypatch.setattr("friction_audit.io.readers.csv_lines._BLOCK_BYTES", 20_000)
+        for start_s, stop_s in WINDOWS if is_large or path == LOGS[0] else WINDOWS[:1]:
+            part = read_log(path, ReadOptions(t_start_s=start_s, t_end_s=stop_s))
+            expected = whole.take_window(start_s, stop_s)
+            np.testing.assert_array_equal(part.t, expected.t)
+            for channel, array in expected.channels().items():
+                np.testing.assert_array_equal(part.channels()[channel], array)
+            assert part.source.start_s == expected.source.start_s
+            assert part.source.skipped_s == expected.source.skipped_s
+            assert part.take_window(start_s, stop_s) is part
 
 
 def test_a_part_is_on_the_scaled_clock() -> None:

@@ -15,7 +15,7 @@ from mcap_ros2.decoder import DecoderFactory
 from friction_audit import robot
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.planning import design
+from friction_audit.planning import design, plan as plans
 from friction_audit.planning.design import Limits, candidates_of, limits_of
 from friction_audit.planning.plan import JointPlan, plan_task, trajectory_of
 from friction_audit.planning.task import Arm, Joint, Task, task_of
@@ -155,7 +155,10 @@ def test_the_command_separates_checks_and_writes_a_document_and_the_trajectory(r
     assert run("plan", source, "--no-check", "-o", "out").code == 2  # files that exist
 
 
-def test_a_result_without_open_names_says_so_and_offers_the_best_recording(run: Run, tmp_path: Path) -> None:
+def test_a_result_without_open_names_says_so_and_offers_the_best_recording(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(plans, "candidates_of", lambda limits: candidates_of(limits)[::3])
     document = json.loads(result(tmp_path / "a.json", "adequate").read_text())
     constants = {"name": "torque_bias", "alternatives": ["asymmetric_coulomb"], "parameters": {"torque_bias_nm": 0.1}}
     (adequate,) = document["joints"]

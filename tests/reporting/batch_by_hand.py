@@ -140,7 +140,7 @@ def batch(*arms: ArmDrift) -> BatchSummary:
 
 
 def hostile() -> BatchSummary:
-    plain = arm()
+    plain = arm(LEFT_OUT + 4, 3)
     words: dict[str, Any] = {"path": f"{HOSTILE}.csv", "robot": HOSTILE, "note": HOSTILE, "warnings": (HOSTILE,)}
     sessions = tuple(
         replace(one, joints=tuple(replace(joint, name=HOSTILE, effects=(HOSTILE,)) for joint in one.joints), **words)

@@ -260,8 +260,9 @@ def command(settings: Record, memory: Record, dq: float) -> float:
 @compiled()
 def _trace(settings: Record, memory: Record, words: Record, t: Float, dq: Float, torque: Float, seen: Record) -> None:
     """Run a compensator over n samples, and keep the first words of its memory after each."""
+    # ``int``: for a constant as such, numba compiles the compensator once more.
     for i in range(len(t)):
-        step(settings, memory, dq[i], torque[i], t[i] - t[max(i - 1, 0)], FIND)
+        step(settings, memory, dq[i], torque[i], t[i] - t[max(i - 1, 0)], int(FIND))
         for k in range(seen.shape[1]):  # one by one: for a slice, numba compiles a message for seconds
             seen[i, k] = words[k]
 

@@ -76,7 +76,8 @@ def filtered(rows: Float, kernel: Float, centre: NDArray[np.int64]) -> Float:
     out = np.zeros((len(rows), len(centre)))
     # Up to a whole number of what a processor takes at once: the rest, one by one, takes as long as all of them.
     weights = np.zeros((len(kernel) + 15) // 16 * 16)
-    weights[: len(kernel)] = kernel
+    for j in range(len(kernel)):  # one by one: for a slice, numba compiles a message for seconds
+        weights[j] = kernel[j]
     for k in range(len(rows)):
         row, i = rows[k], 0
         if not row.any():  # of effects with many columns most are zero
