@@ -124,6 +124,9 @@ def test_names_of_options_are_those_of_the_steps() -> None:
     assert {name: ending for name, (ending, _) in REPORT_FORMATS.items()} == choices.REPORT_FORMATS
 
 
+MOST_LOADED = 90  # of the modules of the package
+
+
 def test_an_estimate_with_figures_loads_no_other_analysis(tmp_path: Path) -> None:
     log = Path(__file__).parents[2] / "sample_logs" / "bench_rig.csv"
     _, modules = loaded(f"estimate {log} -q -o {tmp_path}/out")
@@ -132,3 +135,4 @@ def test_an_estimate_with_figures_loads_no_other_analysis(tmp_path: Path) -> Non
     assert "friction_audit.reporting.figures.estimate" in own
     others = ("diagnosis", "compensation", "simulation", "drift", "dynamics", "batch", "reproduce")
     assert [name for name in own if name.split(".")[1] in others] == []
+    assert len(own) <= MOST_LOADED
