@@ -3,26 +3,15 @@
 import os
 from collections.abc import Callable
 from functools import cache
-from importlib import import_module
 from types import ModuleType
 from typing import Any, TypeAlias, TypeVar, cast
 
 from numba import njit
 from numba.core.caching import IndexDataCacheFile
-from numba.np import linalg
 
 Loop = TypeVar("Loop", bound=Callable[..., Any])
 Record: TypeAlias = Any  # a group of numbers as compiled code sees it: the fields of a dataclass
 
-
-def _no_blas() -> None:
-    raise ImportError
-
-
-# The functions of arrays would load SciPy's linear algebra, 0.2 s, for inner products that no loop here has.
-linalg.ensure_blas, _ensure_blas = _no_blas, linalg.ensure_blas
-import_module("numba.np.arraymath")
-linalg.ensure_blas = _ensure_blas
 
 ANY_ORDER = {"reassoc", "nsz", "contract"}
 """What a compiler may do to add up several numbers at a time; infinities and what is no number stay what they are."""
