@@ -64,7 +64,7 @@ def in_ampere(found: Estimate) -> Estimate:
         ["joint 1: missing: stribeck (0.031 N m RMS, 9 % of friction); add it to the model (model.toml)",
          "joint 2: missing: torque_bias or asymmetric_coulomb (0.031 N m RMS, 9 % of friction); to separate: ",
          "joint 3: no effect below 17 Hz exceeds the detection limit of 0.0048 N m RMS",
-         "joint 4: the residual (0.08 N m RMS, noise floor 0.02 N m) is unexplained; look at the figure",
+         "joint 4: 30 % of the residual (0.08 N m RMS, noise floor 0.02 N m) is unexplained; look at the figure",
          "joint 1, stribeck (what stribeck does): static minus Coulomb friction 0.150 ± 0.010 N m"],
     ),
     (

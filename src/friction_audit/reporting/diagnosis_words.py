@@ -68,7 +68,8 @@ def joint_message(joint: JointDiagnosis) -> str:
         size = "" if gap is None else f" ({gap.after:.2g} N m RMS, noise floor {gap.floor:.2g} N m)"
         if gap is not None and joint.checks and f"{gap.after:.2g}" == f"{gap.floor:.2g}":  # noise that has structure
             size = f" ({gap.after:.2g} N m RMS), with {remainder_words(joint, 1)},"
-        parts.append(f"{'most of ' if joint.added else ''}the residual{size} is unexplained")
+        share = f"{format_share(joint.remainder_share)} of " if joint.remainder_share else ""
+        parts.append(f"{share}the residual{size} is unexplained")
     if any(effect.name == CONTACT_EVENT for effect in joint.effects):
         contacts = 0 if joint.contacts is None else len(joint.contacts.spans_s)
         parts.append(f"{count_of(contacts, 'contact')} left out")
