@@ -22,7 +22,15 @@ from friction_audit.effects.joint_data import displacement
 from friction_audit.effects.registry import effects
 from friction_audit.errors import AnalysisError, FrictionAuditError, bug
 from friction_audit.joint_log import Float
-from friction_audit.parallel import WORKERS, in_processes, one_joint_at_a_time, per_joint, workers_for
+from friction_audit.parallel import (
+    KEPT,
+    WORKERS,
+    in_processes,
+    one_joint_at_a_time,
+    per_joint,
+    release_memory,
+    workers_for,
+)
 from friction_audit.preprocessing.interaction import Caution, Reason, quoted, reason_of
 
 WORKING_BYTES = 1000  # of a process per sample of the fine grid (benchmarks/bench_diagnose.py)
@@ -57,6 +65,9 @@ def diagnose_subjects(
         except Exception as error:  # noqa: BLE001 - reported as a bug: verdict, traceback and exit code 1
             sentence, traceback = bug("the diagnosis", error)
             return replace(_answer(subject, "failed", quoted(sentence)), findings=(), traceback=traceback)
+        finally:
+            if WORKING_BYTES * len(subject.data.t) > KEPT:  # less is worth more to the next joint
+                release_memory()
 
     joints = len(subjects)
     workers = workers_for(joints, WORKING_BYTES * max(len(subject.data.t) for subject in subjects))
