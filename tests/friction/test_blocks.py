@@ -127,7 +127,6 @@ def test_block_borders_change_nothing(
 
 
 def test_memory_is_bounded_where_a_joint_rests_or_never_does(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What is kept between blocks is no more than twice the longest cycle and a few samples."""
     monkeypatch.setattr(segmentation, "LONGEST_S", 2.0)
     log = recorded(5)
     kept = []

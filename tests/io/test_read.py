@@ -172,9 +172,10 @@ def test_a_velocity_that_was_made_is_not_written_as_logged(tmp_path: Path, write
 @pytest.mark.parametrize(("count", "noise_rad_s"), [(1.5e-3, 0.005), (6e-6, 0.001)])
 def test_the_velocity_of_a_coarse_position_is_not_mostly_noise(count: float, noise_rad_s: float) -> None:
     t = np.arange(0.0, 20.0, 0.002)
-    q = np.rint(0.5 * np.sin(t) / count) * count
+    q = np.rint((0.5 * np.sin(t) + 3.0 * (t == t[5000])) / count) * count  # a wild sample is left out, and no noise
     log = friction_audit.log_from_frame({"time": t, "q_1": q, "tau_J_1": np.sign(np.cos(t)) + 1e-3 * t})
-    assert np.std(log.dq[50:-50, 0] - 0.5 * np.cos(t[50:-50])) < noise_rad_s  # of 20 ms of the coarse one 0.026 rad/s
+    assert np.std(log.dq[50:-50, 0] - 0.5 * np.cos(log.t[50:-50])) < noise_rad_s  # of 20 ms of the coarse one 0.026
+    assert ("through 11 samples" in str(log.source.findings)) == (count < 1e-5)
 
 
 def test_two_samples_have_a_velocity_too(tmp_path: Path) -> None:

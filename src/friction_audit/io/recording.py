@@ -1,5 +1,6 @@
 """A recording as a reader returns it, before its faults are looked for: in memory, or read block by block."""
 
+import re
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -15,6 +16,7 @@ Block = tuple[Float, dict[str, Float]]  # clock and channels of samples that fol
 # longer, until the slope has little noise: jitter that looks like motion adds path, and takes Coulomb friction away.
 HALF_WINDOW_S, LONGEST_HALF_WINDOW_S, NOISE_RAD_S = 0.01, 0.05, 1e-3
 MEAN_OF_THIRD = np.sqrt(20.0 * 2.0 / np.pi)  # absolute third difference of white noise, over its standard deviation
+_WIDTH = re.compile(r"through \d+ samples")
 _TURN_RAD = 2.001 * np.pi
 _PIECE = 1 << 16  # samples of a recording in memory that are looked at at a time: they stay in the processor's cache
 
@@ -188,9 +190,17 @@ def with_velocity(recording: Recording, step_s: float) -> Recording:
         message += f" of a clock read in {recording.guessed_unit}"
     if not is_derived:
         message = f"no velocity was found: {message}; if there is one by another name, use --map dq=NAME"
-    said = any(finding.code == "velocity_derived" for finding in recording.findings)
-    recording = replace(recording, channels=recording.channels | {"dq": rate}, mapping={**names, "dq": DERIVATIVE})
-    return recording if said else recording.with_findings(Finding("velocity_derived", message))
+    findings = recording.findings
+    if any(one.code == "velocity_derived" for one in findings):  # of a wild sample that is gone, noise is gone too
+        now = f"through {width} samples"
+        findings = tuple(
+            replace(one, message=_WIDTH.sub(now, one.message)) if one.code == "velocity_derived" else one
+            for one in findings
+        )
+    else:
+        findings = (*findings, Finding("velocity_derived", message))
+    channels, mapping = recording.channels | {"dq": rate}, {**names, "dq": DERIVATIVE}
+    return replace(recording, channels=channels, mapping=mapping, findings=findings)
 
 
 def take_rows(t: Float, channels: dict[str, Float], rows: NDArray[Any]) -> Block:
