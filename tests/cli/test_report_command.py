@@ -38,13 +38,13 @@ def test_every_format_is_written_and_the_document_is_the_file(run: Run, logs: Pa
 
 def test_a_part_without_an_answer_leaves_the_others(run: Run, logs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(log_report, "diagnose_estimate", no_answer)
-    answer = run("report", logs / "damaged.csv", "--format", "markdown")
+    answer = run("report", logs / "damaged.csv", "-o", "own.md")
     assert answer.code == 6
     lead, written = answer.out.splitlines()
     assert lead.startswith("Friction is estimated: Coulomb ")
-    assert written == "damaged.report.md"
+    assert written == "own.md"
     assert "warning: " in answer.err
-    text = Path("damaged.report.md").read_text(encoding="utf-8")
+    text = Path("own.md").read_text(encoding="utf-8")
     assert WHY in text
     assert "that friction dissipated" in text
 

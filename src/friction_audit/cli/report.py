@@ -47,8 +47,8 @@ def command(
     friction: opt.EstimateOptions,
     shared: opt.LogOptions,
     folder: Path | None = opt.folder_option(
-        "Folder of the report, a file named after the log, e.g. run.report.html. Default: the current folder; with "
-        "--json alone no file is written."
+        "Folder of the report, a file named after the log, e.g. run.report.html; or the file. Default: the current "
+        "folder; with --json alone no file is written."
     ),
     export: opt.Exports = [],
 ) -> None:
@@ -62,6 +62,9 @@ def command(
     name = f"{made.name_of_log(log) if log.is_dir() else Path(made.name_of_log(log)).stem}.report"
     # Where the document is printed and nothing else was asked for, there is no file.
     kinds = wanted.formats or ([] if json and folder is None else [DEFAULT])
+    by_ending = {ending: kind for kind, ending in choices.REPORT_FORMATS.items()}
+    if folder is not None and folder.suffix in by_ending and not folder.is_dir():
+        kinds, name, folder = wanted.formats or [by_ending[folder.suffix]], folder.stem, folder.parent
     files = {kind: (folder or Path()) / f"{name}{choices.REPORT_FORMATS[kind]}" for kind in kinds}
     out = ResultFolder(folder=folder or Path(), name=name, prefix=f"{name}.", exports=export, overwrite=again)
     out.check(log, [path.name for path in files.values()], "estimate", "replay", "diagnosis")
