@@ -66,7 +66,7 @@ def diagnose_subjects(
             sentence, traceback = bug("the diagnosis", error)
             return replace(_answer(subject, "failed", quoted(sentence)), findings=(), traceback=traceback)
         finally:
-            if WORKING_BYTES * len(subject.data.t) > KEPT:  # less is worth more to the next joint
+            if WORKING_BYTES * len(subject.data.t) > KEPT:  # to map less of it anew would take longer than it frees
                 release_memory()
 
     joints = len(subjects)

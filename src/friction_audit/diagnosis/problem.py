@@ -34,7 +34,7 @@ MOST_CYCLES_PER_KNOT = 6  # a curve has at most so many numbers as a third of th
 # A sign smoothed by up to 10 mrad/s is a regularised drive, no effect.
 SIGN_WIDTHS_RAD_S = np.geomspace(5e-4, 1.2e-2, 9)
 SMOOTHED: tuple[str, ...] = ("smoothed_sign",)  # what its columns are left out by
-SIGN_COLUMNS = 2.0
+SIGN_COLUMNS = 2.0  # the smoothed sign, and its change with the width
 SLOW_RAD_S = 5e-3  # below it the law of friction is as uncertain as right after a reversal
 OFFSET_SHARE = 0.0025  # of Coulomb friction: a quarter of what counts as negligible
 SAMPLE_SD = 0.29  # of a sample, the standard deviation of a delay evenly spread over one sample

@@ -114,7 +114,8 @@ def use_temperature(series: Series, sessions: Sequence[Session]) -> tuple[Series
     count, every = int(np.count_nonzero(known)), len(known)
     if count < ENOUGH_KNOWN * every or count < FEWEST:
         case = "few" if count == every else "some" if count else "none"
-        numbers = {"case": case, "count": count, "every": count and every, "fewest": FEWEST}
+        # Where none is known, series of different lengths have one caution.
+        numbers = {"case": case, "fewest": FEWEST} | ({"count": count, "every": every} if count else {})
         return bare, Caution("temperature_not_used", numbers=numbers)
     kept = series.take(known)
     counted = kept.take(kept.kept).temperature

@@ -34,6 +34,9 @@ WORDS: Mapping[str, Callable[[Mapping[str, Any]], dict[str, str]]] = {
         ("did_not_move", "moved_too_slowly", "no_pause"),
         lambda one: {"speed": "the speed" if one["unit"] == "rad/s" else "the hand's speed"},
     ),
+    **dict.fromkeys(
+        ("all_rejected", "most_rejected"), lambda one: {"case": sentences()["rejected"].get(one["case"], "")}
+    ),
     "too_few_cycles": lambda one: {
         "count": count_of(one["cycles"], "energy cycle"),
         "lacking": text_of(one["lacking"] or (Caution("more_cycles"),)),
