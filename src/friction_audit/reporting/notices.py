@@ -14,6 +14,15 @@ from friction_audit.reporting.words import MARK, NEWTON_METRES, count_of, in_uni
 
 ODD_TORQUE = ("gravity_error", "torque_offset", "sign_disagrees")  # cautions of one joint about how its torque was made
 
+
+@cache
+def sentences() -> dict[str, dict[str, str]]:
+    """Return the sentences of warnings and of reasons by code, and the cases of some."""
+    import tomllib
+
+    return tomllib.loads(Path(__file__).with_name("sentences.toml").read_text(encoding="utf-8"))
+
+
 # What the numbers of a caution are in words, where the sentence has some. Where it has one of several, these stand in
 # a table of the caution's name, by the ``case``.
 WORDS: Mapping[str, Callable[[Mapping[str, Any]], dict[str, str]]] = {
@@ -70,14 +79,6 @@ NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*\w)")
 OTHER = re.compile(r"\bjoint \d+")
 SENTENCE_END = re.compile(r"\. (?=[A-Z])")
 SMALL_SHARE = 0.1  # of the samples (or of a step) lost or irregular: below it no coefficient changes visibly
-
-
-@cache
-def sentences() -> dict[str, dict[str, str]]:
-    """Return the sentences of warnings and of reasons by code, and the cases of some."""
-    import tomllib
-
-    return tomllib.loads(Path(__file__).with_name("sentences.toml").read_text(encoding="utf-8"))
 
 
 def sentence_of(caution: Caution) -> str:
