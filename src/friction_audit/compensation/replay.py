@@ -21,7 +21,7 @@ from friction_audit.compensation.competitors import (
 )
 from friction_audit.compensation.controller import FIND, hand_cuts
 from friction_audit.compensation.counterfactual import Run, make_scene, recording_of
-from friction_audit.compensation.feed_forward import NO_MODEL, OF_FRICTION, refuse
+from friction_audit.compensation.feed_forward import OF_FRICTION, refuse
 from friction_audit.compensation.law import Coefficients, EnergyCompensator
 from friction_audit.compensation.result import JointReplay, Replay, Signals
 from friction_audit.compensation.settings import FEED_BACK, MODEL, Competitor, Limits, ReplaySettings, limits_of
@@ -31,7 +31,7 @@ from friction_audit.friction.history import FrictionHistory, JointFriction
 from friction_audit.joint_log import Float, Recording, read_only
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
-from friction_audit.preprocessing.interaction import Caution, Interaction, quoted, reason_of
+from friction_audit.preprocessing.interaction import Caution, Interaction, reason_of
 from friction_audit.presets import FRANKA
 
 LONGEST_STEP = 3.5  # a step of the clock of this many median steps is a gap, at any rate
@@ -73,8 +73,7 @@ def replay(
     for part in parts:
         per_joint(lambda place: runs[place].take(part, cuts), len(runs))  # noqa: B023 - it runs at once
     replays = tuple(run.result() for run in runs)
-    by_hand = interaction.choice.drive == "hand"
-    warnings = [] if by_hand else [Caution(code="arm_moves_itself")]
+    warnings = [] if interaction.choice.drive == "hand" else [Caution(code="arm_moves_itself")]
     if interaction.choice.gravity == "in-torque":
         warnings.append(Caution(code="gravity_in_replay"))
     for run in runs:
@@ -87,7 +86,9 @@ def replay(
         for joint in replays
         for code, numbers in _cautions(joint)
     ]
-    return Replay(counterfactual=settings.counterfactual(by_hand=by_hand), joints=replays, warnings=tuple(warnings))
+    moved = {"person": interaction.choice.drive, "joint": "file" if settings.joint_model else "fitted"}
+    counterfactual = Caution(settings.assume, numbers=moved)
+    return Replay(counterfactual=counterfactual, joints=replays, warnings=tuple(warnings))
 
 
 class _JointRun:
@@ -173,7 +174,7 @@ class _JointRun:
             result.missing_estimate(history, self.friction, joint.compensator) if isnan(run.tally["diverged_s"]) else ()
         )
         if run.felt["samples"] <= 1:
-            reason = quoted("the compensated loop diverges within a sample; lower its gain")
+            reason = (Caution("diverges_at_once"),)
         if reason:
             return replace(joint, reason=reason)
         total = self._total if self._total["samples"] else self._recorded
@@ -200,7 +201,7 @@ def tune(competitor: Competitor, friction: JointFriction, robot: str, model: Joi
         return PUBLISHED[friction.joint - 1]
     coulomb, viscous = friction.coulomb.value, friction.viscous.value
     if friction.reason or not (coulomb >= 0.0 and viscous >= 0.0 and coulomb + viscous > 0.0):
-        raise AnalysisError(friction.reason or "the log's friction is negative, and nothing can be tuned to it")
+        raise AnalysisError(friction.reason or (Caution("log_pushes"),))
     if competitor.name == "sigmoid":
         return fit_sigmoid(coulomb, viscous)
     if competitor.name == "lugre":
@@ -211,10 +212,10 @@ def tune(competitor: Competitor, friction: JointFriction, robot: str, model: Joi
 
 def _modelled(model: JointModel | None) -> Compensator:
     if model is None:
-        raise AnalysisError(NO_MODEL)
+        raise AnalysisError((Caution("not_in_model_file"),))
     terms = tuple(term for term in model.terms if term.effect.friction or term.name in OF_FRICTION)
     if not terms:
-        raise AnalysisError("its model has no term of friction, and a compensator nothing to apply")
+        raise AnalysisError((Caution("nothing_to_apply"),))
     refuse(terms)
     return JointModelCompensation(terms=terms)
 
@@ -224,7 +225,7 @@ def _feed_back(competitor: Competitor, friction: JointFriction) -> Compensator:
     if inertia is None and found is not None and found.inertia.low > 0.0:
         inertia = found.inertia.value
     if inertia is None:
-        raise AnalysisError(friction.reason or "its inertia is not determined by the log; give --motor-inertia")
+        raise AnalysisError(friction.reason or (Caution("no_motor_inertia"),))
     if competitor.name == "disturbance_observer":
         return DisturbanceObserver(inertia_kg_m2=inertia, observer_gain_per_s=competitor.observer_gain_per_s)
     desired = competitor.desired_inertia_kg_m2
