@@ -1,6 +1,5 @@
 """A recording as a reader returns it, before its faults are looked for: in memory, or read block by block."""
 
-import re
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -16,7 +15,6 @@ Block = tuple[Float, dict[str, Float]]  # clock and channels of samples that fol
 # longer, until the slope has little noise: jitter that looks like motion adds path, and takes Coulomb friction away.
 HALF_WINDOW_S, LONGEST_HALF_WINDOW_S, NOISE_RAD_S = 0.01, 0.05, 1e-3
 MEAN_OF_THIRD = np.sqrt(20.0 * 2.0 / np.pi)  # absolute third difference of white noise, over its standard deviation
-_WIDTH = re.compile(r"through \d+ samples")
 _TURN_RAD = 2.001 * np.pi
 _PIECE = 1 << 16  # samples of a recording in memory that are looked at at a time: they stay in the processor's cache
 
@@ -158,14 +156,15 @@ class Recording:
         return f"{channel} ({self.mapping.get(channel, channel)}) of {self.joint_names[joint]}"
 
 
-def with_velocity(recording: Recording, step_s: float) -> Recording:
+def with_velocity(recording: Recording, step_s: float, *, asked: bool) -> Recording:
     """Return a recording in memory with the derivative of q as dq (Savitzky and Golay, 1964), unless dq was logged.
 
     A parabola is fitted to the samples within HALF_WINDOW_S of each, of a coarse position to more: to q and to t over
-    the sample's number, so that an uneven clock does no harm. There is no phase shift.
+    the sample's number, so that an uneven clock does no harm. There is no phase shift. Made anew, its finding is that
+    of the last time: of a wild sample that is gone, noise is gone too. ``asked``: whether the user asked for it.
     """
-    is_derived, names = recording.mapping.get("dq") == DERIVATIVE, recording.mapping
-    if "dq" in recording.channels and not is_derived:
+    names = recording.mapping
+    if "dq" in recording.channels and names.get("dq") != DERIVATIVE:
         return recording
     from scipy.signal import savgol_filter
 
@@ -188,17 +187,11 @@ def with_velocity(recording: Recording, step_s: float) -> Recording:
     message = f"dq is the derivative of q ({names.get('q', 'q')}), by a parabola through {width} samples"
     if recording.guessed_unit:
         message += f" of a clock read in {recording.guessed_unit}"
-    if not is_derived:
+    if not asked:
         message = f"no velocity was found: {message}; if there is one by another name, use --map dq=NAME"
-    findings = recording.findings
-    if any(one.code == "velocity_derived" for one in findings):  # of a wild sample that is gone, noise is gone too
-        now = f"through {width} samples"
-        findings = tuple(
-            replace(one, message=_WIDTH.sub(now, one.message)) if one.code == "velocity_derived" else one
-            for one in findings
-        )
-    else:
-        findings = (*findings, Finding("velocity_derived", message))
+    finding = Finding("velocity_derived", message)
+    findings = tuple(finding if one.code == finding.code else one for one in recording.findings)
+    findings = findings if finding in findings else (*findings, finding)
     channels, mapping = recording.channels | {"dq": rate}, {**names, "dq": DERIVATIVE}
     return replace(recording, channels=channels, mapping=mapping, findings=findings)
 

@@ -20,7 +20,7 @@ from friction_audit.io.checks.torque import Stale, check_torque, drop_stale_samp
 from friction_audit.io.checks.values import Missing, find_frozen, leave_out_columns, leave_out_rows
 from friction_audit.io.checks.wild import TO_ZERO, leave_out_wild
 from friction_audit.io.recording import Recording, WholeLogError, with_velocity
-from friction_audit.joint_log import MINIMUM_SAMPLES, Float
+from friction_audit.joint_log import DERIVATIVE, MINIMUM_SAMPLES, Float
 from friction_audit.log_in_blocks import Means
 
 Take = Callable[[int, Float, dict[str, Float]], None]
@@ -156,15 +156,16 @@ def examine(
     numbered = read_s is None and look.recording.rows == as_read
     step_s = look.clock.step_s
     look = look.after(motion.join_turns(look.recording, look.survey.columns))
-    look = look.after(with_velocity(look.recording, step_s))
+    asked = look.recording.mapping.get("dq") == DERIVATIVE
+    look = look.after(with_velocity(look.recording, step_s, asked=asked))
     look = look.after(leave_out_wild(look.recording, look.survey.columns, step_s, first_s=first_s, numbered=numbered))
-    look = look.after(with_velocity(look.recording, step_s))  # anew from what is left, here and below
+    look = look.after(with_velocity(look.recording, step_s, asked=asked))  # anew from what is left, here and below
     look = look.after(motion.refuse_dead_velocity(look.recording, look.survey.columns, look.clock, path))
     look = look.after(motion.turn_degrees(look.recording, look.survey.columns, look.survey.ratios.common, path))
     look = look.after(motion.mend_unit(look.recording, look.survey.ratios.common))
     look = look.after(look.recording.with_findings(*look.survey.steps.findings()))
     look = look.after(drop_stale_samples(look.recording, look.survey.stale, look.survey.columns))
-    look = look.after(with_velocity(look.recording, look.clock.step_s))
+    look = look.after(with_velocity(look.recording, look.clock.step_s, asked=asked))
     look = look.after(interpolate_held(look.recording, look.survey.near, look.clock.step_s))
     look = look.after(noisy_velocity(look.recording, look.survey.near))
     look = look.after(check_torque(look.recording, look.survey.columns))
