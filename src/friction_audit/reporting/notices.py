@@ -15,12 +15,17 @@ from friction_audit.reporting.words import MARK, NEWTON_METRES, count_of, in_uni
 ODD_TORQUE = ("gravity_error", "torque_offset", "sign_disagrees")  # cautions of one joint about how its torque was made
 
 
+TABLE = Path(__file__).with_name("sentences.toml")
+
+
 @cache
 def sentences() -> dict[str, dict[str, str]]:
     """Return the sentences of warnings and of reasons by code, and the cases of some."""
     import tomllib
 
-    return tomllib.loads(Path(__file__).with_name("sentences.toml").read_text(encoding="utf-8"))
+    texts = tomllib.loads(TABLE.read_text(encoding="utf-8"))
+    every = {code: row for group in texts["warnings"].values() for code, row in group.items()}
+    return texts | {"warnings": {code: row if isinstance(row, str) else row[0] for code, row in every.items()}}
 
 
 # What the numbers of a caution are in words, where the sentence has some. Where it has one of several, these stand in
