@@ -138,7 +138,7 @@ class JointReplay:
 
     def __repr__(self) -> str:
         if self.numbers is None or self.reason:
-            return f"joint {self.joint} {self.name}: not replayed: {', '.join(map(str, self.reason))}"
+            return f"joint {self.joint} {self.name}: not replayed: {'; '.join(map(str, self.reason))}"
         removed, numbers = 100.0 * self.numbers.dissipation_removed, self.numbers
         energy = f"{numbers.energy_without_j:.4g} J without, {numbers.energy_with_j:.4g} J with"
         return f"joint {self.joint} {self.name}: dissipation removed {removed:.3g} %, net energy {energy}"

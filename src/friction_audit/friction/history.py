@@ -107,7 +107,7 @@ class JointFriction:
 
     def __repr__(self) -> str:
         if self.reason:
-            return f"joint {self.joint} {self.name}: no estimate: {', '.join(map(str, self.reason))}"
+            return f"joint {self.joint} {self.name}: no estimate: {'; '.join(map(str, self.reason))}"
         return (
             f"joint {self.joint} {self.name}: Coulomb {self.coulomb!s}, viscous {self.viscous!s}, {self.cycles} cycles"
         )

@@ -5,9 +5,9 @@ With B the reflected inertia behind the sensor, u the torque of an active compen
     B ddq = F_m + u - tau_f,    tau_f * dq >= 0 is the dissipated power.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +37,12 @@ class SignEvidence:
 
 @dataclass(frozen=True, slots=True)
 class Caution:
-    """Something the user must know about a result; ``reporting/sentences.toml`` has the sentence of each code."""
+    """Something the user must know about a result; ``reporting/sentences.toml`` has the sentence of each code.
+
+    As a text it is that sentence once ``api``, which knows it, has set ``words``; before, its code.
+    """
+
+    words: ClassVar[Callable[["Caution"], str]] = lambda one: one.code
 
     code: str  # stable short name
     joint: int | None = None  # joint number for people (1..n), or None
@@ -45,7 +50,7 @@ class Caution:
     numbers: Mapping[str, Any] = field(default_factory=dict, hash=False)
 
     def __str__(self) -> str:
-        return str(self.numbers.get("text", self.code))
+        return type(self).words(self)
 
     def renamed(self, path: str, name: str) -> "Caution":
         """Return it with another name of the log, in commands to paste."""
