@@ -1,6 +1,6 @@
 """The comparison of methods: intervals, margins, tunings, trials, and the whole, short."""
 
-from dataclasses import replace
+from dataclasses import astuple, replace
 from functools import cache
 from math import inf, nan
 from typing import Any
@@ -64,7 +64,7 @@ HALF = 3.182446 * np.std([1, 2, 3, 4], ddof=1) / 2
     ],
 )
 def test_means_and_medians_by_hand(interval: Any, values: list[float], expected: tuple[float, float, float]) -> None:
-    assert interval(values) == pytest.approx(expected, rel=1e-6, nan_ok=True)
+    assert astuple(interval(values)) == pytest.approx(expected, rel=1e-6, nan_ok=True)
 
 
 # Stability margin: bisection.

@@ -9,6 +9,7 @@ from math import isfinite, isnan, nan
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.compensation import SAME_MOTION, SAME_OPERATOR
 from friction_audit.compensation.closed_loop import (
     CYCLE,
     SAMPLES,
@@ -25,7 +26,7 @@ from friction_audit.compensation.competitors import Compensator, JointModelCompe
 from friction_audit.compensation.feed_forward import feed_of, refuse, straighten
 from friction_audit.compensation.records import fresh_memory, pack
 from friction_audit.compensation.result import FittedOperator, Signals
-from friction_audit.compensation.settings import SAME_MOTION, SAME_OPERATOR, ReplaySettings
+from friction_audit.compensation.settings import ReplaySettings
 from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.torque_tables import Tables, steps_per_sample, tabulate
 from friction_audit.effects.joint_model import JointModel, simple_model

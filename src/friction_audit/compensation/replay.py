@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.compensation import result
+from friction_audit.compensation import FEED_BACK, MODEL, result
 from friction_audit.compensation.closed_loop import SUMS, add_torque
 from friction_audit.compensation.competitors import (
     PUBLISHED,
@@ -24,7 +24,7 @@ from friction_audit.compensation.counterfactual import Run, make_scene, recordin
 from friction_audit.compensation.feed_forward import OF_FRICTION, refuse
 from friction_audit.compensation.law import Coefficients, EnergyCompensator
 from friction_audit.compensation.result import JointReplay, Replay, Signals
-from friction_audit.compensation.settings import FEED_BACK, MODEL, Competitor, Limits, ReplaySettings, limits_of
+from friction_audit.compensation.settings import Competitor, Limits, ReplaySettings, limits_of
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import FrictionHistory, JointFriction
@@ -79,13 +79,8 @@ def replay(
     for run in runs:
         found = seems_compensated(interaction, cycles, run.friction, log.source.robot, run.square)
         if found:
-            numbers = {"name": run.friction.name, "names": "", **found}
-            warnings.append(Caution(code="seems_compensated", joint=run.friction.joint, numbers=numbers))
-    warnings += [
-        Caution(code=code, joint=joint.joint, numbers={"name": joint.name, **numbers})
-        for joint in replays
-        for code, numbers in _cautions(joint)
-    ]
+            warnings.append(Caution("seems_compensated", run.friction.joint, found))
+    warnings += [caution for joint in replays for caution in _cautions(joint)]
     moved = {"person": interaction.choice.drive, "joint": "file" if settings.joint_model else "fitted"}
     counterfactual = Caution(settings.assume, numbers=moved)
     return Replay(counterfactual=counterfactual, joints=replays, warnings=tuple(warnings))
@@ -248,19 +243,19 @@ def _in_force(
     return replace(compensator, **kept)
 
 
-def _cautions(joint: JointReplay) -> Iterator[tuple[str, dict[str, object]]]:
-    numbers, passivity = joint.numbers, joint.passivity
+def _cautions(joint: JointReplay) -> Iterator[Caution]:
+    numbers, passivity, limits = joint.numbers, joint.passivity, joint.limits
     if numbers is None or passivity is None:
-        yield "not_replayed", {"reason": joint.reason}
+        yield Caution("not_replayed", joint.joint, {"reason": joint.reason})
         return
     if not isnan(numbers.diverged_s):
-        yield "diverged", {"at_s": numbers.diverged_s}
+        yield Caution("diverged", joint.joint, {"at_s": numbers.diverged_s})
     if passivity.hidden:
-        lowest = passivity.lowest_since_activation_j
-        yield "over_compensation_hidden", {"reserve": passivity.reserve_j, "hidden": -lowest}
+        energies = {"reserve": passivity.reserve_j, "hidden": -passivity.lowest_since_activation_j}
+        yield Caution("over_compensation_hidden", joint.joint, energies)
     if numbers.limited_fraction > 0:
-        limits, percent = joint.limits, 100 * numbers.limited_fraction
-        yield "torque_limited", {"torque": limits.torque_nm, "rate": limits.rate_nm_s, "percent": percent}
+        held = {"torque": limits.torque_nm, "rate": limits.rate_nm_s, "percent": 100 * numbers.limited_fraction}
+        yield Caution("torque_limited", joint.joint, held)
 
 
 def seems_compensated(

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from math import inf
 from typing import Any
 
+from friction_audit.compensation import ASSUMES, COMPETITORS, FEED_BACK, MODEL, SAME_MOTION, SAME_OPERATOR
 from friction_audit.compensation.competitors import Compensator, DisturbanceObserver, TorqueRegulation
 from friction_audit.compensation.law import Checked, EnergyCompensator, positive
 from friction_audit.effects.joint_model import ArmModel, JointModel
@@ -13,15 +14,6 @@ from friction_audit.presets import PRESETS
 DEFAULT_MODEL = "combined"
 # Twice the paper's: on a Panda's sensors, the difference of two cycles is noise as often as friction.
 DEFAULT_WINDOW = {"combined": 4, "coulomb": 2, "viscous": 2}
-
-FEED_BACK = ("disturbance_observer", "torque_regulation")  # without a loop over the motion their result means nothing
-MODEL = "model"  # applies the friction of a model file
-COMPETITORS = ("fixed", "sigmoid", "lugre", *FEED_BACK, MODEL)  # compensators other than ``energy``
-
-
-SAME_MOTION, SAME_TORQUE, SAME_OPERATOR = "same-motion", "same-torque", "same-operator"
-# What is assumed of the person, or of the arm's drive, who would have met another joint than the recorded one.
-ASSUMES = (SAME_MOTION, SAME_TORQUE, SAME_OPERATOR)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

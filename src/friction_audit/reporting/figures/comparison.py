@@ -11,9 +11,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from friction_audit.compensation.comparison.methods import BEST, NONE, PAPER
-from friction_audit.compensation.comparison.result import Comparison, Curve, Interval, Row
+from friction_audit.compensation.comparison.result import Comparison, Curve, Row
+from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures import panels as parts, style as theme
+from friction_audit.reporting.words import scaled
 
 # Colour and dashes of each method.
 LOOKS: dict[str, tuple[str, Any]] = {
@@ -149,8 +151,7 @@ def _draw_summary(comparison: Comparison) -> Figure:
     for row in rows:
         alone = sum(other.label == row.label for other in rows) == 1
         place = labels.index(row.label) + (0.0 if alone else SHIFTS[row.role])
-        slope = row.interval("energy_slope_w")
-        _draw_interval(left, row, place, Interval(*(MILLI * end for end in slope)))
+        _draw_interval(left, row, place, scaled(row.interval("energy_slope_w"), MILLI))
         _draw_interval(right, row, place, row.interval("rms_torque_nm"))
     for axes, title in ((left, "(a) slope [mW]"), (right, "(b) rms torque [N m]")):
         parts.mark_zero(axes, x=True, y=False)
@@ -164,7 +165,7 @@ def _draw_summary(comparison: Comparison) -> Figure:
     return figure
 
 
-def _draw_interval(axes: Axes, row: Row, place: float, shown: Interval) -> None:
+def _draw_interval(axes: Axes, row: Row, place: float, shown: Coefficient) -> None:
     """Draw a mean with its interval, and at the right how many loops were lost: those are not in the means."""
     shape, filling, _ = SHAPES[row.role]
     axes.errorbar(
