@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from friction_audit.compensation.closed_loop import GIVEN_OUT, TALLY, Recorded
 from friction_audit.compensation.competitors import Compensator
 from friction_audit.compensation.law import Coefficients, EnergyCompensator
-from friction_audit.compensation.records import ESTIMATED, NOT_MOVED
+from friction_audit.compensation.records import ESTIMATED, NOT_MOVED, STATUSES
 from friction_audit.compensation.settings import Limits
 from friction_audit.compiled import Record
 from friction_audit.effects.joint_model import JointModel
@@ -26,9 +26,6 @@ LEAST_CHANGE = 0.25  # a step of friction changes it by so much of what it was
 SURE = 50.0  # F ratio of two laws over one: logs without a step reach 10 at most, although the split is the best one
 AT_ONCE = 0.7  # so much of it happens from one cycle to the next: warming up is no step
 TOO_ALIKE = 1e-9  # ratio of the eigenvalues of the moments below which cycles are of one speed
-
-# Names of the values of ``status`` in ``records``: what came of a cycle.
-STATUSES = ("no_cycle", "estimated", "too_few", "not_moved", "gap")
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -82,7 +82,7 @@ METHOD = Record(
 POINT = Record(
     Column("value", float, "value of the swept setting"),
     Column("tuning", str, "its name", "tuning.name"),
-    Column("stable", bool, "whether the loop was stable with every person", lambda point: not point.losses),
+    Column("stable", bool, "whether the loop was stable with every person", lambda point: not point.lost_s),
     Column("stable_share", float, "share of the persons with whom it was"),
     _measured("energy_slope_w", "mean power that the person gives"),
     _measured("rms_torque_nm", "root mean square of the person's torque"),

@@ -8,7 +8,8 @@ import numpy as np
 
 from friction_audit.compensation.competitors import Compensator, JointModelCompensation
 from friction_audit.compensation.law import EnergyCompensator
-from friction_audit.compensation.result import STATUSES, JointReplay
+from friction_audit.compensation.records import STATUSES
+from friction_audit.compensation.result import JointReplay
 from friction_audit.friction.history import Coefficient
 from friction_audit.io.writers.tables import TidyTable
 from friction_audit.pipeline import LogReplay

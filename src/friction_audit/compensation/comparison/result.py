@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass
-from math import isfinite, nan, sqrt
+from math import isfinite, isinf, nan, sqrt
 from typing import Any
 
 import numpy as np
@@ -51,8 +51,7 @@ class Course:
 class Outcome:
     """Measures of a trial, all but the slope after the second cycle; of an arm, sums or the worst of its joints."""
 
-    stable: bool  # False if the loop diverged or rang
-    lost_s: float  # when it did, or infinity [s]
+    lost_s: float  # when the loop diverged or rang, infinity if it was stable [s]
     energy_slope_w: float  # slope of the net energy at the ends of the cycles, from the second on; all joints [W]
     peak_torque_nm: float  # largest interaction torque of any joint [N m]
     drawn_peak_nm: float  # the same as the paper draws it: low-passed, of the joint that takes most torque [N m]
@@ -102,7 +101,6 @@ def measure(simulation: Simulation, reference: Reference) -> Outcome:
         zip(("inertia_left", "coulomb_left", "viscous_left"), np.mean(felt / true, axis=0).tolist(), strict=True)
     )
     return Outcome(
-        stable=bool(np.isinf(lost)),
         lost_s=lost,
         energy_slope_w=float(np.polyfit(motion.t[ends], net_energy_j(motion)[ends], 1)[0]),
         peak_torque_nm=float(np.abs(torque[after:]).max()),
@@ -211,14 +209,9 @@ class Tried:
     outcomes: tuple[Outcome, ...]  # one per seed
 
     @property
-    def losses(self) -> int:
-        """Number of seeds that lost the loop."""
-        return sum(not one.stable for one in self.outcomes)
-
-    @property
     def stable_share(self) -> float:
         """Share of the seeds that did not lose it."""
-        return 1.0 - self.losses / len(self.outcomes)
+        return 1.0 - len(self.lost_s) / len(self.outcomes)
 
     @property
     def lost_s(self) -> tuple[float, ...]:
@@ -227,7 +220,7 @@ class Tried:
 
     def interval(self, measure: str) -> Coefficient:
         """Return mean and interval of a measure, by its name, over the seeds in which the loop held."""
-        return mean_interval([getattr(outcome, measure) for outcome in self.outcomes if outcome.stable])
+        return mean_interval([getattr(outcome, measure) for outcome in self.outcomes if isinf(outcome.lost_s)])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -113,17 +113,17 @@ def _draw_sweeps(axes: Axes, sweeps: Sequence[Curve]) -> None:
     if logarithmic:
         axes.set_xscale("log")
     for number, sweep in enumerate(sweeps):
-        held = [point for point in sweep.points if not point.losses]
+        held = [point for point in sweep.points if not point.lost_s]
         look: theme.Look = {"marker": MARKERS[number], "alpha": SHADES[number], "color": LOOKS[sweep.method][0]}
         slopes = [MILLI * point.interval("energy_slope_w").value for point in held]
         axes.plot([one.value for one in held], slopes, ms=2.6, mew=0, lw=0.8, zorder=3, label=sweep.name, **look)
         for neighbour, lost in (*pairwise(sweep.points), *pairwise(reversed(sweep.points))):
-            if lost.losses and not neighbour.losses:
+            if lost.lost_s and not neighbour.lost_s:
                 slope = MILLI * neighbour.interval("energy_slope_w").value
                 axes.plot(lost.value, slope, ms=3.5, mew=0.8, zorder=4, **LOST)
-    if all(sweep.points[-1].losses for sweep in sweeps):
+    if all(sweep.points[-1].lost_s for sweep in sweeps):
         # From the first value on from which every loop is always lost.
-        ends = [list(takewhile(lambda point: point.losses, reversed(sweep.points))) for sweep in sweeps]
+        ends = [list(takewhile(lambda point: point.lost_s, reversed(sweep.points))) for sweep in sweeps]
         start = max(lost[-1].value for lost in ends)
         axes.axvspan(start, max(values), facecolor=theme.SHADE, edgecolor="none", zorder=0)
         middle = (start * max(values)) ** 0.5 if logarithmic else 0.5 * (start + max(values))
