@@ -25,8 +25,8 @@ Found = tuple[ast.expr, ast.expr | None, bool]
 
 def messages() -> dict[str, tuple[tuple[str, ...], bool]]:
     """Return the messages and the mark of damage of every code of a warning in the source."""
-    texts = sentences()
-    warnings = texts["warnings"] | {"sign_turned": texts["sign_turned"]["else"]}
+    known = sentences()
+    warnings = known["warnings"] | {"sign_turned": known["sign_turned"]["else"]}
     found: dict[str, tuple[tuple[str, ...], bool]] = {
         code: ((beginning(_plain(text)),), False) for code, text in warnings.items() if text
     }
