@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from friction_audit.errors import InputError, UsageError
 
 Float = NDArray[np.float64]
+Int = NDArray[np.int64]
+Bool = NDArray[np.bool_]
 DERIVATIVE = "derivative"  # name of the velocity that is made from q
 MINIMUM_SAMPLES = 2
 _MOST_STEPS = 10_000  # of which the median step is taken
@@ -223,7 +225,7 @@ def median_step(t: Float) -> float:
     return float(np.median(t[first + 1] - t[first]))
 
 
-def step_places(samples: int) -> NDArray[np.int64]:
+def step_places(samples: int) -> Int:
     """Return the samples before the steps of which the median is taken."""
     return np.linspace(0, samples - 2, min(samples - 1, _MOST_STEPS)).astype(np.int64)
 

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from friction_audit.joint_log import JOINT_CHANNELS, Float, JointLog, LogPart
+from friction_audit.joint_log import JOINT_CHANNELS, Float, Int, JointLog, LogPart
 from friction_audit.parallel import ahead
 
 # A longer log is judged by means of stretches that are spread evenly over it: an hour at 50 Hz, in pieces of 20 s.
@@ -20,7 +19,7 @@ class LogInBlocks(LogPart):
     """A log that is read in blocks, anew for every pass; its arrays are means over ``mean_of`` samples each."""
 
     mean_of: int  # samples per mean
-    numbers: NDArray[np.int64]  # number of each mean among those of the whole log, shape (m,)
+    numbers: Int  # number of each mean among those of the whole log, shape (m,)
     clock: tuple[int, float, float]  # number of samples, time of the last one [s], median step [s]
     gaps: Float  # number of the sample before each gap, its time and that of the sample after it, shape (k, 3)
     # Yields the clock of each block, and those of its channels that are asked for.

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.joint_log import DERIVATIVE, Finding, Float
+from friction_audit.joint_log import DERIVATIVE, Bool, Finding, Float, Int
 from friction_audit.parallel import ahead
 
 Block = tuple[Float, dict[str, Float]]  # clock and channels of samples that follow each other
@@ -37,7 +37,7 @@ class Blocks:
     clock: tuple[int, float, float] = (0, 0.0, 0.0)
     gaps: Float = field(default_factory=lambda: np.zeros((0, 3)))
     mean_of: int = 1
-    numbers: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    numbers: Int = field(default_factory=lambda: np.zeros(0, np.int64))
     listener: Any = None
 
 
@@ -47,7 +47,7 @@ class Marks:
     def __init__(self, rows: int) -> None:
         self._rows, self._bits, self.count = rows, np.empty(0, np.uint8), 0
 
-    def add(self, first: int, marked: NDArray[np.bool_]) -> None:
+    def add(self, first: int, marked: Bool) -> None:
         """Mark some of the rows from a first one on."""
         if not marked.any():
             return
@@ -57,7 +57,7 @@ class Marks:
         packed = np.packbits(np.append(np.zeros(first % 8, np.bool_), marked))
         self._bits[first // 8 : first // 8 + len(packed)] |= packed
 
-    def of(self, first: int, count: int) -> NDArray[np.bool_]:
+    def of(self, first: int, count: int) -> Bool:
         """Return which of so many rows from a first one on are marked."""
         if not len(self._bits):
             return np.zeros(count, np.bool_)

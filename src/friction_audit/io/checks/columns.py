@@ -1,9 +1,8 @@
 """What a pass over a recording finds of each column: range, largest jump, and a sample of its values and changes."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, Int
 
 MOST_SAMPLES = 1 << 16  # from which quantiles are taken, for speed
 LAG = 3  # changes are taken over three rows: neighbouring rows of a slow or coarse channel are often equal
@@ -12,7 +11,7 @@ LAG = 3  # changes are taken over three rows: neighbouring rows of a slow or coa
 class Picked:
     """Values at some rows of a recording, gathered piece by piece."""
 
-    def __init__(self, places: NDArray[np.int64], *shape: int) -> None:
+    def __init__(self, places: Int, *shape: int) -> None:
         self.places, self.values = places, np.empty((len(places), *shape), order="F")
 
     def take(self, first: int, piece: Float) -> None:

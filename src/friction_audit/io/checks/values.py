@@ -5,19 +5,18 @@ from dataclasses import replace
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
 from friction_audit.io.checks.clock import Clock
 from friction_audit.io.checks.columns import Column
 from friction_audit.io.recording import Marks, Recording
-from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Float
+from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Float, Int
 
 _ESSENTIAL = ("q", "dq", *TORQUE_CHANNELS)
 _ABSURD = 1e9  # no position, velocity, torque or temperature is as large, in any unit: a damaged number
 _SPARSE = 0.1  # share of missing values from which a channel that is not essential is left out, rather than the rows
 
-Counts = Mapping[str, NDArray[np.int64]]  # channel -> missing values of each joint
+Counts = Mapping[str, Int]  # channel -> missing values of each joint
 
 
 class Missing:
