@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from friction_audit.joint_log import JOINT_CHANNELS, Float, Int, JointLog, LogPart
+from friction_audit.joint_log import Float, Int, JointLog, LogPart
 from friction_audit.parallel import ahead
 
 # A longer log is judged by means of stretches that are spread evenly over it: an hour at 50 Hz, in pieces of 20 s.
@@ -48,10 +48,10 @@ class LogInBlocks(LogPart):
             return self
         return self.read_whole().take_window(start_s, stop_s)
 
-    def blocks(self, names: Collection[str] = JOINT_CHANNELS) -> Iterator[LogPart]:
+    def blocks(self, names: Collection[str] | None = None) -> Iterator[LogPart]:
         """Read the log, or some of its channels, in parts that follow each other; a motion not asked for is NaN."""
         first = 0
-        for t, channels in ahead(self.read([name for name in self.channels() if name in names])):
+        for t, channels in ahead(self.read([name for name in self.channels() if names is None or name in names])):
             nothing = np.broadcast_to(np.nan, (len(t), len(self.joint_names)))
             held = {"q": nothing, "dq": nothing, **channels}
             yield LogPart(t=t, **held, joint_names=self.joint_names, source=self.source, first=first)

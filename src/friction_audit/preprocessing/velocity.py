@@ -189,10 +189,9 @@ def _velocity_on_time(t: Float, q: Float, dq: Float, lag: Float, fine: Bool, end
 def _is_fine(log: JointLog, lag: Float) -> Bool:
     """Return whose positions have noise and resolution that are small enough for a difference over the lag."""
     square, rough, before = np.zeros(len(lag)), np.zeros(len(lag)), np.empty((0, len(lag)))
-    for _, _, dq in log.blocks_of("dq"):
-        square += [np.sum(column**2) for column in dq.T]
-    for _, _, q in log.blocks_of("q"):
-        near = np.concatenate([before, q])
+    for part in log.blocks(("q", "dq")):
+        square += [np.sum(column**2) for column in part.dq.T]
+        near = np.concatenate([before, part.q])
         rough += [np.sum(np.diff(column, n=2) ** 2) for column in near.T]
         before = near[-2:].copy()
     roughness = np.sqrt(rough / max(log.samples - 2, 1) / 6.0)  # rms noise and resolution of the position
