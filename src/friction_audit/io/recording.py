@@ -72,6 +72,7 @@ class Recording:
     t: Float  # time since an origin of the reader's choice, shape (n,); any order, repeats allowed [s]
     channels: dict[str, Float]  # channel -> array of shape (n, j), Fortran order, NaN where nothing was recorded
     joint_names: tuple[str, ...]
+    path: str = ""  # of the file, as the user gave it; empty until it was read
     clock: str = "column"  # or "robot_time", "header_stamp", "log_time"
     start_s: float | None = None  # Unix time of t = 0, or None when the clock does not say [s]
     origin_s: float = 0.0  # reading of the clock at t = 0 [s]
