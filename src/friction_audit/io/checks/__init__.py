@@ -74,8 +74,7 @@ class _Survey:
         if recording.blocks is not None and "dq" not in names:
             raise WholeLogError  # it is made from q at once
         self.missing = Missing(recording)
-        whole = recording.channels if recording.blocks is None else {}
-        self.columns = {name: Column(rows, joints, TO_ZERO.get(name, np.inf), whole.get(name)) for name in names}
+        self.columns = {name: Column(rows, joints, TO_ZERO.get(name, np.inf)) for name in names}
         self.stale, self.near = Stale(recording), Stretches(recording)
         self._before: dict[str, Float] = {}
         if clock.increases:
