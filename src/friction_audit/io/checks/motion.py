@@ -258,7 +258,7 @@ def turn_degrees(recording: Recording, columns: Mapping[str, Column], ratio: flo
             _refuse_degrees(recording, forwards, largest_q, largest_dq)
             message = (
                 f"q reaches {largest_q:.4g} and dq {largest_dq:.4g}: a rig that turns without end, or degrees; read as "
-                "rad and rad/s; if it is degrees, say so in the names of the columns (q_1_deg, dq_1_deg_s)"
+                "rad and rad/s; degrees are given as --map q=NAME:deg, counts of an encoder as --map q=NAME:COUNTS/rev"
             )
             return recording.with_findings(Finding("degrees_suspected", message, amount=largest_q))
         degrees = ["q", "dq"]
@@ -282,8 +282,8 @@ def _refuse_degrees(recording: Recording, forwards: float, largest_q: float, lar
         raise InputError(
             f"{recording.path}: q ({named[0][1]}) oscillates up to {largest_q:.4g} and dq up to {largest_dq:.4g}: "
             f"degrees, or a motor of many turns; expected rad and rad/s of the joint; use {degrees}, or {radians}; "
-            "divide the columns of a motor by the gear ratio, those of an encoder by its counts per radian, and leave "
-            "an axis in mm out (--map q=... of the other joints)"
+            "divide the columns of a motor by the gear ratio, give counts of an encoder as --map q=NAME:COUNTS/rev, "
+            "and leave an axis in mm out (--map q=... of the other joints)"
         )
 
 

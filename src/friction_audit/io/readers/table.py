@@ -21,7 +21,6 @@ from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, ReadOptions, refus
 from friction_audit.io.recording import Block, Blocks, Recording, WholeLogError
 from friction_audit.joint_log import Bool, Finding, Float, find_window
 
-_RADIANS_PER_DEGREE = np.pi / 180.0
 ROBOT_COLUMN = re.compile(r"\s*(?:robot|arm)(?:[ _-]?(?:name|id|number|no|serial))?\s*", re.IGNORECASE)
 _WHOLE = re.compile(r"^(\d+)\.0+$")  # a joint's number in a column that was written as floats
 
@@ -199,8 +198,8 @@ def read_table(table: Table, options: ReadOptions) -> Recording:
         findings=columns.findings,
         blocks=part.blocks,
     )
-    for channel in columns.degrees:
-        recording = recording.scaled(channel, _RADIANS_PER_DEGREE)
+    for channel, per_turn in columns.per_turn.items():
+        recording = recording.scaled(channel, 2.0 * np.pi / per_turn)
     return recording if columns.joint is not None else _with_stated(recording, table)
 
 
