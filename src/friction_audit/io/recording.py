@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.joint_log import DERIVATIVE, Finding, Float
+from friction_audit.joint_log import DERIVATIVE, Bool, Finding, Float, Int
 from friction_audit.parallel import ahead
 
 Block = tuple[Float, dict[str, Float]]  # clock and channels of samples that follow each other
@@ -35,7 +35,7 @@ class Blocks:
     clock: tuple[int, float, float] = (0, 0.0, 0.0)
     gaps: Float = field(default_factory=lambda: np.zeros((0, 3)))
     mean_of: int = 1
-    numbers: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    numbers: Int = field(default_factory=lambda: np.zeros(0, np.int64))
     listener: Any = None
 
 
@@ -45,7 +45,7 @@ class Marks:
     def __init__(self, rows: int) -> None:
         self._rows, self._bits, self.count = rows, np.empty(0, np.uint8), 0
 
-    def add(self, first: int, marked: NDArray[np.bool_]) -> None:
+    def add(self, first: int, marked: Bool) -> None:
         """Mark some of the rows from a first one on."""
         if not marked.any():
             return
@@ -55,7 +55,7 @@ class Marks:
         packed = np.packbits(np.append(np.zeros(first % 8, np.bool_), marked))
         self._bits[first // 8 : first // 8 + len(packed)] |= packed
 
-    def of(self, first: int, count: int) -> NDArray[np.bool_]:
+    def of(self, first: int, count: int) -> Bool:
         """Return which of so many rows from a first one on are marked."""
         if not len(self._bits):
             return np.zeros(count, np.bool_)
@@ -70,6 +70,7 @@ class Recording:
     t: Float  # time since an origin of the reader's choice, shape (n,); any order, repeats allowed [s]
     channels: dict[str, Float]  # channel -> array of shape (n, j), Fortran order, NaN where nothing was recorded
     joint_names: tuple[str, ...]
+    path: str = ""  # of the file, as the user gave it; empty until it was read
     clock: str = "column"  # or "robot_time", "header_stamp", "log_time"
     start_s: float | None = None  # Unix time of t = 0, or None when the clock does not say [s]
     origin_s: float = 0.0  # reading of the clock at t = 0 [s]

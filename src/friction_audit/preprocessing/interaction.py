@@ -10,9 +10,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, Int
 
 SIGNALS = ("t", "q", "dq", "torque", "compensation", "posture")
 
@@ -108,7 +107,7 @@ class Interaction:
     # ``gravity_index``, shape (g, j, 2), or None when the arm's kinematics are not known
     gravity_direction: Float | None = None
     # samples at which the direction was evaluated, from 0 to n - 1, shape (g,), or None
-    gravity_index: NDArray[np.int64] | None = None
+    gravity_index: Int | None = None
     joint_numbers: tuple[int, ...]  # number for people (1..n of the log) of each column
     joint_names: tuple[str, ...]  # name of each column
     choice: TorqueChoice  # how the torque was made
