@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from friction_audit.joint_log import Float, JointLog, median_step
+from friction_audit.joint_log import Float, Int, JointLog, median_step
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing import cycle_sums
 from friction_audit.preprocessing.energy_cycles import (
@@ -21,7 +21,6 @@ from friction_audit.preprocessing.energy_cycles import (
     SMALL,
     EnergyCycles,
     EnergySums,
-    Int,
 )
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.settings import CycleSettings
