@@ -144,6 +144,8 @@ class Effect:
 class SpeedFriction(Effect):
     """Friction that follows from the velocity alone, which other programs can hold."""
 
+    axis: str = "speed"
+    friction: bool = True
     # Its torque in C++, from the parameters by their places, the velocity ``dq``, its size ``pace`` and its sign
     # ``way``, which is smooth at standstill.
     cpp: str = ""

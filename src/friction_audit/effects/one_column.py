@@ -28,7 +28,7 @@ class OneColumn(Effect):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SimpleFriction(OneColumn, SpeedFriction):
+class SimpleFriction(SpeedFriction, OneColumn):
     """Coulomb and viscous friction."""
 
 
@@ -54,18 +54,14 @@ NOMINAL = (
     SimpleFriction(
         name="coulomb",
         label="Coulomb friction",
-        axis="speed",
         coefficients=(Parameter("coulomb_nm", "N m", "friction at any speed", lower=0.0),),
-        friction=True,
         of=lambda motion: motion.direction,  # 0 at rest, where friction is what holds the joint
         cpp="{0!r} * way",
     ),
     SimpleFriction(
         name="viscous",
         label="viscous friction",
-        axis="speed",
         coefficients=(Parameter("viscous_nms_per_rad", "N m s/rad", "friction per velocity", lower=0.0),),
-        friction=True,
         of=lambda motion: motion.dq,
         cpp="{0!r} * dq",
     ),
