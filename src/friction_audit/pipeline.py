@@ -256,11 +256,6 @@ class Diagnosis(Shown):
         return "\n  ".join((head, *joints))
 
 
-def diagnose_log(log: JointLog, settings: AuditSettings, diagnosis_settings: "DiagnosisSettings") -> Diagnosis:
-    """Estimate a log, then find what the nominal model of every joint misses."""
-    return diagnose_estimate(estimate_log(log, settings), diagnosis_settings)
-
-
 def diagnose_estimate(
     estimate: Estimate, settings: "DiagnosisSettings", report: "Callable[[float], None] | None" = None
 ) -> Diagnosis:
