@@ -213,7 +213,11 @@ def test_a_fault_is_handled_block_by_block(frame: pd.DataFrame, tmp_path: Path, 
 
 
 PARTS: list[dict[str, Any]] = [{"t_start_s": 3.0, "t_end_s": 12.5}, {"t_start_s": 9.0}]
-OWN = [{"flip": (2,), "torque_scale": (1.5,)}, {"time_scale": 1.1}, {"mapping": {"q": "q_{i}:deg", "dq": "dq_{i}:deg"}}]
+OWN: list[dict[str, Any]] = [
+    {"flip": (2,), "torque_scale": (1.5,)},
+    {"time_scale": 1.1},
+    {"mapping": {"q": "q_{i}:deg", "dq": "dq_{i}:deg"}},
+]
 
 
 @pytest.mark.parametrize(("own", "is_large"), [(own, False) for own in OWN + PARTS] + [(own, True) for own in PARTS])
