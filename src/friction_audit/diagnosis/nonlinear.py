@@ -16,7 +16,7 @@ import numpy as np
 
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.gram import Gram, Training
-from friction_audit.diagnosis.problem import SIGN_COLUMNS, SMOOTHED
+from friction_audit.diagnosis.problem import SAMPLE_SD, SIGN_COLUMNS, SMOOTHED
 from friction_audit.diagnosis.selection import PRIOR, Projected, occam, split
 from friction_audit.effects.effect import Nonlinear
 from friction_audit.effects.joint_data import Nominal
@@ -246,9 +246,11 @@ def intervals(gram: Gram, dictionary: Dictionary, active: Sequence[Block], basel
     _, *widths = np.split(half, np.cumsum([len(base), *map(len, (*free, *slopes))])[:-1])
     linear, effects, missing = iter(widths), [], []
     for (scale, c), width in zip(each, widths[len(free) :], strict=True):
+        if scale.block.effect.recorder:  # the recorder's own delay, of part of a sample, is in the one that is found
+            own = np.where(scale.log, scale.start, 1.0) * scale.unit
+            width = np.hypot(width, 2.0 * SAMPLE_SD * gram.problem.data.sample_s / own)
         block, (nonlinear, unknown) = scale.block, _free(scale, width)
-        named = zip(block.effect.coefficients, block.there, strict=False)
-        labels = [parameter.name for parameter, there in named if there]
+        labels = [one.name for one, there in zip(block.effect.coefficients, block.there, strict=False) if there]
         if block.effect.follows:
             numbers = {labels[0]: _following(block, nonlinear)}
             unknown = (*unknown, *(name for name, one in numbers.items() if not np.isfinite(one.high)))

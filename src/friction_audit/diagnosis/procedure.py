@@ -58,6 +58,11 @@ def select(data: JointData, model: JointModel | None, effects: Sequence[Effect])
     """Everything up to the active set."""
     problem = RegressionProblem.build(data, model)
     state = _selected(problem, effects)
+    names = {block.name for block in state.active}
+    if "time_delay" in names and "stiction" not in names and problem.samples.breakaway.any():
+        # At the moment of a break-away the torque that comes late is another one, and rests hold the sign of the start.
+        problem = problem.without(problem.samples.breakaway)
+        state = _selected(problem, effects)
     left = residual_checks.residual_of(state.gram, state.active)
     left = contact_events.without_impulses(problem, left, fine_residual(state))
     errors = [_formula_error(block) * (c @ block.columns) for block, c in fitted(state.gram, state.active)]

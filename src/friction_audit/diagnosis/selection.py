@@ -27,7 +27,7 @@ ROUNDS_OF_FOLDS = 2
 INDISTINGUISHABLE = 10.0
 # Evidence of the screened points of an effect, of any size with the right sign, from which its others are built: of 174
 # joints with effects of all kinds, none has a link with 6 and more whose screened points have less than this.
-SCREENED = 4.0
+SCREENED = 6.0
 LEAST_EVIDENCE = 2.0  # of a competing effect: less is hardly anything
 ALIKE = 0.7  # correlation of their torques given everything else, from which they are the same thing
 CLOSE = 40.0  # effects so near the best one are refined before one is chosen
