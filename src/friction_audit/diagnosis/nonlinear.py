@@ -245,11 +245,11 @@ def intervals(gram: Gram, dictionary: Dictionary, active: Sequence[Block], basel
     nominal = {name: _around(fit.coefficients[k], half[k]) for k, name in enumerate(gram.problem.nominal.names)}
     _, *widths = np.split(half, np.cumsum([len(base), *map(len, (*free, *slopes))])[:-1])
     linear, effects, missing = iter(widths), [], []
+    # A delay that is found holds the recorder's own, of part of a sample.
+    recorder = 2.0 * SAMPLE_SD * gram.problem.data.sample_s
     for (scale, c), width in zip(each, widths[len(free) :], strict=True):
-        if scale.block.effect.recorder:  # the recorder's own delay, of part of a sample, is in the one that is found
-            own = np.where(scale.log, scale.start, 1.0) * scale.unit
-            width = np.hypot(width, 2.0 * SAMPLE_SD * gram.problem.data.sample_s / own)
-        block, (nonlinear, unknown) = scale.block, _free(scale, width)
+        block, unit = scale.block, scale.unit * np.where(scale.log, scale.start, 1.0)
+        nonlinear, unknown = _free(scale, np.hypot(width, recorder / unit) if block.effect.recorder else width)
         labels = [one.name for one, there in zip(block.effect.coefficients, block.there, strict=False) if there]
         if block.effect.follows:
             numbers = {labels[0]: _following(block, nonlinear)}
