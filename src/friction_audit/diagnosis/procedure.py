@@ -58,9 +58,8 @@ def select(data: JointData, model: JointModel | None, effects: Sequence[Effect])
     """Everything up to the active set."""
     problem = RegressionProblem.build(data, model)
     state = _selected(problem, effects)
-    names = {block.name for block in state.active}
-    if "time_delay" in names and "stiction" not in names and problem.samples.breakaway.any():
-        # At the moment of a break-away the torque that comes late is another one, and rests hold the sign of the start.
+    if [b.name for b in state.active if b.name in {"time_delay", "stiction"}] == ["time_delay"]:
+        # The torque of a break-away comes late too: what is read at its moment is not at the limit yet.
         problem = problem.without(problem.samples.breakaway)
         state = _selected(problem, effects)
     left = residual_checks.residual_of(state.gram, state.active)
