@@ -25,8 +25,8 @@ NAN = np.nan
 
 
 def vetted(rec: Recording, time_scale: float = 1.0) -> JointLog:
-    examined = examine(rec, path="run.log", time_scale=time_scale)
-    return to_joint_log(examined, path="run.log", sha256="0" * 64, format="test")
+    examined = examine(rec, ReadOptions(time_scale=time_scale))
+    return to_joint_log(examined, sha256="0" * 64, format="test")
 
 
 def finding(log: JointLog, code: str) -> Finding:

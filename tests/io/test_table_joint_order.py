@@ -157,10 +157,10 @@ def test_a_mapping_names_single_columns_and_wins_over_the_guess(tmp_path: Path, 
     assert torque in mapping
 
 
-@pytest.mark.parametrize(("name", "stated"), [("q_deg", "q_deg"), ("angle", "angle:deg"), ("q_deg", "q_deg:deg")])
-def test_degrees_of_a_mapped_column(tmp_path: Path, name: str, stated: str) -> None:
-    frame = long_frame(q=name)
-    frame[name] = np.degrees(frame[name])
+@pytest.mark.parametrize("stated", ["q_deg", "angle:deg", "q_deg:deg", "ticks:4096/rev", "q_deg:512.5/rev"])
+def test_degrees_or_counts_of_a_mapped_column(tmp_path: Path, stated: str) -> None:
+    (name, _, unit), frame = stated.partition(":"), long_frame(q=stated.partition(":")[0])
+    frame[name] *= float(unit.partition("/")[0] if "/" in unit else 360) / (2 * np.pi)
     log = read_text(tmp_path, frame, mapping={"q": stated})
     np.testing.assert_allclose(log.q, motion(SAMPLES)["q"], atol=1e-12)
     assert log.source.findings == ()

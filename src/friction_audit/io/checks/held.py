@@ -9,12 +9,11 @@ from collections.abc import Iterator, Mapping
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.io.checks.columns import Picked
 from friction_audit.io.checks.torque import MOVING_RAD_S
 from friction_audit.io.recording import Block, Recording, WholeLogError
-from friction_audit.joint_log import DERIVATIVE, TORQUE_CHANNELS, Finding, Float
+from friction_audit.joint_log import DERIVATIVE, TORQUE_CHANNELS, Bool, Finding, Float
 
 _TIMED = ("q", "dq", *TORQUE_CHANNELS, "gravity", "tau_compensation")
 _STRETCHES, _LENGTH = 32, 1024  # of neighbouring rows that are looked at
@@ -77,7 +76,7 @@ def interpolate_held(recording: Recording, near: Stretches, step_s: float) -> Re
     return recording.mended(partial(_interpolated, periods=found)).with_findings(*findings)
 
 
-def _period(values: Float, moving: NDArray[np.bool_]) -> float:
+def _period(values: Float, moving: Bool) -> float:
     """Return for how many rows the values of a joint are held while it moves, 0 where they are not."""
     runs, jumps = list[Float](), list[Float]()
     for column, moves in zip(values, moving, strict=True):

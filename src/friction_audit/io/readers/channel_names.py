@@ -40,7 +40,9 @@ _OTHERS = {"error", "errors", "err", "output", "pose", "cartesian", "tcp", "ee",
            "acceleration", "accelerations", "ddq", "limit", "limits", "min", "max", "std", "offset"}  # fmt: skip
 _MOTOR_SIDE = {"motor", "motors", "m"}  # second choice
 _DEGREES = {"deg", "degs", "degree", "degrees"}
-STATED_UNITS = ("deg", "deg/s", "rad", "rad/s", "A", "mA")  # after a --map entry
+STATED_UNITS = ("deg", "deg/s", "rad", "rad/s", "A", "mA", "COUNTS/rev")  # after a --map entry
+_COUNTS_PER_TURN = re.compile(r"([1-9]\d*(?:\.\d+)?)/rev")
+DEGREES_PER_TURN = 360.0
 _UNITS = {*_DEGREES, "rad", "rads", "s", "nm", "degc"}
 _KNOWN = {*_CURRENT, *_TORQUES, *_MEASURED, *_SAYS_NOTHING, *_COMMANDED, *_UNITS, "d", "dot",
           "f", "friction", *(word for words in QUANTITIES.values() for word in words)}  # fmt: skip
@@ -201,7 +203,7 @@ class Group(NamedTuple):
     template: str  # name with {i} or {joint} for the joint
     cells: Mapping[JointKey, int]  # joint -> position of the column
     names: Mapping[JointKey, str] = {}  # joint -> the joint's name, where the columns have it
-    degrees: bool = False  # true if the name says degrees
+    per_turn: float | None = None  # of its unit in a turn: 360 if the name says degrees; None for radians
     in_order: bool = False  # true if the user gave the columns one by one, in the order of the joints
 
 
@@ -227,7 +229,7 @@ def group_of(template: str, found: Sequence[tuple[int, int | None, str | None]],
         if joint is not None:
             names.setdefault(key, joint)
     in_order = sorted(cells, key=lambda key: (isinstance(key, str), key if isinstance(key, int) else 0))
-    return Group(template, {key: cells[key] for key in in_order}, names, degrees)
+    return Group(template, {key: cells[key] for key in in_order}, names, DEGREES_PER_TURN if degrees else None)
 
 
 def stated_group(
@@ -238,9 +240,11 @@ def stated_group(
     One of ``STATED_UNITS`` after a colon is the unit, before what the names say. KeyError if there is no such column.
     """
     bare, _, unit = value.rpartition(":")
-    if unit in STATED_UNITS and value not in names:
+    counts = _COUNTS_PER_TURN.fullmatch(unit)
+    if (counts or unit in STATED_UNITS) and value not in names:
         group = stated_group(bare, names, labels, outside)
-        return group._replace(template=value, degrees=unit.startswith("deg"))
+        degrees = DEGREES_PER_TURN if unit.startswith("deg") else None
+        return group._replace(template=value, per_turn=float(counts[1]) if counts else degrees)
     template = value.strip() if "{i}" in value else value + "[{i}]"
     pattern = re.compile(re.escape(template).replace(re.escape("{i}"), r"(\d+)"))
     numbers = {cell: int(match[1]) for cell, name in enumerate(names) if (match := pattern.fullmatch(name))}
@@ -252,7 +256,8 @@ def stated_group(
     if "{i}" in value:
         raise KeyError(value)
     listed = [cell for part in value.split(",") for cell in positions_of(part.strip(), names)]
-    return Group(value, dict(enumerate(listed)), degrees=says_degrees(names[listed[0]]), in_order=True)
+    per_turn = DEGREES_PER_TURN if says_degrees(names[listed[0]]) else None
+    return Group(value, dict(enumerate(listed)), per_turn=per_turn, in_order=True)
 
 
 def positions_of(part: str, names: Sequence[str]) -> list[int]:

@@ -53,7 +53,7 @@ class ColumnMap:
     channels: Mapping[str, tuple[int, ...]]
     joint_names: tuple[str, ...]  # one name per joint; of a long table not yet those in its rows
     mapping: Mapping[str, str]  # channel -> name in the file, for people
-    degrees: frozenset[str]  # channels whose names say degrees
+    per_turn: Mapping[str, float]  # channels that are not in radians -> their unit in a turn, 360 for degrees
     findings: tuple[Finding, ...] = ()  # channels left out
     joint: int | None = None  # position of the column of joints in a table with one row per joint and time, else None
 
@@ -105,7 +105,7 @@ def map_columns(
         raise InputError(_missing_message(bare, groups, found_time=time is not None, path=path))
     if joint is not None:
         first = {channel: next(iter(group.cells.values())) for channel, group in groups.items()}
-        alone = {c: Group(bare[cell], {0: cell}, degrees=groups[c].degrees) for c, cell in first.items()}
+        alone = {c: Group(bare[cell], {0: cell}, per_turn=groups[c].per_turn) for c, cell in first.items()}
         return replace(_align(alone, time, bare, path, needed), joint=joint)
     columns = _align(groups, time, bare, path, needed)
     return replace(columns, findings=(*columns.findings, *_choices(columns, others, heads)))
@@ -203,8 +203,8 @@ def _missing_message(names: Sequence[str], groups: Mapping[str, Group], *, found
     units = [one for one in names[:_COMPARED] if OTHER_UNIT.search(one) and parse_name(OTHER_UNIT.sub("", one))]
     if units and len(wanted) + len(torques) > (not found_time):
         parts.append(
-            f"{shorten(units)}: expected rad or deg, rad/s or deg/s, N m or A; convert the column, or name a torque "
-            "with --map and give --torque-scale"
+            f"{shorten(units)}: expected rad or deg, rad/s or deg/s, N m or A; give counts of an encoder as "
+            "--map q=NAME:COUNTS/rev, name a torque with --map and give --torque-scale, or convert the column"
         )
     mapped = wanted + ["dq"] * ("q" in wanted and "dq" not in groups) + (["tau_J"] if torques else [])
     examples = [f"--map {c}=<column{'' if c == 't' else ' with {i} for the joint'}>" for c in mapped]
@@ -269,7 +269,7 @@ def _align(
         channels=channels,
         joint_names=joint_names,
         mapping={channel: groups[channel].template for channel in channels},
-        degrees=frozenset(channel for channel in ("q", "dq") if channel in channels and groups[channel].degrees),
+        per_turn={c: n for c in ("q", "dq") if c in channels and (n := groups[c].per_turn) is not None},
         findings=tuple(findings),
     )
 

@@ -19,9 +19,8 @@ from friction_audit.io.readers.columns import MOST_JOINTS, REQUIRED, ColumnMap, 
 from friction_audit.io.readers.join import interpolated
 from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, ReadOptions, refuse_bomb, refuse_too_large
 from friction_audit.io.recording import Block, Blocks, Recording, WholeLogError
-from friction_audit.joint_log import Finding, Float, find_window
+from friction_audit.joint_log import Bool, Finding, Float, find_window
 
-_RADIANS_PER_DEGREE = np.pi / 180.0
 ROBOT_COLUMN = re.compile(r"\s*(?:robot|arm)(?:[ _-]?(?:name|id|number|no|serial))?\s*", re.IGNORECASE)
 _WHOLE = re.compile(r"^(\d+)\.0+$")  # a joint's number in a column that was written as floats
 
@@ -111,7 +110,7 @@ class ColumnTable(Table):
         """Read all stamps, or of a clock in order at least those up to so long after the first. [s]"""
 
     @abstractmethod
-    def read_rows(self, columns: ColumnMap, clock: Clock, rows: NDArray[np.bool_] | None) -> Part:
+    def read_rows(self, columns: ColumnMap, clock: Clock, rows: Bool | None) -> Part:
         """Read the channels, in the rows of a mask or in all."""
 
     def in_blocks(self, columns: ColumnMap) -> Part | None:  # noqa: ARG002
@@ -199,8 +198,8 @@ def read_table(table: Table, options: ReadOptions) -> Recording:
         findings=columns.findings,
         blocks=part.blocks,
     )
-    for channel in columns.degrees:
-        recording = recording.scaled(channel, _RADIANS_PER_DEGREE)
+    for channel, per_turn in columns.per_turn.items():
+        recording = recording.scaled(channel, 2.0 * np.pi / per_turn)
     return recording if columns.joint is not None else _with_stated(recording, table)
 
 
