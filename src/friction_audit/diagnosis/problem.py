@@ -21,7 +21,7 @@ from friction_audit.diagnosis.samples import (
     make_samples,
     nominal_model,
 )
-from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, displacement
+from friction_audit.effects.joint_data import JointData, Nominal, displacement
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
