@@ -6,7 +6,7 @@
 import argparse
 from collections.abc import Iterator
 from dataclasses import replace
-from math import pi
+from math import isinf, pi
 
 import numpy as np
 
@@ -83,7 +83,7 @@ def arm(persons: int) -> Iterator[str]:
         for tuning in tunings:
             found = measure(simulate(panda.compensated(tuning), seed), reference)
             row = f"{1000 * found.energy_slope_w:.1f} | {found.peak_torque_nm:.2f} | {found.coulomb_left:.3f}"
-            yield f"| {seed} | {tuning.name} | {'yes' if found.stable else 'LOST'} | {row} |"
+            yield f"| {seed} | {tuning.name} | {'yes' if isinf(found.lost_s) else 'LOST'} | {row} |"
 
 
 def torque_loop(persons: int) -> Iterator[str]:
@@ -108,8 +108,7 @@ def torque_loop(persons: int) -> Iterator[str]:
             slope = row.interval("energy_slope_w").value
             peak = row.interval("drawn_peak_nm").value
             left = row.interval("coulomb_left").value
-            lost = sum(not outcome.stable for outcome in row.outcomes)
-            found = f"{lost} | {1000 * slope:.1f} | {peak:.2f} | {left:.3f}"
+            found = f"{len(row.lost_s)} | {1000 * slope:.1f} | {peak:.2f} | {left:.3f}"
             yield f"| {name} | {row.label} | {row.tuning.name} | {found} |"
 
 

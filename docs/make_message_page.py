@@ -1,6 +1,7 @@
 """The table of codes on the page of messages: ``python docs/make_message_page.py``.
 
-Codes and messages come from the source, what a code means and what to do from ``messages.toml``.
+Groups, what to do, and the sentences of the analysis come from ``reporting/sentences.toml``, other messages from the
+source.
 """  # noqa: INP001
 
 import ast
@@ -10,7 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import friction_audit
-from friction_audit.reporting.notices import sentences
+from friction_audit.reporting.notices import TABLE, sentences
 
 FOLDER = Path(__file__).parent
 SOURCE = Path(friction_audit.__file__).parent
@@ -28,7 +29,7 @@ def messages() -> dict[str, tuple[tuple[str, ...], bool]]:
     texts = sentences()
     warnings = texts["warnings"] | {"sign_turned": texts["sign_turned"]["else"]}
     found: dict[str, tuple[tuple[str, ...], bool]] = {
-        code: ((beginning(_plain(text)),), False) for code, text in warnings.items()
+        code: ((beginning(_plain(text)),), False) for code, text in warnings.items() if text
     }
     for path in sorted(SOURCE.rglob("*.py")):
         module = ast.parse(path.read_text())
@@ -98,25 +99,22 @@ def beginning(message: str) -> str:
 
 
 def table() -> str:
-    """Return the rows of the page, one table per group of ``messages.toml``."""
+    """Return the rows of the page, one table per group of warnings."""
     found = messages()
-    groups = tomllib.loads((FOLDER / "messages.toml").read_text())
     written: list[str] = []
-    for title, meanings in groups.items():
+    for title, rows in tomllib.loads(TABLE.read_text())["warnings"].items():
         written += [f"## {title}", "", "| code | message | what to do |", "| --- | --- | --- |"]
         plain = []
-        for codes, meaning in meanings.items():
-            same = codes.split(", ")
-            texts, damaged = found[same[0]]
-            found = {code: one for code, one in found.items() if code not in same}
-            shown = f"`{codes.replace(', ', '`, `')}`{' *' if damaged else ''}"
-            if meaning:
-                written.append(f"| {shown} | {'<br>'.join(texts)} | {meaning} |")
-            else:
+        for code, row in rows.items():
+            texts, damaged = found.pop(code)
+            shown = f"`{code}`{' *' if damaged else ''}"
+            if isinstance(row, str):
                 plain.append(shown)
+            else:
+                written.append(f"| {shown} | {'<br>'.join(texts)} | {row[1]} |")
         written += ["", f"Explained by the message: {', '.join(plain)}.", ""] if plain else [""]
     if found:
-        raise SystemExit(f"messages.toml lacks {', '.join(found)}")
+        raise SystemExit(f"{TABLE.name} lacks {', '.join(found)}")
     return "\n".join(written)
 
 

@@ -26,6 +26,7 @@ from friction_audit.friction.settings import FrictionSettings
 from friction_audit.io.readers.reader import OF_THE_COMMAND, ReadOptions
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import Diagnosis, Estimate
+from friction_audit.preprocessing.interaction import Caution
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.reporting import diagnosis, estimate, replay
 from tests.reporting.conftest import build_estimate
@@ -178,6 +179,8 @@ def test_a_result_shows_its_numbers_in_a_line_a_joint(log: JointLog, estimated: 
     assert diagnosed.joints[0].verdict in repr(diagnosed).splitlines()[1]
     assert "dissipation removed" in repr(friction_audit.replay_log(estimated)).splitlines()[1]
     assert f"{len(log.joint_names)} joints" in repr(log)
+    still = replace(joint, reason=(Caution("hardly_moved", numbers={"travel": 0.001}),))
+    assert repr(still).endswith("no estimate: hardly moved: by 0.001 rad; move back and forth")
 
 
 def test_a_result_is_drawn_into_axes_in_the_style_of_the_user(estimated: Estimate, diagnosed: Diagnosis) -> None:

@@ -23,10 +23,12 @@ from friction_audit.io.writers import write_log as export
 from friction_audit.io.writers.tables import TidyTable, to_frame
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import AuditSettings, Diagnosis, Estimate, LogReplay
+from friction_audit.preprocessing.interaction import Caution
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.reporting.diagnosis import diagnose_tables
 from friction_audit.reporting.estimate import estimate_tables
 from friction_audit.reporting.figures.registry import draw_result
+from friction_audit.reporting.notices import sentence_of
 from friction_audit.reporting.replay import replay_tables
 from friction_audit.reporting.report import LogReport, report_estimate, report_tables
 from friction_audit.simulation import Simulation, simulate
@@ -282,3 +284,4 @@ def _of_kind(result: object, call: str, kinds: Mapping[type, Any]) -> Any:  # no
 
 
 audit.Shown.draw, audit.Shown.tables = staticmethod(plot), staticmethod(to_frames)
+Caution.words = staticmethod(sentence_of)

@@ -10,23 +10,11 @@ from numpy.typing import NDArray
 from friction_audit.errors import InputError, UsageError
 
 Float = NDArray[np.float64]
+Int = NDArray[np.int64]
+Bool = NDArray[np.bool_]
 DERIVATIVE = "derivative"  # name of the velocity that is made from q
 MINIMUM_SAMPLES = 2
 _MOST_STEPS = 10_000  # of which the median step is taken
-
-# Channels with one column per joint, in the order in which they are written to files.
-JOINT_CHANNELS = (
-    "q",
-    "dq",
-    "tau_J",
-    "tau_J_d",
-    "tau_ext_hat_filtered",
-    "gravity",
-    "tau_interaction",
-    "tau_compensation",
-    "tau_passivity",
-    "temperature",
-)
 
 # Channels from which the interaction torque can be computed; a log has at least one of them.
 TORQUE_CHANNELS = ("tau_interaction", "tau_J", "tau_ext_hat_filtered")
@@ -105,7 +93,7 @@ class Recording:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class JointLog(Recording):
-    """A recorded joint log: n samples of j joints.
+    """A recorded joint log: n samples of j joints; its channels stand in the order in which files have them.
 
     Arrays of shape (n, j) are float64, finite, read-only, and best laid out column by column (Fortran order):
     every step works through one joint at a time. InputError if a shape, the clock or a value breaks the promise, or no
@@ -151,14 +139,9 @@ class JointLog(Recording):
         found = ((name, getattr(self, name)) for name in JOINT_CHANNELS)
         return {name: array for name, array in found if array is not None}
 
-    def blocks(self, names: Collection[str] = JOINT_CHANNELS) -> "Iterator[LogPart]":  # noqa: ARG002
-        """Yield the log in parts that follow each other: one that is in memory is one part, with all channels."""
+    def blocks(self, names: Collection[str] | None = None) -> "Iterator[LogPart]":  # noqa: ARG002
+        """Yield the log, or some of its channels, in parts that follow each other: in memory it is one, with all."""
         yield LogPart(t=self.t, **self.channels(), joint_names=self.joint_names, source=self.source, first=0)
-
-    def blocks_of(self, channel: str) -> "Iterator[tuple[int, Float, Float]]":
-        """Yield the same parts of one channel: number of the first sample, time, values."""
-        for part in self.blocks((channel,)):
-            yield part.first, part.t, getattr(part, channel)
 
     def gaps_longer_than(self, limit_s: float) -> Float:
         """Return the gaps: number of the sample before each, its time and that of the sample after it, shape (k, 3)."""
@@ -187,6 +170,10 @@ class JointLog(Recording):
         )
         kept: dict[str, Any] = {name: array[part] for name, array in self.channels().items()}
         return replace(self, t=self.t[part] - skipped_s, source=source, **kept)
+
+
+JOINT_CHANNELS = tuple(one.name for one in fields(JointLog) if one not in fields(Recording))
+"""Channels with one column per joint, in the order in which they are written to files."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -223,7 +210,7 @@ def median_step(t: Float) -> float:
     return float(np.median(t[first + 1] - t[first]))
 
 
-def step_places(samples: int) -> NDArray[np.int64]:
+def step_places(samples: int) -> Int:
     """Return the samples before the steps of which the median is taken."""
     return np.linspace(0, samples - 2, min(samples - 1, _MOST_STEPS)).astype(np.int64)
 
@@ -233,6 +220,3 @@ def read_only(numbers: Float) -> Float:
     whole = np.ascontiguousarray(numbers, np.float64).view()
     whole.setflags(write=False)
     return whole
-
-
-assert tuple(f.name for f in fields(JointLog))[3:] == JOINT_CHANNELS

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from friction_audit.joint_log import JOINT_CHANNELS, Float, JointLog, LogPart
+from friction_audit.joint_log import Float, Int, JointLog, LogPart
 from friction_audit.parallel import ahead
 
 # A longer log is judged by means of stretches that are spread evenly over it: an hour at 50 Hz, in pieces of 20 s.
@@ -20,7 +19,7 @@ class LogInBlocks(LogPart):
     """A log that is read in blocks, anew for every pass; its arrays are means over ``mean_of`` samples each."""
 
     mean_of: int  # samples per mean
-    numbers: NDArray[np.int64]  # number of each mean among those of the whole log, shape (m,)
+    numbers: Int  # number of each mean among those of the whole log, shape (m,)
     clock: tuple[int, float, float]  # number of samples, time of the last one [s], median step [s]
     gaps: Float  # number of the sample before each gap, its time and that of the sample after it, shape (k, 3)
     # Yields the clock of each block, and those of its channels that are asked for.
@@ -49,10 +48,10 @@ class LogInBlocks(LogPart):
             return self
         return self.read_whole().take_window(start_s, stop_s)
 
-    def blocks(self, names: Collection[str] = JOINT_CHANNELS) -> Iterator[LogPart]:
+    def blocks(self, names: Collection[str] | None = None) -> Iterator[LogPart]:
         """Read the log, or some of its channels, in parts that follow each other; a motion not asked for is NaN."""
         first = 0
-        for t, channels in ahead(self.read([name for name in self.channels() if name in names])):
+        for t, channels in ahead(self.read([name for name in self.channels() if names is None or name in names])):
             nothing = np.broadcast_to(np.nan, (len(t), len(self.joint_names)))
             held = {"q": nothing, "dq": nothing, **channels}
             yield LogPart(t=t, **held, joint_names=self.joint_names, source=self.source, first=first)

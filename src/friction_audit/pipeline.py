@@ -218,7 +218,7 @@ class LogReplay(Shown):
     settings: "ReplaySettings"
 
     def __repr__(self) -> str:
-        path, assume = self.estimate.log.source.path, self.replay.counterfactual.name
+        path, assume = self.estimate.log.source.path, self.replay.counterfactual.code
         return "\n  ".join((f"LogReplay({path}: {assume})", *map(repr, self.replay.joints)))
 
 

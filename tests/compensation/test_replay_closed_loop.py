@@ -21,7 +21,7 @@ from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel,
 from friction_audit.effects.registry import terms
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float, JointLog
-from friction_audit.reporting.notices import text_of
+from friction_audit.reporting.notices import sentences, text_of
 from friction_audit.simulation.bench import Operator
 from friction_audit.simulation.hide import with_model
 from friction_audit.simulation.scenarios import simulate
@@ -286,10 +286,11 @@ def test_a_term_that_cannot_run_is_refused_by_name(name: str) -> None:
     model = and_term(name, *(min(max(0.01, parameter.lower), parameter.upper) for parameter in term.parameters))
     joint = run(log_by(SIMPLE), "same-torque", model)
     assert joint.numbers is None
-    assert f"{name}: {UNABLE[name]}" in text_of(joint.reason)
+    why = f"{name}: {sentences()['not_in_loop'][UNABLE[name]]}"
+    assert why in text_of(joint.reason)
     of_friction = {"stiction", "frictional_lag", "load_dependent_friction"}
     applied = run(log_by(SIMPLE), "same-motion", model, applied=True)
-    assert (f"{name}: {UNABLE[name]}" in text_of(applied.reason)) == (name in of_friction)
+    assert (why in text_of(applied.reason)) == (name in of_friction)
 
 
 @pytest.mark.parametrize(

@@ -29,11 +29,11 @@ def motion(samples: int = 3000, joints: int = 3, rate_hz: float = RATE_HZ) -> di
 def recording(samples: int = 3000, joints: int = 3, rate_hz: float = RATE_HZ) -> Recording:
     """Return the motion as a reader would hand it over."""
     arrays = motion(samples, joints, rate_hz)
-    t = arrays.pop("t")
     return Recording(
-        t=t,
+        t=arrays.pop("t"),
         channels={channel: np.asfortranarray(array) for channel, array in arrays.items()},
         joint_names=tuple(f"panda_joint{joint}" for joint in range(1, joints + 1)),
+        path="run.log",
     )
 
 

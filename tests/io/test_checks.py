@@ -25,8 +25,8 @@ NAN = np.nan
 
 
 def vetted(rec: Recording, time_scale: float = 1.0) -> JointLog:
-    examined = examine(rec, path="run.log", time_scale=time_scale)
-    return to_joint_log(examined, path="run.log", sha256="0" * 64, format="test")
+    examined = examine(rec, ReadOptions(time_scale=time_scale))
+    return to_joint_log(examined, sha256="0" * 64, format="test")
 
 
 def finding(log: JointLog, code: str) -> Finding:
@@ -179,6 +179,8 @@ def test_coarse_encoders_and_torques_are_not_held() -> None:
     noisy = rec.channels["tau_J"] + 0.05 * np.random.default_rng(0).standard_normal((8000, 3))
     coarse = {"q": np.round(rec.channels["q"] / 5e-3) * 5e-3, "tau_J": np.round(noisy / 0.1) * 0.1}
     assert "held_values" not in codes(vetted(replace(rec, channels=rec.channels | coarse)))
+    held = {"tau_J": coarse["tau_J"][np.arange(8000) // 5 * 5]}  # most updates change by one step or by none
+    assert "held_values" in codes(vetted(replace(rec, channels=rec.channels | held)))
 
 
 def test_a_velocity_that_is_mostly_noise_is_named_with_the_way_out() -> None:

@@ -15,9 +15,7 @@ from friction_audit.joint_numbers import parse_joint_numbers
 from friction_audit.reporting.figures import style as figure_style
 from friction_audit.reporting.figures.registry import figures_of
 
-# Their modules load numerics, and the help shows them: a test holds them equal.
-COMPENSATORS = ("energy", "fixed", "sigmoid", "lugre", "disturbance_observer", "torque_regulation", "model")
-ASSUMPTIONS = ("same-motion", "same-torque", "same-operator")
+# Its module loads numerics, and the help shows it: a test holds them equal.
 REPORT_FORMATS = {"html": ".html", "pdf": ".pdf", "markdown": ".md", "json": ".json"}
 """Formats of a report and the endings of their files."""
 FIGURES, REPLAY_FIGURES, DIAGNOSIS_FIGURES, BATCH_FIGURES, DIFF_FIGURES = (

@@ -7,6 +7,7 @@ from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from friction_audit import compensation
 from friction_audit.cli import chain, choices, options as opt
 from friction_audit.cli.choices import flag, group, option, parse_numbers, positive
 from friction_audit.cli.console import Voice
@@ -37,12 +38,13 @@ class ReplayOptions:
     """Compensator that is replayed, and what is assumed of the person."""
 
     assume: str = option(
-        "Assumption about the person: what stays as recorded.", default="same-motion", one_of=choices.ASSUMPTIONS,
+        "Assumption about the person: what stays as recorded.", default="same-motion", one_of=compensation.ASSUMES,
         panel=REPLAY,
     )  # fmt: skip
     compensator: str = option(
         "energy: energy-based, as published; fixed: the coefficients of this log; model: the friction of "
-        "--joint-model; others: baseline compensators.", default="energy", one_of=choices.COMPENSATORS, panel=REPLAY,
+        "--joint-model; others: baseline compensators.", default="energy", one_of=("energy", *compensation.COMPETITORS),
+        panel=REPLAY,
     )  # fmt: skip
     joint_model: Path | None = option(
         "Joint model, e.g. model.toml of a diagnosis; it replaces the joint fitted to the log in same-torque and "

@@ -9,6 +9,7 @@ from math import isfinite, isnan, nan
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.compensation import SAME_MOTION, SAME_OPERATOR
 from friction_audit.compensation.closed_loop import (
     CYCLE,
     SAMPLES,
@@ -22,10 +23,10 @@ from friction_audit.compensation.closed_loop import (
     run_same_motion,
 )
 from friction_audit.compensation.competitors import Compensator, JointModelCompensation
-from friction_audit.compensation.feed_forward import NO_MODEL, feed_of, refuse, straighten
+from friction_audit.compensation.feed_forward import feed_of, refuse, straighten
 from friction_audit.compensation.records import fresh_memory, pack
 from friction_audit.compensation.result import FittedOperator, Signals
-from friction_audit.compensation.settings import SAME_MOTION, SAME_OPERATOR, ReplaySettings
+from friction_audit.compensation.settings import ReplaySettings
 from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.torque_tables import Tables, steps_per_sample, tabulate
 from friction_audit.effects.joint_model import JointModel, simple_model
@@ -33,7 +34,7 @@ from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import Coefficient, JointFriction, TorqueRegression
 from friction_audit.joint_log import Float, median_step, read_only
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
-from friction_audit.preprocessing.interaction import Interaction
+from friction_audit.preprocessing.interaction import Caution, Interaction
 from friction_audit.preprocessing.velocity import filter_velocity
 
 CUTOFF_HZ = 20.0  # of the velocity, as in the torque regression
@@ -108,21 +109,13 @@ def fitted_joint(friction: JointFriction, motion: Motion) -> tuple[TorqueRegress
     if friction.reason:
         raise AnalysisError(friction.reason)
     if found is None:
-        raise AnalysisError(
-            "too few moving samples or motions to fit inertia and friction; record more motions back and forth"
-        )
+        raise AnalysisError((Caution("too_few_to_fit"),))
     if not (found.inertia.low > 0.0 and found.inertia.value > LEAST_INERTIA_KG_M2):
-        one = found.inertia
-        value = f"{one.value:.3g}, 95 % {one.low:.3g} to {one.high:.3g}" if isfinite(one.value) else "no value"
-        raise AnalysisError(
-            f"its inertia is not determined ({value} kg m^2), and without it the motion cannot "
-            "be predicted; record brisker motions with quick reversals, or use --assume same-motion"
-        )
+        numbers = {"inertia": found.inertia, "case": "some" if isfinite(found.inertia.value) else "none"}
+        raise AnalysisError((Caution("inertia_not_determined", numbers=numbers),))
     pushing = [name for name, one in (("Coulomb", found.coulomb), ("viscous", found.viscous)) if not one.high > 0.0]
     if pushing:
-        raise AnalysisError(
-            f"its fitted {' and '.join(pushing)} friction is negative; a joint that pushes cannot be simulated"
-        )
+        raise AnalysisError((Caution("fit_pushes", numbers={"names": " and ".join(pushing)}),))
     model = simple_model(
         inertia_kg_m2=found.inertia.value,
         coulomb_nm=max(0.0, found.coulomb.value),
@@ -144,19 +137,15 @@ def tables_of(model: JointModel, motion: Motion) -> Tables:
 def tables_of_file(model: JointModel | None, motion: Motion) -> Tables:
     """Return the tables of a joint of a model file."""
     if model is None:
-        raise AnalysisError(NO_MODEL)
+        raise AnalysisError((Caution("not_in_model_file"),))
     refuse(model.terms)
     tables = tables_of(model, motion)
     if not tables.inertia_kg_m2 > LEAST_INERTIA_KG_M2:
-        raise AnalysisError(
-            f"its model has an inertia of {tables.inertia_kg_m2:.3g} kg m^2, of a torque from which the inertia was "
-            "taken out; without it the motion cannot be predicted; put that of the joint into the file, or use "
-            "--assume same-motion"
-        )
+        raise AnalysisError((Caution("inertia_taken_out", numbers={"inertia": tables.inertia_kg_m2}),))
     friction = [term for term in model.terms if term.effect.axis == "speed"]
     forwards, backwards = tabulate(0.0, friction, motion)[0].speed
     if min(forwards.min(), -backwards.max()) < 0.0:
-        raise AnalysisError("its model's friction pushes at some speed, and a joint that pushes cannot be simulated")
+        raise AnalysisError((Caution("model_pushes"),))
     return tables
 
 
@@ -211,10 +200,7 @@ def _operator(
         known = [Coefficient(value=one, low=nan, high=nan) for one in astuple(settings.operator)]
         return FittedOperator._make([*known, 0])
     if interaction.choice.drive != "hand":
-        raise AnalysisError(
-            "the arm moved by itself, and the impedance of its drive is not fitted; give it by --operator, or use "
-            "--assume same-motion or same-torque"
-        )
+        raise AnalysisError((Caution("drive_not_fitted"),))
     return fit_operator(recorded, motion.q)
 
 
@@ -258,7 +244,6 @@ INTENTION = (0.06, 0.07, 0.21)
 # The rate must be above the band by this, and above twice the 20 Hz that reversals are found below.
 LEAST_PERIODS = 2.75
 NORMAL_95 = 1.96
-TYPICAL = "an adult's arm, at a joint half a metre from the hand: --operator 0.3,9,60 (0.1 to 0.6, 3 to 15, 20 to 150)"
 
 
 def fit_operator(recorded: Recorded, q: Float) -> FittedOperator:
@@ -267,9 +252,7 @@ def fit_operator(recorded: Recorded, q: Float) -> FittedOperator:
 
     step = median_step(recorded.t)
     if step * LEAST_PERIODS * BAND_HZ[1] > 1.0:
-        raise AnalysisError(
-            f"{1.0 / step:.3g} samples per second are too few to see the person's arm give way; give {TYPICAL}"
-        )
+        raise AnalysisError((Caution("rate_hides_operator", numbers={"rate": 1.0 / step}),))
     t = np.arange(recorded.t[0], recorded.t[-1], step)
     dq = np.interp(t, recorded.t, recorded.dq)
     turns, direction = _reversals(dq, step)
@@ -277,10 +260,8 @@ def fit_operator(recorded: Recorded, q: Float) -> FittedOperator:
     inside = (turns >= before) & (turns + after <= len(t))
     turns, direction = turns[inside], direction[inside]
     if len(turns) < FEWEST_REVERSALS:
-        raise AnalysisError(
-            f"the person's impedance cannot be estimated from this log: {len(turns)} quick reversals, at least "
-            f"{FEWEST_REVERSALS} are needed; record motions back and forth without pauses, or give {TYPICAL}"
-        )
+        numbers = {"found": len(turns), "fewest": FEWEST_REVERSALS}
+        raise AnalysisError((Caution("few_quick_reversals", numbers=numbers),))
     rows = turns[:, None] + np.arange(-before, after)
     torque, place = (np.interp(t, recorded.t, one) for one in (recorded.torque, q))
     band = butter(ORDER, BAND_HZ, "band", fs=1.0 / step, output="sos")
@@ -312,10 +293,7 @@ def _solve(windows: Float) -> FittedOperator:
     ends = zip(value.tolist(), (value - half).tolist(), (value + half).tolist(), strict=True)
     found = FittedOperator._make([*(Coefficient(value=v, low=low, high=high) for v, low, high in ends), count])
     known = zip(found._fields, found[:3], unsure < WIDEST * value, strict=False)
-    loose = [f"{name} {one.value:.3g} (95 % {one.low:.3g} to {one.high:.3g})" for name, one, sure in known if not sure]
+    loose = {name: one for name, one, sure in known if not sure}
     if loose:
-        raise AnalysisError(
-            f"the person's impedance is not determined by this log: {', '.join(loose)}; record more quick reversals, "
-            f"or give {TYPICAL}"
-        )
+        raise AnalysisError((Caution("operator_not_determined", numbers={"loose": loose}),))
     return found

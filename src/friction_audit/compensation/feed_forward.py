@@ -1,6 +1,6 @@
 """Friction of a joint's model fed forward by a compensator, and which terms of a model can run in its loop."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -11,19 +11,17 @@ from friction_audit.dynamics.torque_tables import Tables, bend_on, bristle_dampi
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.interaction import Caution
 
-PAST = "it follows from the past of the motion, and the loop knows speed, place and moment only"
-TWO_SIDES = "the person is on one side of it and the compensator on the other, and the loop has one side only"
-ARM = "it follows from the other joints, and a replay moves one joint alone"
-UNABLE: Mapping[str, str] = {  # why a term cannot run in the loop
-    "stiction": PAST,
-    "frictional_lag": PAST,
-    "load_dependent_friction": "it needs the load on the gear, which a replay does not predict",
-    "time_delay": "a joint does not move otherwise because its torque is read late, and the loop reads it on time",
-    "joint_elasticity": TWO_SIDES,
-    "backlash": TWO_SIDES,
-    "torque_crosstalk": ARM,
-    "inertial_coupling": ARM,
+UNABLE: Mapping[str, str] = {  # why a term cannot run in the loop: what it follows from, which the loop does not have
+    "stiction": "past",
+    "frictional_lag": "past",
+    "load_dependent_friction": "load",
+    "time_delay": "late",
+    "joint_elasticity": "two_sides",
+    "backlash": "two_sides",
+    "torque_crosstalk": "neighbours",
+    "inertial_coupling": "neighbours",
 }
 # Terms that belong to friction though the work of the term alone may be given back.
 OF_FRICTION = (
@@ -34,7 +32,6 @@ OF_FRICTION = (
     "frictional_lag",
     "load_dependent_friction",
 )
-NO_MODEL = "the model file has no model of it; give one, or remove --joint-model"
 
 
 class Feed(NamedTuple):
@@ -75,19 +72,15 @@ def feed_friction(memory: Record, feed: Feed, q: float, v: float, i: int) -> Non
     memory.bristle_nm = bristle_nm(feed.bent, 0.0, feed.tables) + bristle_damping(feed.bent, sign, feed.tables) * v
 
 
-def refuse(terms: Iterable[FittedTerm], past: Iterable[Term] = ()) -> None:
+def refuse(terms: Sequence[FittedTerm], past: Sequence[Term] = ()) -> None:
     """Raise AnalysisError that says which terms, or terms of the past, cannot run in a compensator's loop, and why."""
-    reasons = []
-    for term in terms:
-        values, reason = term.numbers, UNABLE.get(term.name, "")
-        if values.get("gravity_error_source", 0.0) != 0.0:
-            reason = "it needs the model of the arm, and a replay moves one joint alone"
-        if values.get("warm_up_per_k", 0.0) != 0.0:
-            reason = "it needs the temperature, which a replay does not read"
-        if reason:
-            reasons.append(f"{term.name}: {reason}")
-    reasons += [f"{term.name}: along this recording, {PAST}" for term in past]
+    found = [(term.name, UNABLE.get(term.name, "")) for term in terms]
+    for place, term in enumerate(terms):
+        if term.numbers.get("gravity_error_source", 0.0) != 0.0:
+            found[place] = (term.name, "arm")
+        if term.numbers.get("warm_up_per_k", 0.0) != 0.0:
+            found[place] = (term.name, "temperature")
+    found += [(term.name, "past_here") for term in past]
+    reasons = tuple(Caution("not_in_loop", numbers={"name": name, "case": case}) for name, case in found if case)
     if reasons:
-        raise AnalysisError(
-            f"its model cannot run in a compensator's loop: {'; '.join(reasons)}; take it out of the file"
-        )
+        raise AnalysisError((Caution("model_not_run", numbers={"terms": reasons}),))

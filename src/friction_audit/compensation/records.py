@@ -14,8 +14,9 @@ from friction_audit.errors import UsageError
 NOT_FORCED = Coefficients(coulomb_nm=nan, viscous_nms_per_rad=nan)
 VISCOUS, COULOMB, COMBINED = range(len(MODELS))  # values of ``model``
 
-# Values of ``status``: what came of the last cycle. From NOT_MOVED on, it gave no estimate of its own.
-NO_CYCLE, ESTIMATED, TOO_FEW, NOT_MOVED, GAP = range(5)
+# Values of ``status``, and their names: what came of a cycle. From NOT_MOVED on, it gave no estimate of its own.
+STATUSES = ("no_cycle", "estimated", "too_few", "not_moved", "gap")
+NO_CYCLE, ESTIMATED, TOO_FEW, NOT_MOVED, GAP = range(len(STATUSES))
 
 NET, PATH, SQUARE = range(3)  # columns of ``rows``: net energy [J], path [rad], integral of dq^2 [rad^2/s] of a cycle
 

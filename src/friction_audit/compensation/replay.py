@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.compensation import result
+from friction_audit.compensation import FEED_BACK, MODEL, result
 from friction_audit.compensation.closed_loop import SUMS, add_torque
 from friction_audit.compensation.competitors import (
     PUBLISHED,
@@ -21,17 +21,17 @@ from friction_audit.compensation.competitors import (
 )
 from friction_audit.compensation.controller import FIND, hand_cuts
 from friction_audit.compensation.counterfactual import Run, make_scene, recording_of
-from friction_audit.compensation.feed_forward import NO_MODEL, OF_FRICTION, refuse
+from friction_audit.compensation.feed_forward import OF_FRICTION, refuse
 from friction_audit.compensation.law import Coefficients, EnergyCompensator
 from friction_audit.compensation.result import JointReplay, Replay, Signals
-from friction_audit.compensation.settings import FEED_BACK, MODEL, Competitor, Limits, ReplaySettings, limits_of
+from friction_audit.compensation.settings import Competitor, Limits, ReplaySettings, limits_of
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import FrictionHistory, JointFriction
 from friction_audit.joint_log import Float, Recording, read_only
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
-from friction_audit.preprocessing.interaction import Caution, Interaction, quoted, reason_of
+from friction_audit.preprocessing.interaction import Caution, Interaction, reason_of
 from friction_audit.presets import FRANKA
 
 LONGEST_STEP = 3.5  # a step of the clock of this many median steps is a gap, at any rate
@@ -73,21 +73,17 @@ def replay(
     for part in parts:
         per_joint(lambda place: runs[place].take(part, cuts), len(runs))  # noqa: B023 - it runs at once
     replays = tuple(run.result() for run in runs)
-    by_hand = interaction.choice.drive == "hand"
-    warnings = [] if by_hand else [Caution(code="arm_moves_itself")]
+    warnings = [] if interaction.choice.drive == "hand" else [Caution(code="arm_moves_itself")]
     if interaction.choice.gravity == "in-torque":
         warnings.append(Caution(code="gravity_in_replay"))
     for run in runs:
         found = seems_compensated(interaction, cycles, run.friction, log.source.robot, run.square)
         if found:
-            numbers = {"name": run.friction.name, "names": "", **found}
-            warnings.append(Caution(code="seems_compensated", joint=run.friction.joint, numbers=numbers))
-    warnings += [
-        Caution(code=code, joint=joint.joint, numbers={"name": joint.name, **numbers})
-        for joint in replays
-        for code, numbers in _cautions(joint)
-    ]
-    return Replay(counterfactual=settings.counterfactual(by_hand=by_hand), joints=replays, warnings=tuple(warnings))
+            warnings.append(Caution("seems_compensated", run.friction.joint, found))
+    warnings += [caution for joint in replays for caution in _cautions(joint)]
+    moved = {"person": interaction.choice.drive, "joint": "file" if settings.joint_model else "fitted"}
+    counterfactual = Caution(settings.assume, numbers=moved)
+    return Replay(counterfactual=counterfactual, joints=replays, warnings=tuple(warnings))
 
 
 class _JointRun:
@@ -173,7 +169,7 @@ class _JointRun:
             result.missing_estimate(history, self.friction, joint.compensator) if isnan(run.tally["diverged_s"]) else ()
         )
         if run.felt["samples"] <= 1:
-            reason = quoted("the compensated loop diverges within a sample; lower its gain")
+            reason = (Caution("diverges_at_once"),)
         if reason:
             return replace(joint, reason=reason)
         total = self._total if self._total["samples"] else self._recorded
@@ -200,7 +196,7 @@ def tune(competitor: Competitor, friction: JointFriction, robot: str, model: Joi
         return PUBLISHED[friction.joint - 1]
     coulomb, viscous = friction.coulomb.value, friction.viscous.value
     if friction.reason or not (coulomb >= 0.0 and viscous >= 0.0 and coulomb + viscous > 0.0):
-        raise AnalysisError(friction.reason or "the log's friction is negative, and nothing can be tuned to it")
+        raise AnalysisError(friction.reason or (Caution("log_pushes"),))
     if competitor.name == "sigmoid":
         return fit_sigmoid(coulomb, viscous)
     if competitor.name == "lugre":
@@ -211,10 +207,10 @@ def tune(competitor: Competitor, friction: JointFriction, robot: str, model: Joi
 
 def _modelled(model: JointModel | None) -> Compensator:
     if model is None:
-        raise AnalysisError(NO_MODEL)
+        raise AnalysisError((Caution("not_in_model_file"),))
     terms = tuple(term for term in model.terms if term.effect.friction or term.name in OF_FRICTION)
     if not terms:
-        raise AnalysisError("its model has no term of friction, and a compensator nothing to apply")
+        raise AnalysisError((Caution("nothing_to_apply"),))
     refuse(terms)
     return JointModelCompensation(terms=terms)
 
@@ -224,7 +220,7 @@ def _feed_back(competitor: Competitor, friction: JointFriction) -> Compensator:
     if inertia is None and found is not None and found.inertia.low > 0.0:
         inertia = found.inertia.value
     if inertia is None:
-        raise AnalysisError(friction.reason or "its inertia is not determined by the log; give --motor-inertia")
+        raise AnalysisError(friction.reason or (Caution("no_motor_inertia"),))
     if competitor.name == "disturbance_observer":
         return DisturbanceObserver(inertia_kg_m2=inertia, observer_gain_per_s=competitor.observer_gain_per_s)
     desired = competitor.desired_inertia_kg_m2
@@ -247,19 +243,19 @@ def _in_force(
     return replace(compensator, **kept)
 
 
-def _cautions(joint: JointReplay) -> Iterator[tuple[str, dict[str, object]]]:
-    numbers, passivity = joint.numbers, joint.passivity
+def _cautions(joint: JointReplay) -> Iterator[Caution]:
+    numbers, passivity, limits = joint.numbers, joint.passivity, joint.limits
     if numbers is None or passivity is None:
-        yield "not_replayed", {"reason": joint.reason}
+        yield Caution("not_replayed", joint.joint, {"reason": joint.reason})
         return
     if not isnan(numbers.diverged_s):
-        yield "diverged", {"at_s": numbers.diverged_s}
+        yield Caution("diverged", joint.joint, {"at_s": numbers.diverged_s})
     if passivity.hidden:
-        lowest = passivity.lowest_since_activation_j
-        yield "over_compensation_hidden", {"reserve": passivity.reserve_j, "hidden": -lowest}
+        energies = {"reserve": passivity.reserve_j, "hidden": -passivity.lowest_since_activation_j}
+        yield Caution("over_compensation_hidden", joint.joint, energies)
     if numbers.limited_fraction > 0:
-        limits, percent = joint.limits, 100 * numbers.limited_fraction
-        yield "torque_limited", {"torque": limits.torque_nm, "rate": limits.rate_nm_s, "percent": percent}
+        held = {"torque": limits.torque_nm, "rate": limits.rate_nm_s, "percent": 100 * numbers.limited_fraction}
+        yield Caution("torque_limited", joint.joint, held)
 
 
 def seems_compensated(

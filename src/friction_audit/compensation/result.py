@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 from friction_audit.compensation.closed_loop import GIVEN_OUT, TALLY, Recorded
 from friction_audit.compensation.competitors import Compensator
 from friction_audit.compensation.law import Coefficients, EnergyCompensator
-from friction_audit.compensation.records import ESTIMATED, GAP, NOT_MOVED
-from friction_audit.compensation.settings import Counterfactual, Limits
+from friction_audit.compensation.records import ESTIMATED, NOT_MOVED, STATUSES
+from friction_audit.compensation.settings import Limits
 from friction_audit.compiled import Record
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.friction.history import Coefficient, JointFriction, TorqueRegression
 from friction_audit.joint_log import Float
-from friction_audit.preprocessing.interaction import Caution, Reason, quoted
+from friction_audit.preprocessing.interaction import Caution, Reason
 
 RIGHT = 0.1  # share of the dissipation up to which what is left to the person, or given out, counts as right
 IN_A_ROW = 3  # so many cycles must be right, one after the other: a single one may be so by chance
@@ -26,9 +26,6 @@ LEAST_CHANGE = 0.25  # a step of friction changes it by so much of what it was
 SURE = 50.0  # F ratio of two laws over one: logs without a step reach 10 at most, although the split is the best one
 AT_ONCE = 0.7  # so much of it happens from one cycle to the next: warming up is no step
 TOO_ALIKE = 1e-9  # ratio of the eigenvalues of the moments below which cycles are of one speed
-
-# Names of the values of ``status`` in ``records``: what came of a cycle.
-STATUSES = ("no_cycle", "estimated", "too_few", "not_moved", "gap")
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -138,7 +135,7 @@ class JointReplay:
 
     def __repr__(self) -> str:
         if self.numbers is None or self.reason:
-            return f"joint {self.joint} {self.name}: not replayed: {', '.join(map(str, self.reason))}"
+            return f"joint {self.joint} {self.name}: not replayed: {'; '.join(map(str, self.reason))}"
         removed, numbers = 100.0 * self.numbers.dissipation_removed, self.numbers
         energy = f"{numbers.energy_without_j:.4g} J without, {numbers.energy_with_j:.4g} J with"
         return f"joint {self.joint} {self.name}: dissipation removed {removed:.3g} %, net energy {energy}"
@@ -148,7 +145,7 @@ class JointReplay:
 class Replay:
     """All joints of a log under one assumption."""
 
-    counterfactual: Counterfactual
+    counterfactual: Caution  # what is assumed of the person, or of the arm's drive
     joints: tuple[JointReplay, ...]
     warnings: tuple[Caution, ...] = ()
 
@@ -255,21 +252,15 @@ def _fit(moments: Float) -> tuple[Float, Float]:
     return found, np.maximum(moments[:, 2, 2] - np.einsum("si,si->s", found, torque), 0.0)
 
 
-ADVICE = {GAP: "gaps in the log; record without dropping samples", NOT_MOVED: "hardly any motion; move farther"}
-
-
 def missing_estimate(history: ReplayHistory, friction: JointFriction, compensator: Compensator) -> Reason:
     """Return why there was nothing to apply; empty if there was."""
     cycles = len(history)
     if not cycles:
-        return friction.reason or quoted(
-            "no energy cycle ended while a controller would have watched; pause between motions, or choose other "
-            "--thresholds"
-        )
+        return friction.reason or (Caution("no_cycle_ended"),)
     if not isinstance(compensator, EnergyCompensator) or compensator.forced or (history.status == ESTIMATED).any():
         return ()
-    some = "1 cycle" if cycles == 1 else f"{cycles} cycles"
     refused = history.status[history.status >= NOT_MOVED]
     if len(refused):
-        return quoted(f"no estimate in {some}: {ADVICE[int(np.bincount(refused).argmax())]}")
-    return quoted(f"only {some}, and the compensator needs {compensator.cycles_per_estimate}; record more motions")
+        case = STATUSES[int(np.bincount(refused).argmax())]
+        return (Caution("no_cycle_estimates", numbers={"cycles": cycles, "case": case}),)
+    return (Caution("fewer_than_window", numbers={"cycles": cycles, "needed": compensator.cycles_per_estimate}),)

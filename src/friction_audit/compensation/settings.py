@@ -2,8 +2,9 @@
 
 from dataclasses import dataclass, field
 from math import inf
-from typing import Any, NamedTuple
+from typing import Any
 
+from friction_audit.compensation import ASSUMES, COMPETITORS, FEED_BACK, MODEL, SAME_MOTION, SAME_OPERATOR
 from friction_audit.compensation.competitors import Compensator, DisturbanceObserver, TorqueRegulation
 from friction_audit.compensation.law import Checked, EnergyCompensator, positive
 from friction_audit.effects.joint_model import ArmModel, JointModel
@@ -13,29 +14,6 @@ from friction_audit.presets import PRESETS
 DEFAULT_MODEL = "combined"
 # Twice the paper's: on a Panda's sensors, the difference of two cycles is noise as often as friction.
 DEFAULT_WINDOW = {"combined": 4, "coulomb": 2, "viscous": 2}
-
-FEED_BACK = ("disturbance_observer", "torque_regulation")  # without a loop over the motion their result means nothing
-MODEL = "model"  # applies the friction of a model file
-COMPETITORS = ("fixed", "sigmoid", "lugre", *FEED_BACK, MODEL)  # compensators other than ``energy``
-
-
-SAME_MOTION, SAME_TORQUE, SAME_OPERATOR = "same-motion", "same-torque", "same-operator"
-# What is assumed of the person, or of the arm's drive, who would have met another joint than the recorded one.
-ASSUMES = {
-    SAME_MOTION: "assumes that the joint would have moved exactly as recorded and {person} had pushed as much less (or "
-    "more) as the compensator gives; nothing feeds back on the motion, so it cannot show instability",
-    SAME_TORQUE: "assumes that {person} would have pushed exactly as recorded, regardless of the joint; {joint} moves "
-    "under that torque, cycle by cycle from the recorded start",
-    SAME_OPERATOR: "assumes that {person} is a linear impedance with the same intention as in the recording; {joint} "
-    "and that impedance move together in closed loop",
-}
-
-
-class Counterfactual(NamedTuple):
-    """What is assumed in a replay."""
-
-    name: str  # as on the command line
-    assumes: str  # one sentence for every output
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -151,12 +129,6 @@ class ReplaySettings(Checked):
                 "this compensator feeds the motion back, which --assume same-motion holds fixed; expected "
                 "--assume same-torque or same-operator"
             )
-
-    def counterfactual(self, *, by_hand: bool) -> Counterfactual:
-        """Return the assumption, of a person or of the drive of an arm that moves by itself."""
-        joint = "the joint fitted to this log" if self.joint_model is None else "the joint of the model file"
-        person = "the person" if by_hand else "the arm's drive"
-        return Counterfactual(self.assume, ASSUMES[self.assume].format(person=person, joint=joint))
 
     @property
     def needs_whole(self) -> bool:

@@ -180,7 +180,7 @@ class JointDiagnosis:
     def __repr__(self) -> str:
         names = " and ".join(" or ".join((effect.name, *effect.alternatives)) for effect in self.effects)
         gap = f", residual {self.gap.before:.4g}, augmented {self.gap.after:.4g}" if self.gap else ""
-        why = f" ({', '.join(map(str, self.reason))})" if self.reason else ""
+        why = f" ({'; '.join(map(str, self.reason))})" if self.reason else ""
         return f"joint {self.joint} {self.name}: {self.verdict}{why}{f': {names}' if names else ''}{gap}"
 
     @property

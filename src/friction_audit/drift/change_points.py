@@ -6,14 +6,13 @@ from functools import partial
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.drift import change_test
 from friction_audit.drift.change_test import Directions, make_directions
 from friction_audit.drift.regression import baseline_columns, holm, ramp_columns, robust_weight, steps_scatter
 from friction_audit.drift.report import FEWEST_SESSIONS, DriftSettings
 from friction_audit.drift.session import Series
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Bool, Float, Int
 
 MOST_CHANGES = 6
 SESSIONS_PER_CHANGE = 5
@@ -120,7 +119,7 @@ def _judge(y: Float, weight: Float, first: int, last: int, *, settings: DriftSet
     freedom = max(directions.freedom, 1)  # of few sessions the variance is uncertain: a bound as of a t-test
     variance = max(float(np.sum(directions.residual**2)) - best, 0.0) / freedom
     bound = float(f.ppf(float(chi2.cdf(MOMENT_95, 1)), 1, freedom)) * growth**2
-    possible: NDArray[np.int64] = first + directions.split[best - along <= bound * variance]
+    possible: Int = first + directions.split[best - along <= bound * variance]
     return Step(
         place=first + int(directions.split[np.argmax(real)]),
         low=int(possible[0]),
@@ -129,7 +128,7 @@ def _judge(y: Float, weight: Float, first: int, last: int, *, settings: DriftSet
     )
 
 
-def find_isolated(y: Float, error: Float) -> NDArray[np.bool_]:
+def find_isolated(y: Float, error: Float) -> Bool:
     """Find the sessions that differ from both neighbours on each side by far more than neighbours usually do.
 
     A step has alike sessions on both of its sides, a ramp has neighbours on either side: neither is isolated. The

@@ -10,14 +10,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.drift.regression import MAD_TO_SD, baseline_columns, ramp_columns, robust_weight
 from friction_audit.drift.report import DriftSettings
 from friction_audit.drift.session import Series
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, Int
 
-Places = NDArray[np.int64]
 SHORTEST_SEGMENT = 2  # sessions before and after a step
 MOST_STEPS = 80  # places of a step that are tried; more cost time, and neighbours give nearly the same
 SHORTEST_EPISODE = 10  # sessions of a change that comes and goes: shorter ones resemble autocorrelated scatter
@@ -44,8 +42,8 @@ QUANTILE = 0.99  # of the largest statistic, about where the test of an arm deci
 class Directions:
     """What the tests look along, whitened: every session's error is 1."""
 
-    split: NDArray[np.int64]  # first session after the step, shape (k,); 0 for a ramp
-    back: NDArray[np.int64]  # first session after the step back, shape (k,); n where there is none
+    split: Int  # first session after the step, shape (k,); 0 for a ramp
+    back: Int  # first session after the step back, shape (k,); n where there is none
     direction: Float  # unit vectors, orthogonal to level and temperature, shape (n, k); 0 where nothing is left of one
     base: Float  # orthonormal basis of level and temperature, shape (n, b)
     residual: Float  # what level and temperature leave of y, shape (n,)
@@ -80,7 +78,7 @@ def make_directions(series: Series) -> Directions:
     )
 
 
-def orthogonal(shapes: Float, *, split: Places, back: Places, base: Float, y: Float, weight: Float) -> Directions:
+def orthogonal(shapes: Float, *, split: Int, back: Int, base: Float, y: Float, weight: Float) -> Directions:
     """Whiten shapes, base and y, and take the base out of the others."""
     basis, _ = np.linalg.qr(base * weight[:, None])
     whitened = shapes * weight[:, None]
@@ -104,7 +102,7 @@ def orthogonal(shapes: Float, *, split: Places, back: Places, base: Float, y: Fl
     )
 
 
-def step_places(sessions: int) -> NDArray[np.int64]:
+def step_places(sessions: int) -> Int:
     """Return the sessions that a step is tried before, all of them or densely near both ends, shape (k,)."""
     places = np.arange(SHORTEST_SEGMENT, sessions - SHORTEST_SEGMENT + 1)
     if len(places) <= MOST_STEPS:
@@ -119,7 +117,7 @@ def studentise(rows: Float, directions: Directions) -> Float:
     return directions.studentised(rows @ directions.direction, square[:, None])
 
 
-def _studentise_orders(directions: Directions, order: NDArray[np.int64]) -> Float:
+def _studentise_orders(directions: Directions, order: Int) -> Float:
     """Return t of each direction with the sessions, and their errors, in other orders (m, n), shape (m, k)."""
     steps = directions.split > 0
 
@@ -241,7 +239,7 @@ def permute(
     orders = settings.permutations
     largest, largest_ramp = np.empty((2, orders, len(family)))
 
-    def keep(rows: Places, k: int, drawn: Float) -> None:
+    def keep(rows: Int, k: int, drawn: Float) -> None:
         largest[rows, k] = np.max(drawn, axis=1)
         largest_ramp[rows, k] = np.max(drawn[:, family[k].split == 0], axis=1, initial=0.0)
 

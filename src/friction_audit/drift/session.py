@@ -7,10 +7,9 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.friction.history import UNDETERMINED, Coefficient
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Bool, Float, Int
 from friction_audit.preprocessing.interaction import Caution, Reason
 
 COEFFICIENTS = ("coulomb_nm", "viscous_nms_per_rad")
@@ -125,7 +124,7 @@ class Series:
 
     joint: int  # number for people
     coefficient: str  # which one
-    session: NDArray[np.int64]  # indices into all sessions of the arm, shape (n,)
+    session: Int  # indices into all sessions of the arm, shape (n,)
     place: Float  # places among those compared, from 0, shape (n,)
     day: Float | None  # days since the first session, shape (n,), or None where starts are not known [d]
     y: Float  # what drift is looked for in, shape (n,)
@@ -133,9 +132,9 @@ class Series:
     temperature: Float | None  # of the joint, shape (n,), or None where it cannot be used [degC]
     speed: Float  # median speed in motion, shape (n,) [rad/s]
     logarithmic: bool  # whether y is the logarithm
-    kept: NDArray[np.bool_]  # which sessions count: False for an isolated one, shape (n,)
+    kept: Bool  # which sessions count: False for an isolated one, shape (n,)
 
-    def take(self, which: NDArray[np.bool_]) -> "Series":
+    def take(self, which: Bool) -> "Series":
         """Return the series of some of its sessions."""
         columns = {name: getattr(self, name) for name in self.__slots__}
         taken: dict[str, Any] = {name: one[which] for name, one in columns.items() if isinstance(one, np.ndarray)}

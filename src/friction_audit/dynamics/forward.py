@@ -19,13 +19,12 @@ from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.dynamics.motion import Forward, Model, Motion, Term
 from friction_audit.dynamics.stick_slip import Link, follow, link_of, move_two_sides, ringing_steps, run_pieces
 from friction_audit.dynamics.torque_tables import MOST_STEPS, Tables, certain, rms, steps_per_sample, tabulate
 from friction_audit.dynamics.transmission import HIGHEST_HZ, Transmission, flank_stiffness, straightened
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, Int
 from friction_audit.preprocessing.even_grid import first_order
 
 SWEEPS = 12
@@ -44,13 +43,11 @@ class _Recording(NamedTuple):
     motion: Motion
     drive: Float  # torque at its time [N m]
     load: Float  # load on the gear that is not in it [N m]
-    pieces: NDArray[np.int64]  # first and last sample of each piece, shape (p, 2)
+    pieces: Int  # first and last sample of each piece, shape (p, 2)
     step_s: float
 
 
-def simulate_along(
-    model: Model, motion: Motion, drive: Float, pieces: NDArray[np.int64], load: Float | None = None
-) -> Float | None:
+def simulate_along(model: Model, motion: Motion, drive: Float, pieces: Int, load: Float | None = None) -> Float | None:
     """Simulate a joint under a torque F_m + u as recorded, along a recording on an even grid.
 
     Pieces are their first and last sample, shape (p, 2); the load is what is on the gear and not in the drive, that of

@@ -19,7 +19,6 @@ from math import ceil, inf, sqrt
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.torque_tables import (
@@ -33,7 +32,7 @@ from friction_audit.dynamics.torque_tables import (
     taken,
 )
 from friction_audit.dynamics.transmission import Transmission, amid, bend_of, between_samples, pushed, twisted
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, Int
 
 EVENTS = 8  # stops and break-aways that are resolved in one step
 
@@ -107,7 +106,7 @@ def advance(q: float, v: float, sign: float, step: Step, bent: Float, tables: Ta
 
 @compiled()
 def run_pieces(
-    step_s: float, steps: int, drive: Float, q: Float, dq: Float, pieces: NDArray[np.int64], bent: Float, tables: Tables
+    step_s: float, steps: int, drive: Float, q: Float, dq: Float, pieces: Int, bent: Float, tables: Tables
 ) -> Float:
     """Move a joint with tables through pieces of a recording, each from the recorded start.
 
@@ -176,7 +175,7 @@ def move_two_sides(
     load: Float,
     near: tuple[Float, Float],
     step_s: float,
-    pieces: NDArray[np.int64],
+    pieces: Int,
     link: Link,
     far: Tables,
 ) -> Float:

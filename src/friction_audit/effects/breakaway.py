@@ -21,17 +21,14 @@ from functools import lru_cache
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import SIGMA_PER_MEDIAN, JointData, Nominal, grid_noise, shares_of_span
 from friction_audit.effects.parameter import Parameter
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Bool, Float, Int
 from friction_audit.preprocessing.interaction import Caution
-
-Index = NDArray[np.int64]
 
 STANDSTILL_S = 0.06  # so long a joint stands still before it breaks away; its torque is followed over this time
 # Samples between standstill and break-away: half a period of the grid's corner, by which the low-pass smears.
@@ -60,9 +57,9 @@ SLOWEST = 3.0
 class Breakaways:
     """Moments at which a joint leaves a standstill, k of them, on the fine grid."""
 
-    samples: Index  # samples of the standstill whose torque is followed, shape (k, w)
-    onset: Index  # sample at which the joint starts, shape (k,)
-    certain: Index  # first sample whose direction is certain, shape (k,)
+    samples: Int  # samples of the standstill whose torque is followed, shape (k, w)
+    onset: Int  # sample at which the joint starts, shape (k,)
+    certain: Int  # first sample whose direction is certain, shape (k,)
     direction: Float  # -1 or 1, shape (k,)
     weights: Float  # what carries them on to the onset, sum 1, shape (w,)
 
@@ -70,7 +67,7 @@ class Breakaways:
         """Columns, shape (n,) or (n, p), carried on to the onsets, shape (k,) or (k, p)."""
         return np.asarray((columns.T[..., self.samples] @ self.weights).T, np.float64)
 
-    def take(self, which: NDArray[np.bool_]) -> "Breakaways":
+    def take(self, which: Bool) -> "Breakaways":
         """Some of them, by a mask of shape (k,)."""
         kept = {name: getattr(self, name)[which] for name in ("samples", "onset", "certain", "direction")}
         return replace(self, **kept)
@@ -108,7 +105,7 @@ def breakaways_of(data: JointData) -> Breakaways:
     return find_breakaways(q, data.dq, data.dead_speed_rad_s, data.step_s)
 
 
-def torque_known(torque: Float, breakaways: Breakaways, step_s: float) -> NDArray[np.bool_]:
+def torque_known(torque: Float, breakaways: Breakaways, step_s: float) -> Bool:
     """Whether the torque of each break-away is known, although its moment is to some milliseconds only, shape (k,).
 
     It is where it is the same earlier or later, or falls behind the start by more than it differs there: friction is
@@ -206,7 +203,7 @@ def _starts(data: JointData) -> tuple[int, int]:
 
 
 @compiled()
-def since_onset(q: Float, way: Float, moving: NDArray[np.bool_], step_s: float) -> tuple[Float, Float]:
+def since_onset(q: Float, way: Float, moving: Bool, step_s: float) -> tuple[Float, Float]:
     """Return how long the latest rest was and the path since, shape (n,) each. [s], [rad]
 
     Both are 0 before and during a rest; in its last samples whose velocity already has the ``way``, the sign, of the

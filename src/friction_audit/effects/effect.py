@@ -101,7 +101,7 @@ class Effect:
 
     def regressor(self, data: JointData, nominal: Nominal, at: Nonlinear) -> Float:
         """Return the columns at one point."""
-        return next(self.regressors(data, nominal, (at,)))[1]
+        return next(self.regressors_of(data, [nominal], (at,), np.transpose))[1].T
 
     # Derived.
 

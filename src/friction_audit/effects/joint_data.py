@@ -5,10 +5,9 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.dynamics.motion import Motion, Others, RigidBody
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Bool, Float, Int
 from friction_audit.preprocessing.interaction import Caution
 
 CORNER_HZ = 25.0  # highest corner of the low-pass before a regression
@@ -55,9 +54,9 @@ class JointData:
     others_dq: Float  # velocities of all joints, shape (n, j) [rad/s]
     others_ddq: Float  # accelerations of all joints, shape (n, j) [rad/s^2]
     others_torque: Float  # what the sensors of all joints read, gravity included, as the torque counts, shape (n, j)
-    cycle: NDArray[np.int64]  # number of the energy cycle of each sample, -1 outside of any
-    moving: NDArray[np.bool_]  # samples in which the direction of motion is certain
-    valid: NDArray[np.bool_]  # samples that are not next to a hole, a stale stretch or an end of the filter
+    cycle: Int  # number of the energy cycle of each sample, -1 outside of any
+    moving: Bool  # samples in which the direction of motion is certain
+    valid: Bool  # samples that are not next to a hole, a stale stretch or an end of the filter
     dead_speed_rad_s: float  # below it the direction is not certain [rad/s]
     derived_from: str = "dq"  # what velocity and acceleration were taken from, "q" or "dq"
     logged_q: Float | None = None  # position as it was logged, through the same filter; ``q`` where None [rad]
@@ -74,7 +73,7 @@ class JointData:
     smooth: dict[float, Motion] = field(default_factory=dict, init=False, repr=False)
 
     @cached_property
-    def used(self) -> NDArray[np.bool_]:
+    def used(self) -> Bool:
         """Samples on which a model is fitted: moving, valid and in a cycle."""
         return self.moving & self.valid & (self.cycle >= 0)
 
@@ -93,7 +92,7 @@ class JointData:
         """Mean sign of the velocity over the cell of each sample, shape (n,)."""
         return mean_sign(self.t, self.dq, self.ddq)
 
-    def at(self, places: NDArray[np.int64]) -> "JointData":
+    def at(self, places: Int) -> "JointData":
         """The joint by itself at some of its samples, of which the first two follow each other."""
         names = ("t", "q", "dq", "ddq", "torque", "temperature", "load", "logged_q", "cycle", "moving", "valid")
         own: dict[str, Any] = {

@@ -5,13 +5,12 @@ from functools import lru_cache, partial
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import Each, Effect, Nonlinear, Points
 from friction_audit.effects.joint_data import JointData, Nominal, both_directions, span
 from friction_audit.effects.parameter import Parameter
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Bool, Float
 from friction_audit.preprocessing.interaction import Caution
 
 EXPONENTS = (1.0, 1.5, 2.0)
@@ -150,7 +149,7 @@ class GravityError(Effect):
 
 
 @lru_cache(maxsize=1)
-def independent(data: JointData) -> NDArray[np.bool_]:
+def independent(data: JointData) -> Bool:
     """Return which columns of several links are linearly independent, shape (12,); none without a model of the arm.
 
     By Cholesky decomposition with pivoting of their products: of columns that nearly depend on each other the larger

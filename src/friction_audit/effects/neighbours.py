@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from friction_audit.dynamics.motion import INERTIAL_PARAMETERS, Motion
-from friction_audit.effects.effect import Each, Effect, Points
+from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
@@ -64,10 +64,11 @@ TORQUE_CROSSTALK = TorqueCrosstalk(
 
 BEFORE, AFTER, BOTH, ALL, MODEL, TIP = range(6)  # values of the source
 JOINTS = 7  # accelerations of more joints are not looked at
-INERTIAL = ("mass", "moment_x", "moment_y", "moment_z", "xx", "xy", "yy", "xz", "yz", "zz")
-UNITS = ("kg", "kg_m", "kg_m", "kg_m") + ("kg_m2",) * 6
-LARGEST_SHARE = 2.0  # of the model's inertial torque: 1 where it was not subtracted, -1 where it was twice
-LARGEST_MASS_KG = 10.0  # what columns that nearly cancel may make of the last link is no body
+INERTIAL = ("moment_x", "moment_y", "moment_z", "xx", "xy", "yy", "xz", "yz", "zz")
+UNITS = ("kg_m",) * 3 + ("kg_m2",) * 6
+# Either sign is possible, for a rotor may turn against its neighbour.
+SHARE = {"lower": -2.0, "upper": 2.0}  # of the model's inertial torque: 1 where it was not subtracted, -1 if twice
+MASS_KG = {"lower": -10.0, "upper": 10.0}  # what columns that nearly cancel may make of the last link is no body
 CYCLES_PER_COLUMN = 2  # a dozen coefficients from as many cycles overfit, with masses that no arm carries
 
 
@@ -115,11 +116,6 @@ class InertialCoupling(Effect):
         )
         return [(float(source),) for source, there in tried if there]
 
-    def possible(self, coefficients: Float, at: Points) -> Each:
-        # Either sign is possible, for a rotor may turn against its neighbour; not that of what no arm carries.
-        share_and_mass = np.abs(coefficients[2 * JOINTS :][:2])
-        return np.all(share_and_mass.T <= (LARGEST_SHARE, LARGEST_MASS_KG), axis=-1)
-
 
 def _moving_neighbours(data: JointData, _nominal: Nominal) -> Caution | None:
     other = np.delete(data.others_dq[data.valid], data.own_column, axis=1)
@@ -137,7 +133,8 @@ INERTIAL_COUPLING = InertialCoupling(
             for to, what in (("joint", "acceleration"), ("speed", "squared speed"))
             for k in range(1, JOINTS + 1)
         ),
-        Parameter("inertial_torque_share", "1", "share of the model's inertial torque"),
+        Parameter("inertial_torque_share", "1", "share of the model's inertial torque", **SHARE),
+        Parameter("tip_mass_kg", "kg", "of the last link, mass", **MASS_KG),
         *(
             Parameter(f"tip_{name}_{unit}", unit.replace("_", " "), f"of the last link, {name}")
             for name, unit in zip(INERTIAL, UNITS, strict=True)

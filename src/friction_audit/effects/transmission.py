@@ -79,14 +79,10 @@ class Link(Effect):
         ):
             yield from zip(places, rows[..., None], strict=True)
 
-    def regressors(self, data: JointData, nominal: Nominal, grid: Sequence[Nonlinear]) -> Iterator[tuple[int, Float]]:
-        """Yield what the link adds to the torque, along the motion as measured or below a frequency."""
-        for places, rows in self.regressors_of(data, [nominal] * len(grid), grid, np.transpose):
-            yield from zip(places, rows[..., None], strict=True)
-
     def regressors_of(
         self, data: JointData, nominals: Sequence[Nominal], grid: Sequence[Nonlinear], seen: Callable[[Float], Float]
     ) -> Iterator[tuple[Sequence[int], Float]]:
+        """Yield what the link adds to the torque, along the motion as measured or below a frequency."""
         names = ("inertia_kg_m2", "coulomb_nm", "viscous_nms_per_rad")
         # Negative inertia or friction of the nominal model counts as none.
         numbers = np.maximum([[getattr(one, name) for name in names] for one in nominals], 0.0)

@@ -5,9 +5,8 @@ from math import isnan
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, Int
 from friction_audit.preprocessing.interaction import Caution, Reason
 
 
@@ -34,7 +33,7 @@ COLUMNS = {name: tuple(f"{name}{part}_{unit}" for part in ("", "_low", "_high"))
 class CoefficientHistory:
     """Coefficients after each cycle that counts, m rows; NaN where a window cannot give one."""
 
-    cycle: NDArray[np.int64]  # number of the cycle among all of the joint's cycles, from 1, shape (m,)
+    cycle: Int  # number of the cycle among all of the joint's cycles, from 1, shape (m,)
     start_s: Float  # start of the cycle [s]
     stop_s: Float  # stop of the cycle: the moment at which the estimate becomes known [s]
     coulomb_nm: Float  # Coulomb coefficient, shape (m,) [N m]
@@ -107,7 +106,7 @@ class JointFriction:
 
     def __repr__(self) -> str:
         if self.reason:
-            return f"joint {self.joint} {self.name}: no estimate: {', '.join(map(str, self.reason))}"
+            return f"joint {self.joint} {self.name}: no estimate: {'; '.join(map(str, self.reason))}"
         return (
             f"joint {self.joint} {self.name}: Coulomb {self.coulomb!s}, viscous {self.viscous!s}, {self.cycles} cycles"
         )

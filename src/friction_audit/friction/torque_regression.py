@@ -17,13 +17,12 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.friction.history import TorqueRegression
 from friction_audit.friction.reasons import SMALLEST_SPREAD
 from friction_audit.friction.settings import FEWEST_CYCLES
 from friction_audit.friction.weighted import Equations, Fit, fit_windows
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, Int
 from friction_audit.preprocessing.interaction import Caution, Interaction, Reason
 from friction_audit.preprocessing.velocity import filter_velocity, settling_samples
 
@@ -171,8 +170,8 @@ class _Rows:
     instruments: Float
     torque: Float
     more: dict[str, Float]  # columns that are fitted with them by turns
-    stroke: NDArray[np.int64]
-    place: NDArray[np.int64]
+    stroke: Int
+    place: Int
 
 
 class RegressionRows:
@@ -244,7 +243,7 @@ class RegressionRows:
         for name, values in found.items():
             self.found[name][own] = values
 
-    def _filtered(self, load: Float, index: NDArray[np.int64]) -> Float:
+    def _filtered(self, load: Float, index: Int) -> Float:
         """Return a torque at the rows, filtered and averaged over neighbours as the velocity is."""
         reach, spacing = self._reach, self._spacing
         stretches = -(-len(self._response) // spacing)
@@ -279,7 +278,7 @@ class RegressionRows:
         )
 
 
-def _gravity(interaction: Interaction, column: int, index: NDArray[np.int64]) -> list[Float]:
+def _gravity(interaction: Interaction, column: int, index: Int) -> list[Float]:
     """Return how gravity lies across the axis."""
     if interaction.gravity_direction is None or interaction.gravity_index is None:
         q = interaction.q[index, column]

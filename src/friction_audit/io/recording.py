@@ -1,6 +1,5 @@
 """A recording as a reader returns it, before its faults are looked for: in memory, or read block by block."""
 
-import re
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -8,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.joint_log import DERIVATIVE, Finding, Float
+from friction_audit.joint_log import DERIVATIVE, Bool, Finding, Float, Int
 from friction_audit.parallel import ahead
 
 Block = tuple[Float, dict[str, Float]]  # clock and channels of samples that follow each other
@@ -17,7 +16,6 @@ Block = tuple[Float, dict[str, Float]]  # clock and channels of samples that fol
 # It ends at the least mean square error of the slope: a long parabola cuts fast motion.
 HALF_WINDOW_S, LONGEST_HALF_WINDOW_S, NOISE_RAD_S = 0.01, 0.05, 1e-3
 MEAN_OF_SIXTH = np.sqrt(924.0 * 2.0 / np.pi)  # absolute sixth difference of white noise, over its standard deviation
-_WIDTH = re.compile(r"through \d+ samples")
 _TURN_RAD = 2.001 * np.pi
 _PIECE = 1 << 16  # samples of a recording in memory that are looked at at a time: they stay in the processor's cache
 
@@ -38,7 +36,7 @@ class Blocks:
     clock: tuple[int, float, float] = (0, 0.0, 0.0)
     gaps: Float = field(default_factory=lambda: np.zeros((0, 3)))
     mean_of: int = 1
-    numbers: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    numbers: Int = field(default_factory=lambda: np.zeros(0, np.int64))
     listener: Any = None
 
 
@@ -48,7 +46,7 @@ class Marks:
     def __init__(self, rows: int) -> None:
         self._rows, self._bits, self.count = rows, np.empty(0, np.uint8), 0
 
-    def add(self, first: int, marked: NDArray[np.bool_]) -> None:
+    def add(self, first: int, marked: Bool) -> None:
         """Mark some of the rows from a first one on."""
         if not marked.any():
             return
@@ -58,7 +56,7 @@ class Marks:
         packed = np.packbits(np.append(np.zeros(first % 8, np.bool_), marked))
         self._bits[first // 8 : first // 8 + len(packed)] |= packed
 
-    def of(self, first: int, count: int) -> NDArray[np.bool_]:
+    def of(self, first: int, count: int) -> Bool:
         """Return which of so many rows from a first one on are marked."""
         if not len(self._bits):
             return np.zeros(count, np.bool_)
@@ -73,6 +71,7 @@ class Recording:
     t: Float  # time since an origin of the reader's choice, shape (n,); any order, repeats allowed [s]
     channels: dict[str, Float]  # channel -> array of shape (n, j), Fortran order, NaN where nothing was recorded
     joint_names: tuple[str, ...]
+    path: str = ""  # of the file, as the user gave it; empty until it was read
     clock: str = "column"  # or "robot_time", "header_stamp", "log_time"
     start_s: float | None = None  # Unix time of t = 0, or None when the clock does not say [s]
     origin_s: float = 0.0  # reading of the clock at t = 0 [s]
@@ -159,14 +158,15 @@ class Recording:
         return f"{channel} ({self.mapping.get(channel, channel)}) of {self.joint_names[joint]}"
 
 
-def with_velocity(recording: Recording, step_s: float) -> Recording:
+def with_velocity(recording: Recording, step_s: float, *, asked: bool) -> Recording:
     """Return a recording in memory with the derivative of q as dq (Savitzky and Golay, 1964), unless dq was logged.
 
     A parabola is fitted to the samples within HALF_WINDOW_S of each, of a coarse position to more: to q and to t over
-    the sample's number, so that an uneven clock does no harm. There is no phase shift.
+    the sample's number, so that an uneven clock does no harm. There is no phase shift. Made anew, its finding is that
+    of the last time: of a wild sample that is gone, noise is gone too. ``asked``: whether the user asked for it.
     """
-    is_derived, names = recording.mapping.get("dq") == DERIVATIVE, recording.mapping
-    if "dq" in recording.channels and not is_derived:
+    names = recording.mapping
+    if "dq" in recording.channels and names.get("dq") != DERIVATIVE:
         return recording
     from scipy.signal import savgol_filter
 
@@ -194,17 +194,11 @@ def with_velocity(recording: Recording, step_s: float) -> Recording:
     message = f"dq is the derivative of q ({names.get('q', 'q')}), by a parabola through {width} samples"
     if recording.guessed_unit:
         message += f" of a clock read in {recording.guessed_unit}"
-    if not is_derived:
+    if not asked:
         message = f"no velocity was found: {message}; if there is one by another name, use --map dq=NAME"
-    findings = recording.findings
-    if any(one.code == "velocity_derived" for one in findings):  # of a wild sample that is gone, noise is gone too
-        now = f"through {width} samples"
-        findings = tuple(
-            replace(one, message=_WIDTH.sub(now, one.message)) if one.code == "velocity_derived" else one
-            for one in findings
-        )
-    else:
-        findings = (*findings, Finding("velocity_derived", message))
+    finding = Finding("velocity_derived", message)
+    findings = tuple(finding if one.code == finding.code else one for one in recording.findings)
+    findings = findings if finding in findings else (*findings, finding)
     channels, mapping = recording.channels | {"dq": rate}, {**names, "dq": DERIVATIVE}
     return replace(recording, channels=channels, mapping=mapping, findings=findings)
 

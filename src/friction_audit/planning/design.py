@@ -26,7 +26,7 @@ from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.effects.registry import same_as
 from friction_audit.errors import AnalysisError, UsageError
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, Int
 from friction_audit.planning.task import Joint, subject_of
 from friction_audit.presets import PRESETS
 from friction_audit.robot.arm import read_urdf
@@ -288,7 +288,7 @@ def value_for_coefficients(about: Information, counts: Float) -> Float:
 Criterion = Callable[[Information, Float], Float]
 
 
-def exchange(about: Information, criterion: Criterion, duration_s: float) -> NDArray[np.int64]:
+def exchange(about: Information, criterion: Criterion, duration_s: float) -> Int:
     """Return how often each candidate is run in a time [s], shape (c,), with the value of a design by a criterion."""
     counts, units = np.zeros(len(about.seconds)), np.eye(len(about.seconds))
     best = float(criterion(about, counts))
@@ -314,7 +314,7 @@ def exchange(about: Information, criterion: Criterion, duration_s: float) -> NDA
     return counts.astype(np.int64)
 
 
-def in_order(candidates: Sequence[Candidate], counts: NDArray[np.int64]) -> tuple[Candidate, ...]:
+def in_order(candidates: Sequence[Candidate], counts: Int) -> tuple[Candidate, ...]:
     """Return the runs spread over the time, so that neither warming up nor drift goes with one of them."""
     moments = [((k + 0.5) / count, n) for n, count in enumerate(counts) for k in range(count)]
     return tuple(candidates[n] for _, n in sorted(moments))

@@ -4,11 +4,9 @@ import sys
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, Int
 
-Int = NDArray[np.int64]
 # Sums of ``add_up``, with the names of ``EnergySums``.
 SUMS = ("work_j", "compensation_j", "printed_net_j", "path_rad", "rectified_path_rad", "square_speed_rad2_s")
 BLOCK = 1 << 17  # samples worked on at a time: of fewer, threads would mostly wait for the interpreter

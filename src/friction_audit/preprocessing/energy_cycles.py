@@ -8,11 +8,8 @@ trapezoids over [t[start], t[stop]], on the real stamps; neighbours share the bo
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from friction_audit.joint_log import Float
-
-Int = NDArray[np.int64]
+from friction_audit.joint_log import Bool, Float, Int
 
 # Why a cycle is rejected: kept, a gap in the log, no return to its start while gravity is in the torque, not every
 # joint has moved enough, the joint never reversed, longer than energies can be compared over.
@@ -66,7 +63,7 @@ class EnergyCycles:
     products: Float
     # path, and first and second moment of the mean speed of the parts over it, of those that move, shape (m, 3)
     speeds: Float
-    open: NDArray[np.bool_]  # True where a joint does not end where it began, shape (m,)
+    open: Bool  # True where a joint does not end where it began, shape (m,)
     reason: Int  # index into REASONS; KEPT where the cycle counts, shape (m,)
     initiation: Float  # threshold used per joint of the Interaction, shape (j,) [speed_unit]
     termination: Float  # threshold used per joint, shape (j,) [speed_unit]
@@ -86,7 +83,7 @@ class EnergyCycles:
         own = slice(column, column + 1)
         return replace(self.of_joint(column), **{name: getattr(self, name)[own] for name in PER_JOINT})
 
-    def rows(self, mask: NDArray[np.bool_]) -> "EnergyCycles":
+    def rows(self, mask: Bool) -> "EnergyCycles":
         """Return the rows selected by a mask of shape (m,)."""
         per_cycle = "joint", "start", "stop", "start_s", "stop_s", "peak_speed_rad_s", "open", "reason"
         kept = {name: getattr(self, name)[mask] for name in (*per_cycle, "products", "speeds")}

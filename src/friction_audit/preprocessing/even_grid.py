@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
-from friction_audit.joint_log import MINIMUM_SAMPLES, Float, JointLog, median_step
+from friction_audit.joint_log import MINIMUM_SAMPLES, Bool, Float, Int, JointLog, median_step
 
 GRID_HZ = 400.0
 CORNER_HZ = 80.0
@@ -70,7 +70,7 @@ def _remembered(driven: NDArray[Any], pole: complex) -> NDArray[Any]:
 
 
 @compiled(any_order=True)
-def filtered(rows: Float, kernel: Float, centre: NDArray[np.int64]) -> Float:
+def filtered(rows: Float, kernel: Float, centre: Int) -> Float:
     """Weighted sums of an odd number of samples about some, ascending, (m,), the ends held; rows (p, n): (p, m)."""
     half, n = len(kernel) // 2, rows.shape[1]
     out = np.zeros((len(rows), len(centre)))
@@ -196,7 +196,7 @@ class LowPass:
         """Filter a signal, shape (m,) at times t, onto the grid, shape (n,)."""
         return self._apply(np.interp(self.fine, t, signal), self.kernel)
 
-    def all_of(self, t: Float, signals: Float, some: NDArray[np.bool_] | slice) -> Float:
+    def all_of(self, t: Float, signals: Float, some: Bool | slice) -> Float:
         """Filter columns of some of the samples of signals, shape (m, j), onto the grid, shape (n, j)."""
         return np.stack([self.of(t, column[some]) for column in signals.T], axis=1)
 
@@ -208,7 +208,7 @@ class LowPass:
             self._curve(even, t, position, lost[first : first + LOST_AT_ONCE])
         return self._apply(even, self.kernel), self._apply(even, self.slope)
 
-    def _curve(self, even: Float, t: Float, position: Float, lost: NDArray[np.int64]) -> None:
+    def _curve(self, even: Float, t: Float, position: Float, lost: Int) -> None:
         """Replace straight lines over lost samples by a cubic spline through the samples that it feels."""
         first, stop = max(lost[0] - HELD, 0), min(lost[-1] + HELD + 2, len(t))
         t, position, lost = t[first:stop], position[first:stop], lost - first
@@ -218,7 +218,7 @@ class LowPass:
         inside = begins[0] + within(begins - begins[0], ends - begins[0], ends[-1] - begins[0])
         even[inside] = natural_spline(t[near], position[near], self.fine[inside])
 
-    def away_from_gaps(self, t: Float) -> NDArray[np.bool_]:
+    def away_from_gaps(self, t: Float) -> Bool:
         """Samples of the grid whose kernel reaches neither a gap in the stamps t nor beyond the ends, shape (n,)."""
         after, reach_s = gaps(t), float(self.fine[1] - self.fine[0]) * (len(self.slope) // 2)
         begins = np.concatenate([[-np.inf], t[after], [t[-1]]])
@@ -233,19 +233,19 @@ class LowPass:
         return np.asarray(filtered(even[None], np.ascontiguousarray(kernel[::-1]), centre)[0])
 
 
-def within(starts: NDArray[np.int64], stops: NDArray[np.int64], n: int) -> NDArray[np.int64]:
+def within(starts: Int, stops: Int, n: int) -> Int:
     """Places 0..n-1 within any of some ranges."""
     change = np.bincount(starts, minlength=n + 1) - np.bincount(stops, minlength=n + 1)
     return np.flatnonzero(np.cumsum(change[:n]))
 
 
-def gaps(t: Float) -> NDArray[np.int64]:
+def gaps(t: Float) -> Int:
     """Return the samples after which a gap begins, shape (g,)."""
     step = np.diff(t)
     return np.flatnonzero(step > max(GAP_S, GAP_STEPS * median_step(t)))
 
 
-def fresh_samples(log: JointLog) -> NDArray[np.bool_]:
+def fresh_samples(log: JointLog) -> Bool:
     """Samples that do not repeat the state before them while a joint moves, shape (n,).
 
     A velocity that mostly stays the same while the position changes is read in coarse steps. It says nothing then, and
@@ -316,7 +316,7 @@ def moments_of_samples(t: Float, q: Float, dq: Float) -> Float:
     return t if slope > 0.5 else ticks  # noqa: PLR2004 - between 0 and 1
 
 
-def belated_samples(t: Float, q: Float, dq: Float) -> NDArray[np.bool_]:
+def belated_samples(t: Float, q: Float, dq: Float) -> Bool:
     """Samples whose positions, shape (n, j), are those of an earlier moment, shape (n,).
 
     A sample that is repeated where it is lost itself, or that is interpolated to other stamps, repeats none before it.

@@ -5,14 +5,13 @@ With B the reflected inertia behind the sensor, u the torque of an active compen
     B ddq = F_m + u - tau_f,    tau_f * dq >= 0 is the dissipated power.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, Int
 
 SIGNALS = ("t", "q", "dq", "torque", "compensation", "posture")
 
@@ -37,7 +36,12 @@ class SignEvidence:
 
 @dataclass(frozen=True, slots=True)
 class Caution:
-    """Something the user must know about a result; ``reporting/sentences.toml`` has the sentence of each code."""
+    """Something the user must know about a result; ``reporting/sentences.toml`` has the sentence of each code.
+
+    As a text it is that sentence once ``api``, which knows it, has set ``words``; before, its code.
+    """
+
+    words: ClassVar[Callable[["Caution"], str]] = lambda one: one.code
 
     code: str  # stable short name
     joint: int | None = None  # joint number for people (1..n), or None
@@ -45,7 +49,7 @@ class Caution:
     numbers: Mapping[str, Any] = field(default_factory=dict, hash=False)
 
     def __str__(self) -> str:
-        return str(self.numbers.get("text", self.code))
+        return type(self).words(self)
 
     def renamed(self, path: str, name: str) -> "Caution":
         """Return it with another name of the log, in commands to paste."""
@@ -103,7 +107,7 @@ class Interaction:
     # ``gravity_index``, shape (g, j, 2), or None when the arm's kinematics are not known
     gravity_direction: Float | None = None
     # samples at which the direction was evaluated, from 0 to n - 1, shape (g,), or None
-    gravity_index: NDArray[np.int64] | None = None
+    gravity_index: Int | None = None
     joint_numbers: tuple[int, ...]  # number for people (1..n of the log) of each column
     joint_names: tuple[str, ...]  # name of each column
     choice: TorqueChoice  # how the torque was made

@@ -5,10 +5,9 @@ from dataclasses import dataclass, replace
 from itertools import chain
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.errors import UsageError
-from friction_audit.joint_log import Float, JointLog, LogPart
+from friction_audit.joint_log import Bool, Float, Int, JointLog, LogPart
 from friction_audit.preprocessing.balance import SIGNS, Balance
 from friction_audit.preprocessing.cautions import gravity_cautions, not_used, sign_cautions
 from friction_audit.preprocessing.interaction import Caution, Interaction, TorqueChoice
@@ -62,7 +61,7 @@ class PortTorque:
             first=part.first,
         )
 
-    def gravity_direction(self, part: LogPart) -> tuple[NDArray[np.int64] | None, Float | None]:
+    def gravity_direction(self, part: LogPart) -> tuple[Int | None, Float | None]:
         """Return samples of a part, and the direction of gravity across the selected axes there."""
         arm, samples = self.balance.plan.arm, len(part.t)
         if arm is None:
@@ -196,7 +195,7 @@ def _refuse_wrong_model(log: JointLog, coarse: CoarseLog, balance: Balance, sett
     )
 
 
-def _fits_opposite(measured: Float, left: Float) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+def _fits_opposite(measured: Float, left: Float) -> tuple[Bool, Bool]:
     """Return which joints' torque what was removed fits far better with the opposite sign, and which as it is."""
     turned, as_is = np.var(2.0 * measured - left, axis=0), np.var(left, axis=0)
     return 2.0 * turned < as_is, 2.0 * as_is < turned

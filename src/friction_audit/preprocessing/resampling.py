@@ -104,9 +104,10 @@ def _along(
     found, done = [np.empty((len(t), joints)) for t in times], [0] * len(grids)
     gone = np.zeros(joints)
     before: tuple[Float, Float] | None = None
-    for first, t, signal in log.blocks_of(channel):
+    for part in log.blocks((channel,)):
+        first, t, signal = part.first, part.t, getattr(part, channel)
         if before is not None:  # the last sample of the block before comes along, or there were no motion from it on
-            first, t, signal = first - 1, np.append(before[0], t), np.concatenate([before[1], signal])  # noqa: PLW2901
+            first, t, signal = first - 1, np.append(before[0], t), np.concatenate([before[1], signal])
         for number, (grid, wanted) in enumerate(zip(grids, times, strict=True)):
             rows = slice(max(grid.rows.start - first, 0), min(grid.rows.stop - first, len(t)))
             if rows.start >= rows.stop:

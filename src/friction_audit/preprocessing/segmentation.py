@@ -268,12 +268,12 @@ def thresholds_in_blocks(log: JointLog, columns: list[int], settings: CycleSetti
     margin, every, done = settling_samples(rate_hz, settings.cutoff_hz), max(log.samples // MOST_SAMPLES, 1), 0
     before = [np.empty(0) for _ in columns]
     found: list[list[tuple[Float, Float]]] = [[] for _ in columns]
-    for number, t, signal in log.blocks_of("dq"):
-        first, end = number - len(before[0]), number + len(t)
+    for part in log.blocks(("dq",)):
+        first, end = part.first - len(before[0]), part.first + len(part.t)
         stop = end if end == log.samples else max(end - margin, done)
         thin = slice(done - first + -done % every, stop - first, every)
 
-        def work(k: int, dq: Float = signal, thin: slice = thin, kept: int = max(stop - margin - first, 0)) -> None:
+        def work(k: int, dq: Float = part.dq, thin: slice = thin, kept: int = max(stop - margin - first, 0)) -> None:
             measured = dq[:, columns[k]]
             measured = np.concatenate([before[k], measured]) if len(before[k]) else measured
             filtered = filter_velocity(measured, rate_hz=rate_hz, cutoff_hz=settings.cutoff_hz)

@@ -15,9 +15,8 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from friction_audit.joint_log import Float, JointLog, median_step
+from friction_audit.joint_log import Bool, Float, Int, JointLog, median_step
 from friction_audit.log_in_blocks import LogInBlocks, block_means, samples_per_mean
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.interaction import SignEvidence
@@ -42,7 +41,7 @@ class CoarseLog:
     t: Float  # time, shape (m,) [s]
     q: Float  # position, shape (m, j) [rad]
     dq: Float  # velocity, shape (m, j) [rad/s]
-    whole: NDArray[np.bool_]  # False where a block holds or touches a hole in the log, shape (m,)
+    whole: Bool  # False where a block holds or touches a hole in the log, shape (m,)
     of_means: bool = False  # True where the log itself holds nothing but the means
 
     def mean(self, signal: Float) -> Float:
@@ -86,7 +85,7 @@ def most(evidence: tuple[SignEvidence, ...], verdict: Verdict) -> bool:
     return (combined if verdict == "rises" else -combined) > SIGNIFICANT
 
 
-def strokes_of(log: CoarseLog, joint: int) -> tuple[NDArray[np.bool_], Float, NDArray[np.int64]]:
+def strokes_of(log: CoarseLog, joint: int) -> tuple[Bool, Float, Int]:
     """Return where a joint moves, shape (m,), and there the direction and the number of the stroke."""
     speed = np.abs(log.dq[:, joint])
     slowest = SLOWEST_RAD_S if speed.max() >= STILL_RAD_S else 0.0
@@ -118,7 +117,7 @@ def _judge(log: CoarseLog, joint: int, torque: Float) -> SignEvidence:
     )
 
 
-def _coefficient(column: Float, others: Float, torque: Float, stroke: NDArray[np.int64]) -> tuple[float, float]:
+def _coefficient(column: Float, others: Float, torque: Float, stroke: Int) -> tuple[float, float]:
     """Regress the torque on a column, given others (Frisch, Waugh and Lovell); the error is clustered by stroke."""
     scaled = others / np.linalg.norm(others, axis=0).clip(min=np.finfo(float).tiny)
     both = np.array([column, torque]).T

@@ -9,9 +9,8 @@ from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from friction_audit.joint_log import Float, JointLog
+from friction_audit.joint_log import Bool, Float, JointLog
 from friction_audit.log_in_blocks import LogInBlocks, Means
 from friction_audit.parallel import ahead
 from friction_audit.preprocessing.interaction import Caution
@@ -177,9 +176,7 @@ def read_on_time(log: JointLog, lag: Float) -> JointLog:
     return replace(log, dq=means.channels["dq"], read=read)
 
 
-def _velocity_on_time(
-    t: Float, q: Float, dq: Float, lag: Float, fine: NDArray[np.bool_], ends: tuple[float, float]
-) -> Float:
+def _velocity_on_time(t: Float, q: Float, dq: Float, lag: Float, fine: Bool, ends: tuple[float, float]) -> Float:
     dq = np.array(dq, order="F")
     for joint in np.flatnonzero(lag):
         position, late = q[:, joint], lag[joint]
@@ -189,13 +186,12 @@ def _velocity_on_time(
     return dq
 
 
-def _is_fine(log: JointLog, lag: Float) -> NDArray[np.bool_]:
+def _is_fine(log: JointLog, lag: Float) -> Bool:
     """Return whose positions have noise and resolution that are small enough for a difference over the lag."""
     square, rough, before = np.zeros(len(lag)), np.zeros(len(lag)), np.empty((0, len(lag)))
-    for _, _, dq in log.blocks_of("dq"):
-        square += [np.sum(column**2) for column in dq.T]
-    for _, _, q in log.blocks_of("q"):
-        near = np.concatenate([before, q])
+    for part in log.blocks(("q", "dq")):
+        square += [np.sum(column**2) for column in part.dq.T]
+        near = np.concatenate([before, part.q])
         rough += [np.sum(np.diff(column, n=2) ** 2) for column in near.T]
         before = near[-2:].copy()
     roughness = np.sqrt(rough / max(log.samples - 2, 1) / 6.0)  # rms noise and resolution of the position
@@ -228,7 +224,7 @@ def noise_density(signal: Float, step_s: float, order: int) -> float:
     return float(np.median(np.abs(np.diff(signal, n=2)))) / gain
 
 
-def noise_of_both(slope: Float, logged: Float, valid: NDArray[np.bool_], step_s: float, lag_s: float) -> Float:
+def noise_of_both(slope: Float, logged: Float, valid: Bool, step_s: float, lag_s: float) -> Float:
     """Amplitude densities of the noise of a position [rad/sqrt(Hz)] and of a velocity that lags it [rad/s/sqrt(Hz)].
 
     What two measurements of the same motion do not have in common is noise (J. S. Bendat, A. G. Piersol, Random Data
@@ -265,9 +261,7 @@ def crossover_of(slope: Float, logged: Float, step_s: float, least: Float | tupl
     return crossing if crossing >= LOWEST_CROSSOVER_HZ else 0.0
 
 
-def complementary_mean(
-    slope: Float, logged: Float, valid: NDArray[np.bool_], step_s: float, crossover_hz: float
-) -> Float:
+def complementary_mean(slope: Float, logged: Float, valid: Bool, step_s: float, crossover_hz: float) -> Float:
     """Return the mean of two velocities, weighted by the inverse of their noise densities, shape (n,).
 
     The noise of a position's derivative grows with the frequency f, that of a logged velocity does not. The derivative
@@ -283,7 +277,7 @@ def complementary_mean(
     return np.asarray(logged + oaconvolve(apart, kernel / kernel.sum(), "valid"))
 
 
-def position_of(q: Float, dq: Float, ddq: Float, valid: NDArray[np.bool_], step_s: float, crossover_hz: float) -> Float:
+def position_of(q: Float, dq: Float, ddq: Float, valid: Bool, step_s: float, crossover_hz: float) -> Float:
     """Return the same mean of a position and of the integral of a velocity, of the position alone over other samples.
 
     Next to the noise of a position alone gaps and springs are presliding (resampled: backlash 140003).

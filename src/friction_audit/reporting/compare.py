@@ -33,17 +33,17 @@ def _shown(text: Callable[[Row], str], title: str) -> Column:
 
 def _with_interval(name: str, factor: float, digits: int) -> Callable[[Row], str]:
     def text(row: Row) -> str:
-        value, low, _ = row.interval(name)
-        half = "" if isnan(low) else f" ± {factor * (value - low):.{digits}f}"
-        return NOTHING if isnan(value) else f"{factor * value:.{digits}f}{half}"
+        found = row.interval(name)
+        half = "" if isnan(found.low) else f" ± {factor * (found.value - found.low):.{digits}f}"
+        return NOTHING if isnan(found.value) else f"{factor * found.value:.{digits}f}{half}"
 
     return text
 
 
 def _margin(row: Row) -> str:
     """Return the bounds of a median, which need not lie evenly about it, or the median where it has none."""
-    value, *ends = row.margin
-    bounds = [value] if isnan(ends[0]) else ends
+    found = row.margin
+    bounds = [found.value] if isnan(found.low) else [found.low, found.high]
     texts = (NOTHING if isnan(value) else ENDLESS if value == inf else f"{value:.2g}" for value in bounds)
     return "..".join(dict.fromkeys(texts))
 
@@ -82,7 +82,7 @@ METHOD = Record(
 POINT = Record(
     Column("value", float, "value of the swept setting"),
     Column("tuning", str, "its name", "tuning.name"),
-    Column("stable", bool, "whether the loop was stable with every person", lambda point: not point.losses),
+    Column("stable", bool, "whether the loop was stable with every person", lambda point: not point.lost_s),
     Column("stable_share", float, "share of the persons with whom it was"),
     _measured("energy_slope_w", "mean power that the person gives"),
     _measured("rms_torque_nm", "root mean square of the person's torque"),

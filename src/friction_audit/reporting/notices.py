@@ -15,12 +15,17 @@ from friction_audit.reporting.words import MARK, NEWTON_METRES, count_of, in_uni
 ODD_TORQUE = ("gravity_error", "torque_offset", "sign_disagrees")  # cautions of one joint about how its torque was made
 
 
+TABLE = Path(__file__).with_name("sentences.toml")
+
+
 @cache
 def sentences() -> dict[str, dict[str, str]]:
     """Return the sentences of warnings and of reasons by code, and the cases of some."""
     import tomllib
 
-    return tomllib.loads(Path(__file__).with_name("sentences.toml").read_text(encoding="utf-8"))
+    texts = tomllib.loads(TABLE.read_text(encoding="utf-8"))
+    every = {code: row for group in texts["warnings"].values() for code, row in group.items()}
+    return texts | {"warnings": {code: row if isinstance(row, str) else row[0] for code, row in every.items()}}
 
 
 # What the numbers of a caution are in words, where the sentence has some. Where it has one of several, these stand in
@@ -35,7 +40,6 @@ WORDS: Mapping[str, Callable[[Mapping[str, Any]], dict[str, str]]] = {
         lambda one: {"remedy": one["command"] and f"; {one['lead']}{one['command']}"},
     ),
     "model_not_used": lambda one: {"options": ", ".join(one["options"])},
-    **dict.fromkeys(("not_determined", "not_replayed"), lambda one: {"reason": text_of(one["reason"])}),
     "torque_constant": lambda one: {
         "level": range_of(one["reads"], lambda read: f"{read:.3g}" if len({*one["reads"]}) > 1 else f"{read:.4g}")
     },
@@ -54,7 +58,23 @@ WORDS: Mapping[str, Callable[[Mapping[str, Any]], dict[str, str]]] = {
         ("temperature_not_used", "temperature_not_known"),
         lambda one: {"joints": one["only"] and f"joint{'' if one['only'].isdecimal() else 's'} {one['only']}: "},
     ),
-    "untested_time": lambda one: {"lacking": text_of(one["lacking"])},
+    **dict.fromkeys(
+        ("rate_hides_operator", "few_quick_reversals", "operator_not_determined"),
+        lambda one: {
+            "typical": sentences()["operator"]["typical"],
+            "loose": ", ".join(
+                f"{name} {found.value:.3g} (95 % {found.low:.3g} to {found.high:.3g})"
+                for name, found in one.get("loose", {}).items()
+            ),
+        },
+    ),
+    **dict.fromkeys(
+        ("no_cycle_estimates", "fewer_than_window"), lambda one: {"cycles": count_of(one["cycles"], "cycle")}
+    ),
+    **dict.fromkeys(
+        ("same-motion", "same-torque", "same-operator"),
+        lambda one: {name: sentences()["assumed"][one[name]] for name in ("person", "joint")},
+    ),
 }
 # Codes of what is about the recording: no number that stands means anything else by it.
 RECORDING = (
@@ -85,6 +105,8 @@ def sentence_of(caution: Caution) -> str:
     """Return a caution as one sentence."""
     code, numbers, texts = caution.code, caution.numbers, sentences()
     words = {"joint": caution.joint, "joints": joints_label(numbers.get("joints", ()))}
+    reasons = ((name, one) for name, one in numbers.items() if isinstance(one, tuple))
+    words |= {name: text_of(one) for name, one in reasons if all(isinstance(part, Caution) for part in one)}
     words |= WORDS[code](numbers) if code in WORDS else {}
     if code in texts:
         words["case"] = texts[code].get(numbers["case"], texts[code].get("else", "")).format(**numbers)

@@ -8,12 +8,13 @@ import numpy as np
 
 from friction_audit.compensation.competitors import Compensator, JointModelCompensation
 from friction_audit.compensation.law import EnergyCompensator
-from friction_audit.compensation.result import STATUSES, JointReplay
+from friction_audit.compensation.records import STATUSES
+from friction_audit.compensation.result import JointReplay
 from friction_audit.friction.history import Coefficient
 from friction_audit.io.writers.tables import TidyTable
 from friction_audit.pipeline import LogReplay
 from friction_audit.reporting.documents import ResultDocument
-from friction_audit.reporting.notices import log_line, physics_of, reason_lines, replay_notices, text_of
+from friction_audit.reporting.notices import log_line, physics_of, reason_lines, replay_notices, sentence_of, text_of
 from friction_audit.reporting.table import ALL, JOINT, NAME, PEOPLE, Column, Record, joint_column, to_json
 from friction_audit.reporting.words import in_unit, with_unit
 
@@ -182,8 +183,8 @@ def _settings(found: LogReplay) -> dict[str, Any]:
 REPLAY: ResultDocument = ResultDocument(
     "replay/3",
     "What a friction compensator would have done on one log",
-    Column("assume", str, "the counterfactual", "replay.counterfactual.name"),
-    Column("assumes", str, "its assumption, one sentence", "replay.counterfactual.assumes"),
+    Column("assume", str, "the counterfactual", "replay.counterfactual.code"),
+    Column("assumes", str, "its assumption, one sentence", lambda found: sentence_of(found.replay.counterfactual)),
     Column("joints", [JOINT_REPLAY], "per joint; where there is a reason the numbers are null", "replay.joints"),
     notices=replay_notices,
     settings=_settings,
@@ -218,7 +219,7 @@ def replay_lines(found: LogReplay) -> list[str]:
         log_line(found.estimate.log),
         f"interaction torque: {found.estimate.interaction.choice.formula}",
         f"compensator: {describe_compensator(joints)}",
-        f"{counterfactual.name}: {counterfactual.assumes}",
+        f"{counterfactual.code}: {sentence_of(counterfactual)}",
         *JOINT_REPLAY.people(joints, "t", unit=unit).lines(marked),
         *physics,
         *(in_unit(line, unit) for line in sentences),

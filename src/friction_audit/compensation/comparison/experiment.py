@@ -88,7 +88,7 @@ def _tunings(scene: Scene, method: Method, curves: Sequence[Curve]) -> Iterator[
     points = [point for curve in curves if curve.method == method.name for point in curve.points]
     if points:
         best = choose_best(points)
-        yield best.tuning, BEST, best.losses
+        yield best.tuning, BEST, len(best.lost_s)
         names.add(best.tuning.name)
     if scene.with_others:
         # A further tuning that is the best one has its row already.
@@ -141,7 +141,7 @@ class _Trials:
                 Point(value=value, tuning=tuning, outcomes=tuple(outcome for outcome, _ in trials))
                 for value, (tuning, trials) in zip(some, tried, strict=False)
             ]
-            held = [point.value for point in takewhile(lambda point: not point.losses, points)]
+            held = [point.value for point in takewhile(lambda point: not point.lost_s, points)]
             boldest = held[-1] if held else None
             curves.append(Curve(method.name, method.label, sweep.name, sweep.axis, tuple(points), boldest))
         return tuple(curves)
@@ -173,8 +173,8 @@ class _Trials:
 
 def choose_best(points: Sequence[Point]) -> Point:
     """Return the point of all sweeps with fewest losses and, of these, the energy slope closest to zero."""
-    slopes = [[abs(one.energy_slope_w) for one in point.outcomes if one.stable] for point in points]
-    badness = [(point.losses, mean_interval(own).value) for point, own in zip(points, slopes, strict=True)]
+    slopes = [[abs(one.energy_slope_w) for one in point.outcomes if isinf(one.lost_s)] for point in points]
+    badness = [(len(point.lost_s), mean_interval(own).value) for point, own in zip(points, slopes, strict=True)]
     return points[badness.index(min(badness))]
 
 

@@ -2,14 +2,15 @@
 
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass
-from math import isfinite, nan, sqrt
-from typing import Any, NamedTuple
+from math import isfinite, isinf, nan, sqrt
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compensation.comparison.methods import Tuning
 from friction_audit.errors import AnalysisError
+from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.simulation.settings import CONTROL_RATE_HZ, Simulation, TrueMotion
 
@@ -50,8 +51,7 @@ class Course:
 class Outcome:
     """Measures of a trial, all but the slope after the second cycle; of an arm, sums or the worst of its joints."""
 
-    stable: bool  # False if the loop diverged or rang
-    lost_s: float  # when it did, or infinity [s]
+    lost_s: float  # when the loop diverged or rang, infinity if it was stable [s]
     energy_slope_w: float  # slope of the net energy at the ends of the cycles, from the second on; all joints [W]
     peak_torque_nm: float  # largest interaction torque of any joint [N m]
     drawn_peak_nm: float  # the same as the paper draws it: low-passed, of the joint that takes most torque [N m]
@@ -101,7 +101,6 @@ def measure(simulation: Simulation, reference: Reference) -> Outcome:
         zip(("inertia_left", "coulomb_left", "viscous_left"), np.mean(felt / true, axis=0).tolist(), strict=True)
     )
     return Outcome(
-        stable=bool(np.isinf(lost)),
         lost_s=lost,
         energy_slope_w=float(np.polyfit(motion.t[ends], net_energy_j(motion)[ends], 1)[0]),
         peak_torque_nm=float(np.abs(torque[after:]).max()),
@@ -180,34 +179,26 @@ def _rms(values: Float) -> Float:
 CONFIDENCE = 0.95
 
 
-class Interval(NamedTuple):
-    """A mean or median and the bounds of its confidence interval; NaN where there are too few values."""
-
-    value: float
-    low: float
-    high: float
-
-
-def mean_interval(values: Sequence[float]) -> Interval:
+def mean_interval(values: Sequence[float]) -> Coefficient:
     """Return the mean of independent values and its 95 % interval (Student's t)."""
     from scipy.stats import t
 
     known = [value for value in values if isfinite(value)]
     if len(known) < 2:  # noqa: PLR2004
-        return Interval(known[0] if known else nan, nan, nan)
+        return Coefficient(value=known[0] if known else nan, low=nan, high=nan)
     mean = float(np.mean(known))
     half = float(t.ppf(0.5 + CONFIDENCE / 2, len(known) - 1) * np.std(known, ddof=1) / sqrt(len(known)))
-    return Interval(mean, mean - half, mean + half)
+    return Coefficient(value=mean, low=mean - half, high=mean + half)
 
 
-def median_interval(values: Sequence[float]) -> Interval:
+def median_interval(values: Sequence[float]) -> Coefficient:
     """Return the lower median of values, infinite ones too, and its 95 % interval by order statistics, from six on."""
     from scipy.stats import quantile_test
 
     if not values:
-        return Interval(nan, nan, nan)
+        return UNDETERMINED
     found: Any = quantile_test(values, p=0.5).confidence_interval(CONFIDENCE)
-    return Interval(sorted(values)[(len(values) - 1) // 2], float(found.low), float(found.high))
+    return Coefficient(value=sorted(values)[(len(values) - 1) // 2], low=float(found.low), high=float(found.high))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -218,23 +209,18 @@ class Tried:
     outcomes: tuple[Outcome, ...]  # one per seed
 
     @property
-    def losses(self) -> int:
-        """Number of seeds that lost the loop."""
-        return sum(not one.stable for one in self.outcomes)
-
-    @property
     def stable_share(self) -> float:
         """Share of the seeds that did not lose it."""
-        return 1.0 - self.losses / len(self.outcomes)
+        return 1.0 - len(self.lost_s) / len(self.outcomes)
 
     @property
     def lost_s(self) -> tuple[float, ...]:
         """When the loop was lost, of the seeds that lost it. [s]"""
         return tuple(one.lost_s for one in self.outcomes if isfinite(one.lost_s))
 
-    def interval(self, measure: str) -> Interval:
+    def interval(self, measure: str) -> Coefficient:
         """Return mean and interval of a measure, by its name, over the seeds in which the loop held."""
-        return mean_interval([getattr(outcome, measure) for outcome in self.outcomes if outcome.stable])
+        return mean_interval([getattr(outcome, measure) for outcome in self.outcomes if isinf(outcome.lost_s)])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -269,7 +255,7 @@ class Row(Tried):
     # factor by which the gain may grow, one per seed for which it was looked for; infinite if more than anybody asks
     # for, 0 if the loop is lost as it is
     margins: tuple[float, ...]
-    margin: Interval  # median of the stability margins; NaN if none was looked for
+    margin: Coefficient  # median of the stability margins; NaN if none was looked for
     course: Course  # what figures show of the first seed
 
 

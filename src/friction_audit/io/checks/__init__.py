@@ -8,20 +8,24 @@ mended pieces; a sound log takes no more than two.
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from friction_audit.errors import InputError
 from friction_audit.io.checks import motion
-from friction_audit.io.checks.clock import Clock, Steps, Window, drop_repeats, sort_rows, spread_batches, take_window
+from friction_audit.io.checks.clock import Clock, Steps, drop_repeats, sort_rows, spread_batches, take_window
 from friction_audit.io.checks.columns import Column
 from friction_audit.io.checks.held import Stretches, interpolate_held, noisy_velocity
 from friction_audit.io.checks.torque import Stale, check_torque, drop_stale_samples
 from friction_audit.io.checks.values import Missing, find_frozen, leave_out_columns, leave_out_rows
 from friction_audit.io.checks.wild import TO_ZERO, leave_out_wild
 from friction_audit.io.recording import Recording, WholeLogError, with_velocity
-from friction_audit.joint_log import MINIMUM_SAMPLES, Float
+from friction_audit.joint_log import DERIVATIVE, MINIMUM_SAMPLES, Float
 from friction_audit.log_in_blocks import Means
+
+if TYPE_CHECKING:
+    from friction_audit.io.readers.reader import ReadOptions
 
 Take = Callable[[int, Float, dict[str, Float]], None]
 Listen = Callable[[Recording], Take | None]
@@ -31,15 +35,15 @@ Listen = Callable[[Recording], Take | None]
 class _Look:
     """What passes over a recording find, made when it is asked for."""
 
-    def __init__(self, recording: Recording, path: str, listen: Listen) -> None:
+    def __init__(self, recording: Recording, listen: Listen) -> None:
         samples = recording.rows
         if samples < MINIMUM_SAMPLES:
             said = "; ".join(finding.message for finding in recording.findings)
             raise InputError(
-                f"{path}: {samples} sample{'' if samples == 1 else 's'}; at least {MINIMUM_SAMPLES} are needed for a "
-                f"joint log{f' ({said})' if said else ''}; record the arm while it moves"
+                f"{recording.path}: {samples} sample{'' if samples == 1 else 's'}; at least {MINIMUM_SAMPLES} are "
+                f"needed for a joint log{f' ({said})' if said else ''}; record the arm while it moves"
             )
-        self.recording, self.path, self._listen = recording, path, listen
+        self.recording, self._listen = recording, listen
 
     @cached_property
     def clock(self) -> Clock:
@@ -57,7 +61,7 @@ class _Look:
         if recording.blocks is old.blocks and recording.t is old.t and recording.channels is old.channels:
             self.recording = recording
             return self
-        return _Look(recording, self.path, self._listen)
+        return _Look(recording, self._listen)
 
 
 class _Survey:
@@ -70,8 +74,7 @@ class _Survey:
         if recording.blocks is not None and "dq" not in names:
             raise WholeLogError  # it is made from q at once
         self.missing = Missing(recording)
-        whole = recording.channels if recording.blocks is None else {}
-        self.columns = {name: Column(rows, joints, TO_ZERO.get(name, np.inf), whole.get(name)) for name in names}
+        self.columns = {name: Column(rows, joints, TO_ZERO.get(name, np.inf)) for name in names}
         self.stale, self.near = Stale(recording), Stretches(recording)
         self._before: dict[str, Float] = {}
         if clock.increases:
@@ -127,50 +130,43 @@ class _Survey:
         return self._motion.ratios(self.steps.holes)
 
 
-def examine(
-    recording: Recording,
-    *,
-    path: str,
-    robot: str | None = None,
-    time_scale: float = 1.0,
-    window: Window = (None, None),
-    listen: Listen = lambda _: None,
-) -> Recording:
+def examine(recording: Recording, options: "ReadOptions", listen: Listen = lambda _: None) -> Recording:
     """Notice, handle or refuse the faults of a recording; one in memory is worked on in place.
 
     ``listen`` is asked at the first block of every pass over all columns of a recording in blocks; what took the blocks
     as they are at last is in these. WholeLogError if it is read in blocks and cannot be.
     """
-    recording = replace(recording, robot=robot or recording.robot)
+    recording, time_scale = replace(recording, robot=options.robot or recording.robot), options.time_scale
     as_read = recording.rows
     if time_scale != 1.0:
         recording = recording.changed(lambda t, channels: (t * time_scale, channels))
-    look = _Look(recording, path, listen if window == (None, None) else lambda _: None)
-    look = look.after(leave_out_columns(look.recording, look.survey.missing, path))
+    look = _Look(recording, (lambda _: None) if options.has_window else listen)
+    look = look.after(leave_out_columns(look.recording, look.survey.missing))
     look = look.after(leave_out_rows(look.recording, look.survey.missing))
-    look = look.after(sort_rows(look.recording, look.clock, path))
-    look = look.after(drop_repeats(look.recording, look.clock, path))
+    look = look.after(sort_rows(look.recording, look.clock))
+    look = look.after(drop_repeats(look.recording, look.clock))
     look = look.after(spread_batches(look.recording, look.survey.steps))
     read_s = None if recording.first_s is None else recording.first_s * time_scale  # of the whole log's first sample
     first_s = look.clock.first_s if read_s is None else read_s
     numbered = read_s is None and look.recording.rows == as_read
     step_s = look.clock.step_s
     look = look.after(motion.join_turns(look.recording, look.survey.columns))
-    look = look.after(with_velocity(look.recording, step_s))
+    asked = look.recording.mapping.get("dq") == DERIVATIVE
+    look = look.after(with_velocity(look.recording, step_s, asked=asked))
     look = look.after(leave_out_wild(look.recording, look.survey.columns, step_s, first_s=first_s, numbered=numbered))
-    look = look.after(with_velocity(look.recording, step_s))  # anew from what is left, here and below
-    look = look.after(motion.refuse_dead_velocity(look.recording, look.survey.columns, look.clock, path))
-    look = look.after(motion.turn_degrees(look.recording, look.survey.columns, look.survey.ratios.common, path))
+    look = look.after(with_velocity(look.recording, step_s, asked=asked))  # anew from what is left, here and below
+    look = look.after(motion.refuse_dead_velocity(look.recording, look.survey.columns, look.clock))
+    look = look.after(motion.turn_degrees(look.recording, look.survey.columns, look.survey.ratios.common))
     look = look.after(motion.mend_unit(look.recording, look.survey.ratios.common))
     look = look.after(look.recording.with_findings(*look.survey.steps.findings()))
     look = look.after(drop_stale_samples(look.recording, look.survey.stale, look.survey.columns))
-    look = look.after(with_velocity(look.recording, look.clock.step_s))
+    look = look.after(with_velocity(look.recording, look.clock.step_s, asked=asked))
     look = look.after(interpolate_held(look.recording, look.survey.near, look.clock.step_s))
     look = look.after(noisy_velocity(look.recording, look.survey.near))
     look = look.after(check_torque(look.recording, look.survey.columns))
     look = look.after(find_frozen(look.recording, look.survey.columns, look.clock))
-    look = look.after(motion.check_motion(look.recording, look.survey.ratios, path, scaled=time_scale != 1.0))
-    if window != (None, None):
-        origin_s = look.clock.first_s if read_s is None else read_s
-        look = _Look(take_window(look.recording, look.clock, window, origin_s, path), path, listen)
+    look = look.after(motion.check_motion(look.recording, look.survey.ratios, scaled=time_scale != 1.0))
+    if options.has_window:
+        origin_s, part = look.clock.first_s if read_s is None else read_s, (options.t_start_s, options.t_end_s)
+        look = _Look(take_window(look.recording, look.clock, part, origin_s), listen)
     return look.recording if look.recording.blocks is None else look.survey.concluded(look.recording)

@@ -65,14 +65,14 @@ class Clock:
         return self.finite and not self.backwards and not self.repeated.count
 
 
-def sort_rows(recording: Recording, clock: Clock, path: str) -> Recording:
+def sort_rows(recording: Recording, clock: Clock) -> Recording:
     """Return the recording with its rows in order of time; InputError if time stands still or runs backwards by far."""
     if clock.increases:
         return recording
-    _refuse_no_clock(recording, clock, path)
+    _refuse_no_clock(recording, clock)
     if not clock.backwards:
         return recording
-    text = f"{clock.backwards} rows of {path} are older than the row before them; they are sorted"
+    text = f"{clock.backwards} rows of {recording.path} are older than the row before them; they are sorted"
     finding = Finding("unordered", text, amount=float(clock.backwards))
     return recording.mended(partial(_sorted, late_s=clock.late_s)).with_findings(finding)
 
@@ -92,7 +92,7 @@ def _sorted(blocks: Iterator[Block], late_s: float) -> Iterator[Block]:
         t, channels = t[ready:], {name: array[ready:] for name, array in channels.items()}
 
 
-def drop_repeats(recording: Recording, clock: Clock, path: str) -> Recording:
+def drop_repeats(recording: Recording, clock: Clock) -> Recording:
     """Leave out rows with the stamp of the one before; spread the stamps of a coarse clock, where such rows differ.
 
     InputError where a table has a row for each joint and time.
@@ -106,9 +106,9 @@ def drop_repeats(recording: Recording, clock: Clock, path: str) -> Recording:
         within, over = (float(np.nanmedian(jumps[rows])) for rows in (same, ~same))
         if min(within, over) > _JUMP_RAD:
             raise InputError(
-                f"{path}: {repeats} of {clock.rows} rows carry the stamp of the row before them, and q jumps by "
-                f"{within:.3g} between these: they look like rows of several joints; expected one column per joint, or "
-                "the joint of each row in a column called 'joint'; rename it"
+                f"{recording.path}: {repeats} of {clock.rows} rows carry the stamp of the row before them, and q jumps "
+                f"by {within:.3g} between these: they look like rows of several joints; expected one column per joint, "
+                "or the joint of each row in a column called 'joint'; rename it"
             )
     if repeats >= _LEAST_SHARE * (clock.rows - 1) and _differ(recording):
         return _spread(recording, clock.rough)
@@ -131,11 +131,11 @@ def _differ(recording: Recording) -> bool:
     return bool(inside >= 0.5 * between > 0.0)
 
 
-def _refuse_no_clock(recording: Recording, clock: Clock, path: str) -> None:
+def _refuse_no_clock(recording: Recording, clock: Clock) -> None:
     name, rows, backwards = recording.mapping.get("t", recording.clock), clock.rows, clock.backwards
     if clock.repeated.count == rows - 1:
         raise InputError(
-            f"{path}: time ({name}) is the same in all {rows} rows; expected strictly increasing stamps; "
+            f"{recording.path}: time ({name}) is the same in all {rows} rows; expected strictly increasing stamps; "
             "name another clock with --map t=<column>, or another topic"
         )
     is_few = backwards <= max(_MOST_BACKWARDS * (rows - 1), 1.0)
@@ -149,7 +149,7 @@ def _refuse_no_clock(recording: Recording, clock: Clock, path: str) -> None:
             f"{'...' if backwards > _SHOWN else ''} and read each part"
         )
     raise InputError(
-        f"{path}: time ({name}) goes back at {backwards} of {rows - 1} rows, by up to {clock.late_s:.4g} s "
+        f"{recording.path}: time ({name}) goes back at {backwards} of {rows - 1} rows, by up to {clock.late_s:.4g} s "
         f"at row {clock.latest + 1}; expected increasing stamps; {advice}, or name another clock with --map t=<column>"
     )
 
@@ -256,13 +256,13 @@ class Steps:
             yield Finding("low_rate", text, amount=rate)
 
 
-def take_window(recording: Recording, clock: Clock, window: Window, origin_s: float, path: str) -> Recording:
+def take_window(recording: Recording, clock: Clock, window: Window, origin_s: float) -> Recording:
     """Return the part that was asked for, on a clock that is 0 at the first sample of the whole log."""
     counts = [0, 0]
     for _, t, _ in recording.read(()):
         for k, limit in enumerate(window):
             counts[k] += int(np.searchsorted(t - origin_s, (-np.inf, np.inf)[k] if limit is None else limit))
-    part = check_window(counts[0], counts[1], *window, clock.last_s - origin_s, path)
+    part = check_window(counts[0], counts[1], *window, clock.last_s - origin_s, recording.path)
 
     def mend(blocks: Iterator[Block]) -> Iterator[Block]:
         first = 0

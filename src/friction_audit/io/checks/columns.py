@@ -1,9 +1,8 @@
 """What a pass over a recording finds of each column: range, largest jump, and a sample of its values and changes."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, Int
 
 MOST_SAMPLES = 1 << 16  # from which quantiles are taken, for speed
 LAG = 3  # changes are taken over three rows: neighbouring rows of a slow or coarse channel are often equal
@@ -12,7 +11,7 @@ LAG = 3  # changes are taken over three rows: neighbouring rows of a slow or coa
 class Picked:
     """Values at some rows of a recording, gathered piece by piece."""
 
-    def __init__(self, places: NDArray[np.int64], *shape: int) -> None:
+    def __init__(self, places: Int, *shape: int) -> None:
         self.places, self.values = places, np.empty((len(places), *shape), order="F")
 
     def take(self, first: int, piece: Float) -> None:
@@ -47,16 +46,12 @@ class Thinned:
 class Column:
     """What a pass finds of one channel of all joints."""
 
-    def __init__(self, rows: int, joints: int, to_zero: float, whole: Float | None = None) -> None:
-        """Take the least jump to or from zero that is to be noticed, and the column of a recording in memory."""
+    def __init__(self, rows: int, joints: int, to_zero: float) -> None:
+        """Take the least jump to or from zero that is to be noticed."""
         every = max(rows // MOST_SAMPLES, 1)
-        self._picked: tuple[Picked, ...] = ()
         # Values of rows spread evenly over the recording, and values after changes over LAG rows, shape (m, j).
-        if whole is None:
-            self._picked = tuple(Picked(np.arange(first, rows, every), joints) for first in (0, LAG))
-            self.sample, self.changed = (one.values for one in self._picked)
-        else:
-            self.sample, self.changed = whole[::every], whole[LAG::every]
+        self._picked = [Picked(np.arange(first, rows, every), joints) for first in (0, LAG)]
+        self.sample, self.changed = (one.values for one in self._picked)
         self.lowest, self.highest = np.full(joints, np.inf), np.full(joints, -np.inf)  # range, shape (j,)
         self.jump = np.zeros(joints)  # largest change between neighbouring rows, shape (j,)
         self.zeroed = np.zeros(joints, np.bool_)  # true where a large jump begins or ends at zero, shape (j,)

@@ -9,19 +9,19 @@ from collections.abc import Iterator, Mapping
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.io.checks.columns import Picked
 from friction_audit.io.checks.torque import MOVING_RAD_S
 from friction_audit.io.recording import Block, Recording, WholeLogError
-from friction_audit.joint_log import DERIVATIVE, TORQUE_CHANNELS, Finding, Float
+from friction_audit.joint_log import DERIVATIVE, TORQUE_CHANNELS, Bool, Finding, Float
 
 _TIMED = ("q", "dq", *TORQUE_CHANNELS, "gravity", "tau_compensation")
 _STRETCHES, _LENGTH = 32, 1024  # of neighbouring rows that are looked at
 _FEWEST_UPDATES = 20
 _SHORTEST = 3.0  # rows of a usual run of equal values; the delay of shorter ones is below the jitter of clocks
 _IRREGULAR = 0.1  # share of runs that last less than half of the usual one: values that are equal by chance have more
-# Usual change at an update over the smallest: a coarse value that moves slowly changes by its resolution each time.
+# Change at an update, over the smallest, that counts: a coarse value that moves slowly changes by its resolution each
+# time; where it moves faster, it changes at every row.
 _STEPS = 1.5
 _LATE = 1.5  # usual runs after which an update was missed
 _TRAVELLED_RAD = 0.1  # a joint that stands still has noise alone
@@ -76,7 +76,7 @@ def interpolate_held(recording: Recording, near: Stretches, step_s: float) -> Re
     return recording.mended(partial(_interpolated, periods=found)).with_findings(*findings)
 
 
-def _period(values: Float, moving: NDArray[np.bool_]) -> float:
+def _period(values: Float, moving: Bool) -> float:
     """Return for how many rows the values of a joint are held while it moves, 0 where they are not."""
     runs, jumps = list[Float](), list[Float]()
     for column, moves in zip(values, moving, strict=True):
@@ -85,13 +85,13 @@ def _period(values: Float, moving: NDArray[np.bool_]) -> float:
         own = moves[updates[:-1]] & moves[updates[1:]]
         runs.append(np.diff(updates)[own])
         jumps.append(np.abs(steps[updates[1:]])[own])
-    length, jump = np.concatenate(runs), np.concatenate(jumps)
+    jump = np.concatenate(jumps)
+    length = np.concatenate(runs)[jump >= _STEPS * jump.min(initial=np.inf)]
     if len(length) < _FEWEST_UPDATES:
         return 0.0
     usual = float(np.median(length))
     regular = np.mean(length < 0.5 * usual) < _IRREGULAR
-    coarse = float(np.median(jump)) < _STEPS * float(jump.min())
-    return usual if usual >= _SHORTEST and regular and not coarse else 0.0
+    return usual if usual >= _SHORTEST and regular else 0.0
 
 
 def _interpolated(blocks: Iterator[Block], periods: Mapping[str, list[float]]) -> Iterator[Block]:

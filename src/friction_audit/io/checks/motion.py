@@ -195,7 +195,7 @@ def join_turns(recording: Recording, columns: Mapping[str, Column]) -> Recording
     return recording.mended(mend).with_findings(*found)
 
 
-def refuse_dead_velocity(recording: Recording, columns: Mapping[str, Column], clock: Clock, path: str) -> Recording:
+def refuse_dead_velocity(recording: Recording, columns: Mapping[str, Column], clock: Clock) -> Recording:
     """Name the joints whose dq is one number while q moves; InputError where no joint that moves has a velocity."""
     q, dq = columns["q"], columns["dq"]
     travelled, turned = q.highest - q.lowest, np.abs(dq.sample[0]) * (clock.last_s - clock.first_s)
@@ -207,12 +207,12 @@ def refuse_dead_velocity(recording: Recording, columns: Mapping[str, Column], cl
         for joint in map(int, np.flatnonzero(dead))
     ]
     if said and dead.sum() == np.count_nonzero(travelled > _TRAVELLED):
-        raise InputError(f"{path}: {said[0]}{'; so it is on all joints that move' if len(said) > 1 else ''}")
+        raise InputError(f"{recording.path}: {said[0]}{'; so it is on all joints that move' if len(said) > 1 else ''}")
     numbers = (np.flatnonzero(dead) + 1).tolist()
     return recording.with_findings(*(Finding("velocity_dead", *one) for one in zip(said, numbers, strict=True)))
 
 
-def check_motion(recording: Recording, ratios: MotionRatio, path: str, *, scaled: bool) -> Recording:
+def check_motion(recording: Recording, ratios: MotionRatio, *, scaled: bool) -> Recording:
     """Notice columns of the wrong joint and a stretched clock; InputError, unless the user has scaled it, if by far."""
     if recording.mapping.get("dq") != DERIVATIVE:  # one made from q proves nothing
         recording = replace(recording, clock_windows=int(ratios.windows[ratios.trusted].sum()))
@@ -225,13 +225,13 @@ def check_motion(recording: Recording, ratios: MotionRatio, path: str, *, scaled
     found = [_mismatch(recording, ratios, joint) for joint in np.flatnonzero(wrong).tolist()]
     if found and wrong.sum() == np.isfinite(ratios.ratio).sum() and ratios.determination[wrong].max() < _UNRELATED_R2:
         raise InputError(
-            f"{path}: {found[0].message}{'; so it is on all joints that move' if len(found) > 1 else ''}; or the rows "
-            "are of several joints: name the joint of each row in a column called 'joint'"
+            f"{recording.path}: {found[0].message}{'; so it is on all joints that move' if len(found) > 1 else ''}; or "
+            "the rows are of several joints: name the joint of each row in a column called 'joint'"
         )
-    return recording.with_findings(*found, _stretch(ratios.common, path, scaled=scaled))
+    return recording.with_findings(*found, _stretch(recording, ratios.common, scaled=scaled))
 
 
-def turn_degrees(recording: Recording, columns: Mapping[str, Column], ratio: float, path: str) -> Recording:
+def turn_degrees(recording: Recording, columns: Mapping[str, Column], ratio: float) -> Recording:
     """Turn q, dq or both into radians where their ratio and their magnitudes say degrees, and rpm into rad/s."""
     every_q, every_dq = (np.fmax(-column.lowest, column.highest) for column in (columns["q"], columns["dq"]))
     largest_q, largest_dq = float(every_q.max()), float(every_dq.max())
@@ -255,7 +255,7 @@ def turn_degrees(recording: Recording, columns: Mapping[str, Column], ratio: flo
         mixed = 2 * np.count_nonzero(every_q[moves] > _LARGEST_Q_RAD) < np.count_nonzero(moves)
         if len(recording.joint_names) == 1 or largest_q > _LARGEST_Q_DEG or of_motor or mixed:
             forwards = float(np.mean(columns["dq"].sample > 0.0))
-            _refuse_degrees(recording, forwards, largest_q, largest_dq, path)
+            _refuse_degrees(recording, forwards, largest_q, largest_dq)
             message = (
                 f"q reaches {largest_q:.4g} and dq {largest_dq:.4g}: a rig that turns without end, or degrees; read as "
                 "rad and rad/s; degrees are given as --map q=NAME:deg, counts of an encoder as --map q=NAME:COUNTS/rev"
@@ -273,15 +273,15 @@ def turn_degrees(recording: Recording, columns: Mapping[str, Column], ratio: flo
     return recording
 
 
-def _refuse_degrees(recording: Recording, forwards: float, largest_q: float, largest_dq: float, path: str) -> None:
+def _refuse_degrees(recording: Recording, forwards: float, largest_q: float, largest_dq: float) -> None:
     """Refuse a table whose joints go to and fro by many radians, if it is radians; a bag has no names to say it."""
     is_arm = len(recording.joint_names) > 1
     if recording.topic is None and (is_arm or largest_q <= _LARGEST_Q_DEG) and _RETURNS < forwards < 1.0 - _RETURNS:
         named = [(c, n) for c in ("q", "dq") if (n := recording.mapping.get(c, c)) != DERIVATIVE]
         degrees, radians = (" ".join(f"--map {c}={n}:{unit}" for c, n in named) for unit in ("deg", "rad"))
         raise InputError(
-            f"{path}: q ({named[0][1]}) oscillates up to {largest_q:.4g} and dq up to {largest_dq:.4g}: degrees, or a "
-            f"motor of many turns; expected rad and rad/s of the joint; use {degrees}, or {radians}; "
+            f"{recording.path}: q ({named[0][1]}) oscillates up to {largest_q:.4g} and dq up to {largest_dq:.4g}: "
+            f"degrees, or a motor of many turns; expected rad and rad/s of the joint; use {degrees}, or {radians}; "
             "divide the columns of a motor by the gear ratio, give counts of an encoder as --map q=NAME:COUNTS/rev, "
             "and leave an axis in mm out (--map q=... of the other joints)"
         )
@@ -321,14 +321,14 @@ def _mismatch(recording: Recording, ratios: MotionRatio, joint: int) -> Finding:
     return Finding("position_mismatch", message, joint + 1, ratio)
 
 
-def _stretch(ratio: float, path: str, *, scaled: bool) -> Finding | None:
+def _stretch(recording: Recording, ratio: float, *, scaled: bool) -> Finding | None:
     """Notice a clock that runs at another speed than the motion."""
     if not np.isfinite(ratio) or abs(ratio - 1.0) <= _STRETCHED:
         return None
     if not 1.0 / _STRETCHED_TOO_FAR < ratio < _STRETCHED_TOO_FAR and not scaled:
         clock = f"the clock is wrong (--time-scale {ratio:.4g}), dq has another scale or unit (multiply it by "
         raise InputError(
-            f"{path}: q changes {ratio:.3g} times the integral of dq over time; expected 1: "
+            f"{recording.path}: q changes {ratio:.3g} times the integral of dq over time; expected 1: "
             f"{f'{clock}{ratio:.4g}), or ' * (ratio > _TINY)}q and dq are of different joints, or of opposite sign "
             "(--map)"
         )

@@ -5,19 +5,18 @@ from dataclasses import replace
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
 from friction_audit.io.checks.clock import Clock
 from friction_audit.io.checks.columns import Column
 from friction_audit.io.recording import Marks, Recording
-from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Float
+from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Float, Int
 
 _ESSENTIAL = ("q", "dq", *TORQUE_CHANNELS)
 _ABSURD = 1e9  # no position, velocity, torque or temperature is as large, in any unit: a damaged number
 _SPARSE = 0.1  # share of missing values from which a channel that is not essential is left out, rather than the rows
 
-Counts = Mapping[str, NDArray[np.int64]]  # channel -> missing values of each joint
+Counts = Mapping[str, Int]  # channel -> missing values of each joint
 
 
 class Missing:
@@ -42,12 +41,12 @@ class Missing:
         return ranges
 
 
-def leave_out_columns(recording: Recording, missing: Missing, path: str) -> Recording:
+def leave_out_columns(recording: Recording, missing: Missing) -> Recording:
     """Leave out channels and joints that were never recorded; InputError if nothing usable is left."""
     if not missing.marks.count:
         return recording
-    recording = _leave_out_channels(recording, missing.counts, path)
-    return _leave_out_joints(recording, {name: missing.counts[name] for name in recording.channels}, path)
+    recording = _leave_out_channels(recording, missing.counts)
+    return _leave_out_joints(recording, {name: missing.counts[name] for name in recording.channels})
 
 
 def leave_out_rows(recording: Recording, missing: Missing) -> Recording:
@@ -59,7 +58,7 @@ def leave_out_rows(recording: Recording, missing: Missing) -> Recording:
     return recording.without(missing.marks).with_findings(finding)
 
 
-def _leave_out_channels(recording: Recording, missing: Counts, path: str) -> Recording:
+def _leave_out_channels(recording: Recording, missing: Counts) -> Recording:
     samples = recording.rows
     empty = [channel for channel, counts in missing.items() if (counts == samples).all()]
     sparse = [c for c, counts in missing.items() if c not in (*_ESSENTIAL, *empty) and counts.max() > _SPARSE * samples]
@@ -69,9 +68,9 @@ def _leave_out_channels(recording: Recording, missing: Counts, path: str) -> Rec
     lost += torques if all(channel in empty for channel in torques) else []
     if lost:
         raise InputError(
-            f"{path}: {', '.join(names[channel] for channel in lost)}: none of the {samples} rows holds a number (all "
-            f"NaN, infinite or beyond {_ABSURD:g}); expected q and one torque of {', '.join(TORQUE_CHANNELS)}; "
-            "record a topic that carries them, such as the robot's own state"
+            f"{recording.path}: {', '.join(names[channel] for channel in lost)}: none of the {samples} rows holds a "
+            f"number (all NaN, infinite or beyond {_ABSURD:g}); expected q and one torque of "
+            f"{', '.join(TORQUE_CHANNELS)}; record a topic that carries them, such as the robot's own state"
         )
     text = "{} holds no number in {} rows; the channel is left out"
     findings = [Finding("empty_channel", text.format(names[c], samples), amount=float(samples)) for c in empty]
@@ -84,14 +83,14 @@ def _leave_out_channels(recording: Recording, missing: Counts, path: str) -> Rec
     return replace(recording, channels=kept, mapping=mapping).with_findings(*findings)
 
 
-def _leave_out_joints(recording: Recording, missing: Counts, path: str) -> Recording:
+def _leave_out_joints(recording: Recording, missing: Counts) -> Recording:
     samples = recording.rows
     empty = np.any([counts == samples for counts in missing.values()], axis=0)
     if not empty.any():
         return recording
     if empty.all():
         raise InputError(
-            f"{path}: no joint has q, dq and torque together; each lacks one of them in all {samples} rows"
+            f"{recording.path}: no joint has q, dq and torque together; each lacks one of them in all {samples} rows"
         )
     text, names = "{} holds no number for {} in all {} rows; the joint is left out", recording.joint_names
     lost = np.flatnonzero(empty).tolist()

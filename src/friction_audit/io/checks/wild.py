@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from friction_audit.io.checks.columns import LAG, Column
 from friction_audit.io.recording import Marks, Recording
-from friction_audit.joint_log import Finding, Float
+from friction_audit.joint_log import Bool, Finding, Float, Int
 from friction_audit.parallel import per_joint
 
 Pair = tuple[NDArray[np.intp], NDArray[np.intp]]
@@ -155,7 +155,7 @@ class _Wild:
 
 
 def _zeroed(
-    channel: str, rows: NDArray[np.int64], values: Float, step_s: float, scale: float, *, more: bool
+    channel: str, rows: Int, values: Float, step_s: float, scale: float, *, more: bool
 ) -> tuple[list[_Run], slice | list[int]]:
     """Return runs of zeros, of any length, that the motion contradicts, as a lost block of a file leaves them.
 
@@ -189,7 +189,7 @@ def _zeroed(
     return runs, needed
 
 
-def _too_far(t: Float, q: Float, dq: Float, steps: Sequence[Pair], step_s: float, scale: float) -> NDArray[np.bool_]:
+def _too_far(t: Float, q: Float, dq: Float, steps: Sequence[Pair], step_s: float, scale: float) -> Bool:
     """Return where one of some steps of the position, between neighbouring rows, is more than its velocity allows."""
     found = np.zeros(len(steps[0][0]), np.bool_)
     for one, other in steps:

@@ -50,7 +50,8 @@ READERS: tuple[Reader, ...] = (
 _FORMATS = ", ".join(f"{reader.name} ({' '.join(reader.suffixes) or 'directory'})" for reader in READERS)
 _DEFAULT = ReadOptions()
 _FACTORS = {"torque_constant": "torque constant {} N m/A", "gear_ratio": "gear ratio {}", "torque_scale": "scale {}"}
-_AS_READ = ("robot", "serial", "clock", "topic", "clock_windows", "findings")  # of a source, as of its recording
+# Of a source, as of its recording.
+_AS_READ = ("path", "robot", "serial", "clock", "topic", "clock_windows", "findings")
 Listen = Callable[[JointLog], Take | None]
 _PACKED = {b"\x1f\x8b": "gzip", b"BZh": "bzip2", b"\xfd7zXZ": "xz", b"\x28\xb5\x2f\xfd": "zstd"}
 
@@ -70,7 +71,7 @@ def read_log(path: str | Path, options: ReadOptions = _DEFAULT, listen: Listen =
 
 def _read_log(path: str | Path, options: ReadOptions, listen: Listen) -> JointLog:
     files = [(file := Path(name), _stamp(file), choose_reader(file)) for name in (path, *options.join)]
-    at, parts, asked = files[0], list[tuple[Path, Recording]](), _asked(options)
+    at, parts, asked = files[0], list[Recording](), _asked(options)
     # Files can be joined in memory alone.
     own = replace(asked, partial=bool(options.join), in_blocks=asked.in_blocks and not options.join)
     arm = (options.topic or "").partition("#")[2]
@@ -78,21 +79,21 @@ def _read_log(path: str | Path, options: ReadOptions, listen: Listen) -> JointLo
         # hashlib gives the lock away: this costs no time on a second core.
         digests = [pool.submit(sha256_of, file) for file, *_ in files] if options.hashed else []
         try:
-            for at in files:
-                part = at[2].loaded.read(at[0], own)
-                parts.append((at[0], part.with_findings(_suffix_mismatch(at[0], at[2]))))
+            for name, at in zip((path, *options.join), files, strict=True):
+                part = replace(at[2].loaded.read(at[0], own), path=str(name))
+                parts.append(part.with_findings(_suffix_mismatch(at[0], at[2])))
                 # The part of the log and the topic that are asked for are those of the first file.
                 own = replace(own, topic=f"#{arm}" if arm else None, t_start_s=None, t_end_s=None)
             at = files[0]
-            recording = join_recordings(parts, asked.mapping) if options.join else parts[0][1]
-            recording = _checked(recording, options, str(path), listen)
+            recording = join_recordings(parts, asked.mapping) if options.join else parts[0]
+            recording = _checked(recording, options, listen)
             contents = [digest.result() for digest in digests] or [""] * len(files)
         except OSError as error:
             raise _unreadable(at[0], error) from error
         except MemoryError as error:
             raise InputError(f"{at[0]}: not enough memory for {at[1].size} bytes; {TAKE_A_PART}") from error
         except InputError as error:
-            damage = (one for _, part in parts for one in part.findings if one.damaged)
+            damage = (one for part in parts for one in part.findings if one.damaged)
             found = (_suffix_mismatch(at[0], at[2]), *damage)
             notes = [one.message for one in found if one and one.message not in str(error)]
             if _stamp(at[0]) != at[1]:
@@ -103,7 +104,7 @@ def _read_log(path: str | Path, options: ReadOptions, listen: Listen) -> JointLo
     recording = recording.with_findings(*(_growth(before, _stamp(file)) for file, before, _ in files))
     others = zip(files[1:], contents[1:], strict=True)
     joined = tuple(Joined(path=str(file), sha256=sha, format=reader.name) for (file, _, reader), sha in others)
-    return to_joint_log(recording, options, path=str(path), sha256=contents[0], format=files[0][2].name, joined=joined)
+    return to_joint_log(recording, options, sha256=contents[0], format=files[0][2].name, joined=joined)
 
 
 def _asked(options: ReadOptions) -> ReadOptions:
@@ -117,30 +118,24 @@ def log_from_frame(frame: Any, options: ReadOptions = _DEFAULT, *, name: str = "
     Messages and results call it by the name. UsageError if it is no frame.
     """
     arrays = arrays_of_frame(frame, name)
-    recording = _checked(read_table(ArrayTable(Path(name), arrays), _asked(options)), options, name, lambda _: None)
+    recording = replace(read_table(ArrayTable(Path(name), arrays), _asked(options)), path=name)
+    recording = _checked(recording, options, lambda _: None)
     digest = sha256()
     for column, array in arrays.items():
         digest.update(column.encode() + (str(array.tolist()).encode() if array.dtype == object else array.tobytes()))
-    return to_joint_log(recording, options, path=name, sha256=digest.hexdigest(), format="frame")
+    return to_joint_log(recording, options, sha256=digest.hexdigest(), format="frame")
 
 
-def _checked(recording: Recording, options: ReadOptions, path: str, listen: Listen) -> Recording:
+def _checked(recording: Recording, options: ReadOptions, listen: Listen) -> Recording:
     """Return a recording with its torque converted, and its faults noticed and mended."""
     if options.mapping.get("dq") == DERIVATIVE:  # made from q when its faults are mended
         channels = {channel: array for channel, array in recording.channels.items() if channel != "dq"}
         recording = replace(recording, channels=channels, mapping={**recording.mapping, "dq": DERIVATIVE})
-    recording = _convert_torque(recording, options, path)
+    recording = _convert_torque(recording, options)
     row_bytes = np.float64().itemsize * (1 + sum(array.shape[1] for array in recording.channels.values()))
     if recording.blocks is not None and options.reads_part(recording.rows * row_bytes):
         recording = leave_out_far(recording, *options.window_of_clock())
-    recording = examine(
-        recording,
-        path=path,
-        robot=options.robot,
-        time_scale=options.time_scale,
-        window=(options.t_start_s, options.t_end_s),
-        listen=lambda known: listen(to_joint_log(known, options, path=path, sha256="", format="")),
-    )
+    recording = examine(recording, options, lambda known: listen(to_joint_log(known, options)))
     return recording.with_findings(_doubt_current(recording))
 
 
@@ -148,9 +143,8 @@ def to_joint_log(
     recording: Recording,
     options: ReadOptions = _DEFAULT,
     *,
-    path: str,
-    sha256: str,
-    format: str,  # noqa: A002
+    sha256: str = "",
+    format: str = "",  # noqa: A002
     joined: tuple[Joined, ...] = (),
 ) -> JointLog:
     """Make an examined recording a JointLog whose clock starts at 0, in memory or not."""
@@ -159,7 +153,6 @@ def to_joint_log(
     torque = next(name for name in TORQUE_CHANNELS if name in recording.channels)
     source = Source(
         **{name: getattr(recording, name) for name in _AS_READ},
-        path=path,
         sha256=sha256,
         format=format,
         start_s=None if recording.start_s is None else recording.start_s + first,
@@ -173,7 +166,7 @@ def to_joint_log(
     if blocks is None:
         return JointLog(t=recording.t if first == 0.0 else recording.t - first, **held)
     held |= {name: getattr(blocks, name) for name in ("mean_of", "numbers", "listener", "clock", "gaps", "read")}
-    again = partial(read_log, path, replace(options, in_blocks=False, hashed=True))
+    again = partial(read_log, recording.path, replace(options, in_blocks=False, hashed=True))
     return LogInBlocks(t=recording.t, **held, first=0, read_whole=again)
 
 
@@ -250,12 +243,12 @@ def _growth(before: Stamp, after: Stamp) -> Finding | None:
     return Finding("file_grew", message, amount=float(after.size - before.size), damaged=True)
 
 
-def _convert_torque(recording: Recording, options: ReadOptions, path: str) -> Recording:
+def _convert_torque(recording: Recording, options: ReadOptions) -> Recording:
     """Multiply the measured torque, tau_J where there is one, by constant, ratio and scale of each joint; in place."""
     factors = {name: values for name in _FACTORS if (values := getattr(options, name))}
     if not factors and not options.flip:
         return recording
-    joints, parts = len(recording.joint_names), list[str]()
+    path, joints, parts = recording.path, len(recording.joint_names), list[str]()
     require_joints(options.flip, joints, f"{path}: --flip")
     channel = next(c for c in ("tau_J", *TORQUE_CHANNELS) if c in recording.channels)
     name = recording.mapping.get(channel, channel)

@@ -15,7 +15,7 @@ from friction_audit.io.readers.columns import MOST_JOINTS, ColumnMap
 from friction_audit.io.readers.reader import BY_NUMBER, ReadOptions, Topic
 from friction_audit.io.readers.table import ColumnTable, Part, read_table
 from friction_audit.io.recording import Recording
-from friction_audit.joint_log import Finding
+from friction_audit.joint_log import Bool, Finding
 
 _PLANE = 2
 _INDEX = "__index_level_0__"  # what Arrow calls an index without a name
@@ -31,7 +31,7 @@ class ArrayTable(ColumnTable):
         self._cells = [(name, cell) for name, n in widths.items() if n <= MOST_JOINTS for cell in range(n)]
         super().__init__(path, [name if widths[name] == 1 else f"{name}[{cell}]" for name, cell in self._cells])
 
-    def load(self, name: str, rows: NDArray[np.bool_] | None = None) -> NDArray[Any]:
+    def load(self, name: str, rows: Bool | None = None) -> NDArray[Any]:
         """Return an array as (n, k), in the rows of a mask or in all."""
         array = self._arrays[name] if rows is None else self._arrays[name][rows]
         return array.reshape(len(array), -1)  # type: ignore[no-any-return]
@@ -51,7 +51,7 @@ class ArrayTable(ColumnTable):
             parts, unit = [part.astype(f"{part.dtype.kind}8[ns]").astype(np.int64) for part in parts], "ns"
         return to_clock(stamps_of(parts), unit, path=str(self.path))
 
-    def read_rows(self, columns: ColumnMap, clock: Clock, rows: NDArray[np.bool_] | None) -> Part:
+    def read_rows(self, columns: ColumnMap, clock: Clock, rows: Bool | None) -> Part:
         channels = {c: np.empty((len(clock.t), len(cells)), order="F") for c, cells in columns.channels.items()}
         for channel, cells in columns.channels.items():
             loaded: dict[str, NDArray[Any]] = {}

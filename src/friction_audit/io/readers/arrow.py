@@ -7,6 +7,8 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from friction_audit.joint_log import Bool
+
 KINDS = {
     "stamp": (pa.types.is_timestamp, pa.types.is_duration),  # whose type names the unit
     "list": (pa.types.is_list, pa.types.is_large_list, pa.types.is_fixed_size_list),
@@ -28,7 +30,7 @@ def whole(column: pa.ChunkedArray) -> pa.Array:
     return column.chunk(0) if column.num_chunks == 1 else column.combine_chunks()
 
 
-def are_the_same(texts: pa.Array, joints: Sequence[str]) -> NDArray[np.bool_]:
+def are_the_same(texts: pa.Array, joints: Sequence[str]) -> Bool:
     """Return for each row of joint names, given one after the other, whether they are these."""
     coded = (texts.dictionary_decode() if pa.types.is_dictionary(texts.type) else texts).dictionary_encode()
     codes = {text: code for code, text in enumerate(coded.dictionary.to_pylist())}

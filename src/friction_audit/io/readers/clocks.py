@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
-from friction_audit.joint_log import Finding, Float
+from friction_audit.joint_log import Finding, Float, Int
 
 UNITS = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}  # units per second
 # Name, unit if the name says it, clock; the better clock first: robot, header, log.
@@ -72,9 +72,7 @@ def find_time(names: Sequence[str], constant: Collection[int] = ()) -> TimeColum
     return None
 
 
-def to_clock(
-    raw: NDArray[np.float64] | NDArray[np.int64], unit: str | None, *, path: str, origin: float | None = None
-) -> Clock:
+def to_clock(raw: NDArray[np.float64] | Int, unit: str | None, *, path: str, origin: float | None = None) -> Clock:
     """Return seconds since the origin, which is the first sample; integers are subtracted before they lose digits."""
     if len(raw) == 0:
         raise InputError(f"{path}: 0 samples; the table has a header and no rows; record the arm while it moves")

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from friction_audit.errors import InputError
+from friction_audit.joint_log import Bool, Int
 
 # Joint states that are all zero are packed 36 times (7 joints, zstd) to 1 000 times (1 000 joints), bombs 25 000 times.
 MOST_TIMES_PACKED = 4000
@@ -70,7 +71,6 @@ def _decompress(compression: str, packed: bytes, limit: int) -> bytes:
         raise ValueError(str(error)) from error
 
 
-Int = NDArray[np.int64]
 _SHORTEST_RUN = 16  # a shorter run of equally long messages means that topics alternate: no more runs are looked for
 
 
@@ -116,7 +116,7 @@ class Window:
     after: bool = False  # true if messages after it were left out
     latest: float = -inf  # latest log time of the messages left out before it [ns]
 
-    def keeps(self, first: ArrayLike, last: ArrayLike) -> NDArray[np.bool_]:
+    def keeps(self, first: ArrayLike, last: ArrayLike) -> Bool:
         """Return which stretches of log time reach inside, and note what does not; one that runs back is kept."""
         first, last = np.atleast_1d(first), np.atleast_1d(last)
         earlier, later = (first <= last) & (last < self.first), (first <= last) & (first > self.last)

@@ -23,7 +23,7 @@ from friction_audit.io.readers.columns import ColumnMap
 from friction_audit.io.readers.reader import ReadOptions, Topic
 from friction_audit.io.readers.table import Part, part_in_blocks, read_table
 from friction_audit.io.recording import Recording
-from friction_audit.joint_log import Finding
+from friction_audit.joint_log import Bool, Finding
 
 _PANDA_PY = {"O_T_EE", "control_command_success_rate", "time"}
 _PANDA_PY_CLOCK = TimeColumn(cells=(), name="time", unit="ms", clock="robot_time")
@@ -73,7 +73,7 @@ class NpzTable(ArrayTable):
         self.labels = {cell: self.joint_names[j] for cell, (name, j) in enumerate(self._cells) if name in wide}
         self.clock = _PANDA_PY_CLOCK if self._entries.keys() >= _PANDA_PY else None
 
-    def load(self, name: str, rows: NDArray[np.bool_] | None = None) -> NDArray[Any]:
+    def load(self, name: str, rows: Bool | None = None) -> NDArray[Any]:
         return _array(self._archive, self._entries[name], rows)
 
     def in_blocks(self, columns: ColumnMap) -> Part | None:
@@ -143,7 +143,7 @@ def _entry(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> Entry:
     return entry
 
 
-def _array(archive: zipfile.ZipFile, entry: Entry, rows: NDArray[np.bool_] | None = None) -> NDArray[Any]:
+def _array(archive: zipfile.ZipFile, entry: Entry, rows: Bool | None = None) -> NDArray[Any]:
     """Return the rows of a mask, or all, of an array: (n,) or (n, k); all of it goes by, to verify its checksum."""
     count, filled = entry.shape[0] if rows is None else int(np.count_nonzero(rows)), 0
     numbers = np.empty((count, entry.width), entry.dtype, order="F" if entry.by_column else "C")

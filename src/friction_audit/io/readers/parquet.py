@@ -22,7 +22,7 @@ from friction_audit.io.readers.columns import ColumnMap
 from friction_audit.io.readers.reader import ReadOptions, Topic, serial_in
 from friction_audit.io.readers.table import ROBOT_COLUMN, ColumnTable, Part, part_in_blocks, read_table
 from friction_audit.io.recording import Recording
-from friction_audit.joint_log import Finding
+from friction_audit.joint_log import Bool, Finding
 from friction_audit.parallel import per_joint
 from friction_audit.presets import PRESETS
 
@@ -139,7 +139,7 @@ class ParquetTable(ColumnTable):
         self._read_cells(zip(time.cells, parts, strict=True), None)
         return self._to_clock(parts, time)
 
-    def read_rows(self, columns: ColumnMap, clock: Clock, rows: NDArray[np.bool_] | None) -> Part:
+    def read_rows(self, columns: ColumnMap, clock: Clock, rows: Bool | None) -> Part:
         channels, pairs = self._channel_arrays(columns, len(clock.t))
         self._read_cells(pairs, rows)
         joint = None if columns.joint is None else self._read_texts(self._cells[columns.joint][0], rows)
@@ -220,7 +220,7 @@ class ParquetTable(ColumnTable):
             for (name, n), why in sorted(self._damage.items())
         )
 
-    def _read_cells(self, wanted: Iterable[tuple[int, NDArray[Any]]], rows: NDArray[np.bool_] | None) -> None:
+    def _read_cells(self, wanted: Iterable[tuple[int, NDArray[Any]]], rows: Bool | None) -> None:
         """Read columns into arrays, column by column of the file, in threads."""
         targets: dict[str, list[tuple[int | None, NDArray[Any]]]] = defaultdict(list)
         for cell, target in wanted:
@@ -229,9 +229,7 @@ class ParquetTable(ColumnTable):
         work = list(targets.items())
         per_joint(lambda number: self._read_column(*work[number], rows), len(work))
 
-    def _read_column(
-        self, column: str, targets: Sequence[tuple[int | None, NDArray[Any]]], rows: NDArray[np.bool_] | None
-    ) -> None:
+    def _read_column(self, column: str, targets: Sequence[tuple[int | None, NDArray[Any]]], rows: Bool | None) -> None:
         start, filled, samples = 0, 0, sum(self._sizes)
         asked = np.ones(samples, np.bool_) if rows is None else np.append(rows, np.zeros(samples - len(rows), np.bool_))
         with _open(self.path, self._file.metadata) as file:  # each thread has a file object of its own
@@ -286,7 +284,7 @@ class ParquetTable(ColumnTable):
                 "remove the rows without, or name another clock with --map t=<column>"
             )
 
-    def _read_texts(self, column: str, rows: NDArray[np.bool_] | None) -> NDArray[Any]:
+    def _read_texts(self, column: str, rows: Bool | None) -> NDArray[Any]:
         found, start = [], 0
         for group, size in enumerate(self._sizes):
             own = np.ones(size, dtype=np.bool_) if rows is None else rows[start : start + size]

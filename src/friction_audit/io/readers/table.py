@@ -19,7 +19,7 @@ from friction_audit.io.readers.columns import MOST_JOINTS, REQUIRED, ColumnMap, 
 from friction_audit.io.readers.join import interpolated
 from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, ReadOptions, refuse_bomb, refuse_too_large
 from friction_audit.io.recording import Block, Blocks, Recording, WholeLogError
-from friction_audit.joint_log import Finding, Float, find_window
+from friction_audit.joint_log import Bool, Finding, Float, find_window
 
 ROBOT_COLUMN = re.compile(r"\s*(?:robot|arm)(?:[ _-]?(?:name|id|number|no|serial))?\s*", re.IGNORECASE)
 _WHOLE = re.compile(r"^(\d+)\.0+$")  # a joint's number in a column that was written as floats
@@ -110,7 +110,7 @@ class ColumnTable(Table):
         """Read all stamps, or of a clock in order at least those up to so long after the first. [s]"""
 
     @abstractmethod
-    def read_rows(self, columns: ColumnMap, clock: Clock, rows: NDArray[np.bool_] | None) -> Part:
+    def read_rows(self, columns: ColumnMap, clock: Clock, rows: Bool | None) -> Part:
         """Read the channels, in the rows of a mask or in all."""
 
     def in_blocks(self, columns: ColumnMap) -> Part | None:  # noqa: ARG002

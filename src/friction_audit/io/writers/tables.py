@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import encodable, printable
-from friction_audit.joint_log import DERIVATIVE, JOINT_CHANNELS, Float, JointLog
+from friction_audit.joint_log import DERIVATIVE, JOINT_CHANNELS, Float, Int, JointLog
 from friction_audit.presets import candidates
 
 if TYPE_CHECKING:
@@ -47,10 +47,10 @@ class Writer:
 
 NANOSECONDS = 1_000_000_000
 UNKNOWN_START_NS = NANOSECONDS  # first stamp of a log whose clock has no date; a stamp of 0 means 'not set' in ROS
-ColumnOf = Float | NDArray[np.int64] | NDArray[np.object_]  # numbers, stamps or words
+ColumnOf = Float | Int | NDArray[np.object_]  # numbers, stamps or words
 
 
-def stamps_ns(log: JointLog) -> NDArray[np.int64]:
+def stamps_ns(log: JointLog) -> Int:
     """Return the Unix time of every sample, shape (n,). [ns]"""
     start = UNKNOWN_START_NS if log.source.start_s is None else round(log.source.start_s * NANOSECONDS)
     return start + np.rint(log.t * NANOSECONDS).astype(np.int64)

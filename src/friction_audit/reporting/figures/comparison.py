@@ -11,9 +11,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from friction_audit.compensation.comparison.methods import BEST, NONE, PAPER
-from friction_audit.compensation.comparison.result import Comparison, Curve, Interval, Row
+from friction_audit.compensation.comparison.result import Comparison, Curve, Row
+from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures import panels as parts, style as theme
+from friction_audit.reporting.words import scaled
 
 # Colour and dashes of each method.
 LOOKS: dict[str, tuple[str, Any]] = {
@@ -111,17 +113,17 @@ def _draw_sweeps(axes: Axes, sweeps: Sequence[Curve]) -> None:
     if logarithmic:
         axes.set_xscale("log")
     for number, sweep in enumerate(sweeps):
-        held = [point for point in sweep.points if not point.losses]
+        held = [point for point in sweep.points if not point.lost_s]
         look: theme.Look = {"marker": MARKERS[number], "alpha": SHADES[number], "color": LOOKS[sweep.method][0]}
         slopes = [MILLI * point.interval("energy_slope_w").value for point in held]
         axes.plot([one.value for one in held], slopes, ms=2.6, mew=0, lw=0.8, zorder=3, label=sweep.name, **look)
         for neighbour, lost in (*pairwise(sweep.points), *pairwise(reversed(sweep.points))):
-            if lost.losses and not neighbour.losses:
+            if lost.lost_s and not neighbour.lost_s:
                 slope = MILLI * neighbour.interval("energy_slope_w").value
                 axes.plot(lost.value, slope, ms=3.5, mew=0.8, zorder=4, **LOST)
-    if all(sweep.points[-1].losses for sweep in sweeps):
+    if all(sweep.points[-1].lost_s for sweep in sweeps):
         # From the first value on from which every loop is always lost.
-        ends = [list(takewhile(lambda point: point.losses, reversed(sweep.points))) for sweep in sweeps]
+        ends = [list(takewhile(lambda point: point.lost_s, reversed(sweep.points))) for sweep in sweeps]
         start = max(lost[-1].value for lost in ends)
         axes.axvspan(start, max(values), facecolor=theme.SHADE, edgecolor="none", zorder=0)
         middle = (start * max(values)) ** 0.5 if logarithmic else 0.5 * (start + max(values))
@@ -149,8 +151,7 @@ def _draw_summary(comparison: Comparison) -> Figure:
     for row in rows:
         alone = sum(other.label == row.label for other in rows) == 1
         place = labels.index(row.label) + (0.0 if alone else SHIFTS[row.role])
-        slope = row.interval("energy_slope_w")
-        _draw_interval(left, row, place, Interval(*(MILLI * end for end in slope)))
+        _draw_interval(left, row, place, scaled(row.interval("energy_slope_w"), MILLI))
         _draw_interval(right, row, place, row.interval("rms_torque_nm"))
     for axes, title in ((left, "(a) slope [mW]"), (right, "(b) rms torque [N m]")):
         parts.mark_zero(axes, x=True, y=False)
@@ -164,7 +165,7 @@ def _draw_summary(comparison: Comparison) -> Figure:
     return figure
 
 
-def _draw_interval(axes: Axes, row: Row, place: float, shown: Interval) -> None:
+def _draw_interval(axes: Axes, row: Row, place: float, shown: Coefficient) -> None:
     """Draw a mean with its interval, and at the right how many loops were lost: those are not in the means."""
     shape, filling, _ = SHAPES[row.role]
     axes.errorbar(

@@ -106,7 +106,7 @@ PANELS: dict[str, Callable[..., None]] = {
 REPLAY = parts.Layout(
     joints=lambda found: found.replay.joints, has=lambda _, joint: not joint.reason, lacks="not replayed",
     draw=_draw_over_time, panels=lambda _, __, sheet: 4 if sheet else 5, height_in=(1.0, 0.95), head_in=0.9,
-    x=lambda found: f"Time [s], {found.replay.counterfactual.name}", shared="all",
+    x=lambda found: f"Time [s], {found.replay.counterfactual.code}", shared="all",
 )  # fmt: skip
 
 RAW_WITHOUT = "#f6cfb0"  # as pale to FITTED as RAW is to FILTERED
@@ -150,5 +150,5 @@ def _draw_loop(axes: Axes, signals: Signals, start: int, colours: tuple[str, str
 
 REPLAY_VELOCITY_TORQUE = replace(
     REPLAY, draw=_draw_loops, panels=1, across=4, height_in=(1.75, 2.3), head_in=0.6, shared=False,
-    x=lambda found: f"Velocity [rad/s], {found.replay.counterfactual.name}", y="Interaction torque [N m]",
+    x=lambda found: f"Velocity [rad/s], {found.replay.counterfactual.code}", y="Interaction torque [N m]",
 )  # fmt: skip

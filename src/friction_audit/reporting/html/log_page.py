@@ -16,7 +16,15 @@ from friction_audit.reporting.figures.panels import label_in_unit
 from friction_audit.reporting.figures.registry import FigureKind, figures_of
 from friction_audit.reporting.html import page as html
 from friction_audit.reporting.info import MOTION, facts_of, summarize_log
-from friction_audit.reporting.notices import estimate_notices, notice_lines, notices, physics_of, reason_lines, text_of
+from friction_audit.reporting.notices import (
+    estimate_notices,
+    notice_lines,
+    notices,
+    physics_of,
+    reason_lines,
+    sentence_of,
+    text_of,
+)
 from friction_audit.reporting.replay import JOINT_REPLAY, describe_compensator
 from friction_audit.reporting.table import Column, Record, joint_column
 from friction_audit.reporting.words import MARK, NOTHING, format_start, in_unit, joint_label, joints_label
@@ -174,7 +182,8 @@ def _compensator(report: made.LogReport) -> Iterator[html.Part]:
         return
     found = report.replay.replay
     compensator = f"Compensator: {in_unit(describe_compensator(found.joints), report.unit)}."
-    yield html.Text((compensator, f"Assumption {found.counterfactual.name}: {found.counterfactual.assumes}."))
+    assumption = found.counterfactual
+    yield html.Text((compensator, f"Assumption {assumption.code}: {sentence_of(assumption)}."))
     yield html.Text(notice_lines(notices(found.warnings)), listed=True, tone="unsure")
 
 
