@@ -80,7 +80,7 @@ def in_ampere(found: Estimate) -> Estimate:
         ["2 Coulomb drift +15.0 ± 1.5 % 13 0 ± 0.10 % 3.3 %"],
         ["panda-1: 24 sessions, 2026-03-03 to 2026-04-07, 23 compared; joint 2: Coulomb friction rose by 15 % (14 to",
          "not compared: session 9 (run_009.mcap): payload 0.7 kg, the reference had none",
-         "Where friction drifts: check lubrication", "limit exceeded: panda-1, joint 2",
+         "Where friction drifts: check", "limit exceeded: panda-1, joint 2", "Friction drifts on 2 of 2 arms: panda-1",
          "failed: logs/broken.bag: broken.bag: is truncated"],
     ),
 ], ids=["estimate", "current", "replay", "diagnosis", "verbose", "longest names", "batch"])  # fmt: skip

@@ -191,6 +191,23 @@ def arm_sentence(arm: ArmDrift) -> str:
     return f"no drift in {compared} sessions{least}"
 
 
+def batch_sentence(arms: Sequence[ArmDrift]) -> str:
+    """Return one sentence on all arms."""
+    if not arms:
+        return "No session could be read: no statement on drift is possible."
+    drifting = [arm for arm in arms if arm.drift]
+    if len(drifting) > 1:
+        names = words.enumerate_words(arm.robot for arm in drifting)
+        return f"Friction drifts on {len(drifting)} of {count_of(len(arms), 'arm')}: {names}."
+    if drifting or len(arms) == 1:
+        arm = (drifting or arms)[0]
+        return f"{arm.robot}: {arm_sentence(arm)}."
+    coefficients = ([one for joint in arm.joints for one in joint.coefficients] for arm in arms)
+    steady = [drift_verdict(*own) for own in coefficients].count(STEADY)
+    found = f"No drift of the friction was found on {count_of(steady, 'arm')}"
+    return f"{found}." if steady == len(arms) else f"{found}; no answer on {count_of(len(arms) - steady, 'arm')}."
+
+
 def first_after(change: ChangePoint) -> str:
     """Return the number of the first session after a step, with its interval: ``13 (12 to 14)``."""
     low, high = change.low + 1, change.high + 1
