@@ -12,7 +12,7 @@ from friction_audit.effects.registry import NAMES
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.pipeline import Estimate
 from friction_audit.preprocessing.interaction import Caution, quoted
-from friction_audit.reporting import words
+from friction_audit.reporting import drift_words, words
 from friction_audit.reporting.diagnosis import diagnose_lines
 from friction_audit.reporting.diagnosis_words import joint_message
 from friction_audit.reporting.drift import batch_lines
@@ -143,6 +143,8 @@ def test_drift_in_detail_of_many_and_of_nothing() -> None:
     assert "not compared: 9 sessions: no start" in lines
     assert any(line.startswith("[red]arm[/red]: 24 sessions, 2026-03-03 to 2026-04-07") for line in lines)
     assert batch_lines(batch_by_hand.empty())[0].startswith("0 sessions of 0 arms: 0 computed, 0 known from the ledger")
+    fall = Coefficient(value=-3.97, low=-6.2, high=-0.25)
+    assert drift_words.how_much(fall, UNDETERMINED, "N m") == "397 % (25 to 620 %)"
 
 
 def test_sessions_that_do_not_fit_are_named_with_the_fault_of_their_torque() -> None:

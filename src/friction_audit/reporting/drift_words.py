@@ -119,12 +119,11 @@ def _step(point: ChangePoint, unit: str, sessions: Sequence[Session]) -> str:
 
 def how_much(relative: Coefficient, absolute: Coefficient, unit: str) -> str:
     """Return a size with its interval, in per cent where that means something."""
-    shown = words.scaled(relative, 100.0) if isfinite(relative.value) else absolute
+    shown = relative if isfinite(relative.value) else absolute
     low, high = sorted(math.copysign(1.0, shown.value) * end for end in (shown.low, shown.high))
-    ends = f"{low:.2g} to {high:.2g}"
     if shown is absolute:
-        return f"{abs(absolute.value):.2g} {unit} ({ends})"
-    return f"{words.percent(abs(relative.value))} % ({ends} %)"
+        return f"{abs(absolute.value):.2g} {unit} ({low:.2g} to {high:.2g})"
+    return f"{words.percent(abs(relative.value))} % ({words.percent(low)} to {words.percent(high)} %)"
 
 
 def amount(share: float, size: float, coefficient: str) -> str:
