@@ -88,7 +88,8 @@ def most(evidence: tuple[SignEvidence, ...], verdict: Verdict) -> bool:
 def strokes_of(log: CoarseLog, joint: int) -> tuple[Bool, Float, Int]:
     """Return where a joint moves, shape (m,), and there the direction and the number of the stroke."""
     speed = np.abs(log.dq[:, joint])
-    slowest = SLOWEST_RAD_S if speed.max() >= STILL_RAD_S else 0.0
+    is_slow = speed.max() < STILL_RAD_S and np.ptp(log.q[:, joint]) >= STILL_RAD
+    slowest = 0.0 if is_slow else SLOWEST_RAD_S
     moving = (speed > np.clip(SHARE_OF_PEAK * speed.max(), slowest, FASTEST_RAD_S)) & log.whole
     direction = np.sign(log.dq[moving, joint])
     return moving, direction, np.cumsum(np.diff(direction, prepend=direction[:1]) != 0)
