@@ -28,7 +28,7 @@ GLITCH = 0.9  # output of a pulse over that of pushes, from which one sample is 
 IMPULSE_S = 0.025  # half of the window of the median: a quarter of the shortest push, which stays
 OUTLIER = 5.0  # standard deviations: 6e-7 of normal noise is beyond
 APART_S = 0.2  # pushes between which less time passes are one contact
-END_S = 1.0  # next to an end of a log a drive settles, which no cycle repeats (measured Panda, joints 4 and 5)
+END_S = 1.0  # next to an end of the motion a drive settles, or bristles do, which no cycle repeats (measured Panda)
 LEAST_SEEN = 0.2  # of the usual energy of a filter: next to a gap of the samples less of a push is seen
 LEAST_OF_MODEL = 0.06  # of what a filter gives on the modelled torque: a smaller push is its error (smoothed, seed 5)
 MOST_CYCLES = 0.6  # share of the cycles with a contact: what is more frequent is no event, and little is left to fit
@@ -142,7 +142,7 @@ def detect(
         (start + at * filters.slot_s + reach, start + (at + len(filters.pushes[k])) * filters.slot_s - reach)
         for k, at in _stand_out(filters, Reference(problem, filters.slot))
     ]
-    first, last = problem.data.t[0] + END_S, problem.data.t[-1] - END_S
+    first, last = problem.data.t[problem.data.moving][[0, -1]] + (END_S, -END_S)
     contacts: list[Contact] = []
     for start_s, stop_s in sorted(span for span in spans if first <= span[0] and span[1] <= last):
         if contacts and start_s - contacts[-1].stop_s <= APART_S:

@@ -21,7 +21,7 @@ from friction_audit.diagnosis.samples import (
     make_samples,
     nominal_model,
 )
-from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, displacement
+from friction_audit.effects.joint_data import JointData, Nominal, displacement
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
@@ -36,6 +36,7 @@ SIGN_WIDTHS_RAD_S = np.geomspace(5e-4, 1.2e-2, 9)
 SMOOTHED: tuple[str, ...] = ("smoothed_sign",)  # what its columns are left out by
 SIGN_COLUMNS = 2.0  # the smoothed sign, and its change with the width
 SLOW_RAD_S = 5e-3  # below it the law of friction is as uncertain as right after a reversal
+SETTLED = 0.9  # of the corner: a change that is not worth another filter
 OFFSET_SHARE = 0.0025  # of Coulomb friction: a quarter of what counts as negligible
 SAMPLE_SD = 0.29  # of a sample, the standard deviation of a delay evenly spread over one sample
 REVERSAL_S = 0.05  # time over which a wrong formula of a reversal fades
@@ -110,15 +111,17 @@ class RegressionProblem:
         """
         samples = make_samples(data)
         nominal = nominal_model(data, samples, model)
-        inertia = abs(nominal.baseline(least_squares(nominal.columns, nominal.y)).inertia_kg_m2)
-        corner, coarse = corner_for(data, inertia)
-        if coarse > 1.0:
-            step = 12.0**0.5 * data.rounding
-            numbers = {"channel": data.derived_from, "case": data.derived_from, "step": step, "largest": step / coarse}
-            raise AnalysisError((Caution("coarse_steps", numbers=numbers),))
-        if corner < CORNER_HZ:
-            samples = make_samples(data, corner)
-            nominal = nominal_model(data, samples, model)
+        # Noise of the acceleration makes its coefficient too small, below the first corner hardly (Fuller 1987).
+        for least in (1.0, SETTLED):
+            inertia = abs(nominal.baseline(least_squares(nominal.columns, nominal.y)).inertia_kg_m2)
+            corner, coarse = corner_for(data, inertia)
+            if coarse > 1.0:
+                step = 12.0**0.5 * data.rounding
+                numbers = {"channel": data.derived_from, "case": data.derived_from, "step": step}
+                raise AnalysisError((Caution("coarse_steps", numbers=numbers | {"largest": step / coarse}),))
+            if corner < least * samples.corner_hz:
+                samples = make_samples(data, corner)
+                nominal = nominal_model(data, samples, model)
         # A signal without content above the corner needs two samples per period of the corner.
         step = max(1, int(np.ceil(SAMPLE_HZ / (2.0 * samples.corner_hz) - 0.25)))
         kept = (samples.place % step == 0) | samples.breakaway
@@ -167,6 +170,18 @@ class RegressionProblem:
             rung = first_order(data.ddq.astype(complex), pole, 0j)
             found.append(np.column_stack([rung.real, rung.imag]))
         return [self.columns(one) for one in found]
+
+    @cached_property
+    def smoothed(self) -> Float:
+        """The acceleration without what its noise hides, on the samples, shape (1, m).
+
+        What the true one differs by is left of y, and follows the measured one by no more than this (regression
+        calibration: R. J. Carroll et al., Measurement Error in Nonlinear Models (2006), ch. 4).
+        """
+        from scipy.ndimage import gaussian_filter1d
+
+        sigma_s = 1.0 / (np.pi * self.samples.corner_hz)  # half of the corner
+        return self.columns(gaussian_filter1d(self.data.ddq, sigma_s / self.data.step_s)[:, None])
 
     def columns(self, fine: Float) -> Float:
         """Columns of the fine grid, shape (n, p), on the samples, shape (p, m)."""

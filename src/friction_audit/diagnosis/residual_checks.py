@@ -46,15 +46,20 @@ def residual_of(gram: Gram, active: Sequence[Block]) -> Float:
 
 def _curves(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
     """Curves, and a response to past motion, that are significant in the whitened residual, on folds not fitted on."""
-    given, rms, responses = Projected(Training(gram), active), held_out(gram, active).rms, gram.problem.responses
-    found = [("curve", c.axis.name, c.columns) for c in gram.problem.curves]
+    given, problem = Projected(Training(gram), active), gram.problem
+    found = [("curve", c.axis.name, c.columns, c.columns[:0]) for c in problem.curves]
     found = [one for one in found if given.evidence(gram.whiten(one[2])) > PRIOR]
-    evidence, best = _integrated(given, [gram.whiten(one) for one in responses])
+    beside = given.and_also(gram.whiten(problem.smoothed))
+    evidence, best = _integrated(beside, [gram.whiten(one) for one in problem.responses])
     if evidence > PRIOR:
-        found.append(("response", "past motion", responses[best]))
+        found.append(("response", "past motion", problem.responses[best], problem.smoothed))
+
+    def rms(*columns: Float) -> float:
+        return held_out(gram, active, np.vstack(columns)).rms
+
     return [
-        ResidualCheck(code=code, along=along, share=1.0 - (held_out(gram, active, columns).rms / rms) ** 2)
-        for code, along, columns in found
+        ResidualCheck(code=code, along=along, share=1.0 - (rms(columns, known) / rms(known)) ** 2)
+        for code, along, columns, known in found
     ]
 
 
