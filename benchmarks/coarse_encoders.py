@@ -13,9 +13,8 @@ import numpy as np
 from benchmarks.answers import ANSWER, answer_of
 from benchmarks.hidden_effects.run import case_of, log_of
 from benchmarks.resume import Job, Row
-from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.api import diagnose_log
 from friction_audit.joint_log import DERIVATIVE, JointLog
-from friction_audit.pipeline import AuditSettings, diagnose_log
 
 FIELDS = ("truth", "seed", "scenario", "joint", *ANSWER)
 KINDS = (("q", 1e-3), ("dq", 0.05), ("q alone", 1e-3), ("q alone", 3e-4))
@@ -37,7 +36,7 @@ def run_one(task: Row) -> list[dict[str, object]]:
     seed = int(task["seed"])
     case, (kind, step) = case_of(seed, "none"), KINDS[seed % len(KINDS)]
     log = rounded(log_of(case), kind, step)
-    (joint,) = diagnose_log(log, AuditSettings(), DiagnosisSettings()).joints
+    (joint,) = diagnose_log(log).joints
     scenario = f"{case.scenario}, {kind} in steps of {step:g}"
     return [{"truth": "none", "seed": seed, "scenario": scenario, "joint": 1, **answer_of(joint)}]
 

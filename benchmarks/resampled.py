@@ -19,11 +19,9 @@ from benchmarks import smoothed_sign
 from benchmarks.answers import ANSWER, answer_of
 from benchmarks.hidden_effects.run import case_of, log_of, scaled
 from benchmarks.resume import Job, Row
-from friction_audit.api import read_log
-from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.api import diagnose_log, read_log
 from friction_audit.errors import FrictionAuditError
 from friction_audit.joint_log import JointLog
-from friction_audit.pipeline import AuditSettings, diagnose_log
 
 Array = NDArray[np.float64]
 Columns = dict[str, Array]
@@ -172,7 +170,7 @@ def run_one(task: Row) -> list[dict[str, object]]:
     signals = recorded(task["truth"], task["scenario"], int(task["seed"]), float(task["scale"]))
     try:
         log = log_by(task["way"], *signals, int(task["seed"]))
-        found = diagnose_log(log, AuditSettings(), DiagnosisSettings()).joints
+        found = diagnose_log(log).joints
     except FrictionAuditError as error:
         return [row | {"verdict": "error", "reason": str(error)}]
     return [row | {"joint": one.joint, **answer_of(one)} for one in found]

@@ -15,10 +15,8 @@ from scipy.signal import lfilter
 
 from benchmarks.answers import ANSWER, answer_of
 from benchmarks.resume import Job, Row
-from friction_audit.api import read_log
-from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.api import diagnose_log, read_log
 from friction_audit.joint_log import JointLog
-from friction_audit.pipeline import AuditSettings, diagnose_log
 
 STEP_S, RATE_HZ = 1e-4, 1000.0
 FIELDS = ("truth", "seed", "scenario", "joint", *ANSWER)
@@ -93,7 +91,7 @@ def log_of(seed: int) -> tuple[JointLog, str]:
 def run_one(task: Row) -> list[dict[str, object]]:
     """The row of one joint."""
     log, scenario = log_of(int(task["seed"]))
-    (joint,) = diagnose_log(log, AuditSettings(), DiagnosisSettings()).joints
+    (joint,) = diagnose_log(log).joints
     return [{"truth": "none", "seed": task["seed"], "scenario": scenario, "joint": 1, **answer_of(joint)}]
 
 

@@ -20,11 +20,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from PIL import Image
 
+from friction_audit.api import diagnose_log
 from friction_audit.cli import main
 from friction_audit.diagnosis.result import Profile
-from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.io.readers import read_log
-from friction_audit.pipeline import AuditSettings, diagnose_log, estimate_log
+from friction_audit.pipeline import AuditSettings, estimate_log
 from friction_audit.reporting.figures.estimate import filtered_loop, series_of
 from friction_audit.reporting.figures.profiles import mean_along
 from friction_audit.reporting.figures.registry import figures_of
@@ -120,7 +120,7 @@ def draw_missing(axes: Axes, folder: Path) -> None:
     """What the declared model leaves at each speed, and the effect that was named."""
     path = str(folder / "run.parquet")
     run("simulate", "joint", "--effect", "stribeck", "--seed", "3", "-o", path)
-    found = diagnose_log(read_log(Path(path)), AuditSettings(), DiagnosisSettings()).joints[0]
+    found = diagnose_log(read_log(Path(path))).joints[0]
     (effect,) = found.effects
     assert found.traces is not None
     assert found.gap is not None
@@ -158,7 +158,7 @@ def draw_residual(path: Path) -> None:
     """Draw what ``diagnose -o DIR`` draws of ``simulate joint --effect stribeck --seed 3``."""
     settings = next(scenario.settings for scenario in SCENARIOS if scenario.name == "joint")
     log = simulate(hide(settings, ("stribeck",)), 3).log
-    found = diagnose_log(log, AuditSettings(), DiagnosisSettings())
+    found = diagnose_log(log)
     kind = next(kind for kind in figures_of("diagnosis") if kind.name == "residual")
     figure = kind.draw(found, 1)
     with figure_style():

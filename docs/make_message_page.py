@@ -15,7 +15,6 @@ from friction_audit.reporting.notices import TABLE, sentences
 
 FOLDER = Path(__file__).parent
 SOURCE = Path(friction_audit.__file__).parent
-MAKERS = {"Finding": 1, "Notice": 2}  # name -> place of the message
 PUT_IN = "..."
 BEGIN, END = "<!-- codes -->", "<!-- end of codes -->"
 LEAST_WORDS, MOST_WORDS = 3, 7
@@ -26,8 +25,8 @@ Found = tuple[ast.expr, ast.expr | None, bool]
 
 def messages() -> dict[str, tuple[tuple[str, ...], bool]]:
     """Return the messages and the mark of damage of every code of a warning in the source."""
-    texts = sentences()
-    warnings = texts["warnings"] | {"sign_turned": texts["sign_turned"]["else"]}
+    known = sentences()
+    warnings = known["warnings"] | {"sign_turned": known["sign_turned"]["else"]}
     found: dict[str, tuple[tuple[str, ...], bool]] = {
         code: ((beginning(_plain(text)),), False) for code, text in warnings.items() if text
     }
@@ -49,10 +48,10 @@ def _plain(text: str) -> str:
 
 def _made(scope: ast.AST) -> Iterator[Found]:
     for node in ast.walk(scope):
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in MAKERS:
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "Finding":
             given = {one.arg: one.value for one in node.keywords}
-            positional = [*node.args, None, None, None]
-            code, message = given.get("code", positional[0]), given.get("message", positional[MAKERS[node.func.id]])
+            code, message, *_ = (*node.args, None, None)
+            code, message = given.get("code", code), given.get("message", message)
             damaged = given.get("damaged")
             if code is not None:
                 yield code, message, isinstance(damaged, ast.Constant) and bool(damaged.value)

@@ -14,11 +14,10 @@ from benchmarks.hidden_effects.outside import OUTSIDE, log_with
 from benchmarks.hidden_effects.recovery import compared
 from benchmarks.hidden_effects.strength import scales_for
 from benchmarks.resume import Job, Row, read
+from friction_audit.api import diagnose_log
 from friction_audit.diagnosis.result import JointDiagnosis, NamedEffect
-from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.errors import FrictionAuditError
 from friction_audit.joint_log import JointLog
-from friction_audit.pipeline import AuditSettings, diagnose_log
 from friction_audit.simulation.effects import EFFECTS
 from friction_audit.simulation.scenarios import simulate
 
@@ -46,7 +45,7 @@ def run_case(task: Row) -> list[dict[str, object]]:
             return [row | {"verdict": "", "scales": NOT_REACHED}]
         case = case if outside else scaled(case, scales)
         log = log_with(case, truth) if outside else log_of(case)
-        found = diagnose_log(log, AuditSettings(), DiagnosisSettings(seed=seed, model=model_of(case)))
+        found = diagnose_log(log, seed=seed, model=model_of(case))
     except FrictionAuditError as error:
         return [row | {"verdict": "error", "reason": str(error)}]
     found_with = {"scales": "/".join(map(repr, scales))}

@@ -15,7 +15,7 @@ from benchmarks.resume import Job, Row
 from friction_audit.api import audit_settings, read_log
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.errors import FrictionAuditError
-from friction_audit.pipeline import diagnose_log
+from friction_audit.pipeline import diagnose_estimate, estimate_log
 
 LOGS: dict[str, tuple[str, dict[str, Any], dict[str, Any]]] = {
     "panda": ("**/panda_excitation.parquet", {}, {"drive": "robot", "robot": "panda"}),
@@ -80,7 +80,7 @@ def run_part(root: Path, task: Row) -> list[dict[str, object]]:
             joint = int(task["asked"])
             log = injected(log, joint, task["truth"], float(task["size"]), int(task["draw"]))
             settings = replace(settings, joints=(joint,))
-        found = diagnose_log(log, settings, DiagnosisSettings(seed=int(task["seed"]))).joints
+        found = diagnose_estimate(estimate_log(log, settings), DiagnosisSettings(seed=int(task["seed"]))).joints
     except FrictionAuditError as error:
         return [row | {"verdict": "error", "reason": str(error)}]
     return [row | {"joint": one.joint, "untestable": ";".join(one.untestable)} | answer_of(one) for one in found]

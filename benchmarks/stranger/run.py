@@ -10,11 +10,9 @@ from benchmarks.answers import ANSWER, answer_of
 from benchmarks.resume import Job, Row
 from benchmarks.stranger.draw import SIZES, Case, draw_case
 from benchmarks.stranger.effects import RECORDED
-from friction_audit.api import read_log
-from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.api import diagnose_log, read_log
 from friction_audit.effects.joint_model import load_model
 from friction_audit.errors import FrictionAuditError
-from friction_audit.pipeline import AuditSettings, diagnose_log
 
 FIELDS = (
     "truth", "seed", "joint", "hides", "hidden_here", "motion", "hand", "rate_hz", "clock", "bits", "partial",
@@ -32,9 +30,9 @@ def run_one(task: Row) -> list[dict[str, object]]:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "log.csv"
         model = write_log(case, path)
-        settings = DiagnosisSettings(model=None if model is None else load_model(model))
+        arm = None if model is None else load_model(model)
         try:
-            (found,) = diagnose_log(read_log(path), AuditSettings(), settings).joints
+            (found,) = diagnose_log(read_log(path), model=arm).joints
         except FrictionAuditError as error:
             return [_row(case, truth) | {"verdict": "error", "reason": str(error)}]
     return [_row(case, truth) | answer_of(found)]

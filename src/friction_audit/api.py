@@ -25,6 +25,7 @@ from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import AuditSettings, Diagnosis, Estimate, LogReplay
 from friction_audit.preprocessing.interaction import Caution
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
+from friction_audit.reporting import ENDINGS
 from friction_audit.reporting.diagnosis import diagnose_tables
 from friction_audit.reporting.estimate import estimate_tables
 from friction_audit.reporting.figures.registry import draw_result
@@ -221,9 +222,10 @@ def report_log(log: JointLog | Estimate, path: str | Path | None = None, *, over
     ``log``: a log, or what ``estimate_log`` made of it; ``path``: where to write it, or None; the ending says how:
     ``.html``, ``.pdf``, ``.md`` or ``.json``. A part that the log gives no answer to is None; ``unanswered`` says why.
     """
-    from friction_audit.reporting.html.log_page import REPORT_FORMATS
+    from friction_audit.reporting.html.log_page import WRITERS
 
-    writers, ending = dict(REPORT_FORMATS.values()), "" if path is None else Path(path).suffix
+    writers = {ENDINGS[kind]: content for kind, content in WRITERS.items()}
+    ending = "" if path is None else Path(path).suffix
     if path is not None and ending.lower() not in writers:
         raise UsageError(f"{path}: ending {ending or 'missing'}: expected one of {', '.join(writers)}")
     # What cannot be written is refused before anything long is done.

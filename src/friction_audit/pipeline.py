@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from friction_audit.preprocessing.segmentation import Thresholds
 
 
+LARGE_PRODUCTS = 1 << 20  # bytes of one joint: those of a day would take most of the memory
 ENOUGH_MEANS = 50  # of the first block of a log, a second at least, that may show how its torque is made
 
 
@@ -113,7 +114,7 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
 
     def cycles_of(column: int) -> EnergyCycles:
         own = found[column] = joints[column].search.cycles()
-        if in_blocks:  # of a day, these products would take most of the memory
+        if in_blocks and own.products.nbytes > LARGE_PRODUCTS:
             release_memory()
             found[column] = replace(own, products=own.products[:0].copy())
         return own
@@ -254,11 +255,6 @@ class Diagnosis(Shown):
         source, joints = self.estimate.log.source, map(repr, self.joints)
         head = f"Diagnosis({source.path}: residual RMS on held-out cycles in {source.torque_unit})"
         return "\n  ".join((head, *joints))
-
-
-def diagnose_log(log: JointLog, settings: AuditSettings, diagnosis_settings: "DiagnosisSettings") -> Diagnosis:
-    """Estimate a log, then find what the nominal model of every joint misses."""
-    return diagnose_estimate(estimate_log(log, settings), diagnosis_settings)
 
 
 def diagnose_estimate(

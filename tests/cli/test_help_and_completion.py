@@ -15,8 +15,9 @@ from friction_audit.cli import NAMES, choices, command_of
 from friction_audit.cli.compare import ARMS, FIGURES, METHOD_NAMES
 from friction_audit.cli.reproduce import PAPER_FIGURES
 from friction_audit.compensation.comparison import METHODS, SCENES
+from friction_audit.reporting import ENDINGS
 from friction_audit.reporting.figures import comparison
-from friction_audit.reporting.html.log_page import REPORT_FORMATS
+from friction_audit.reporting.html.log_page import WRITERS
 from friction_audit.reproduce import REPRODUCTIONS
 
 PROGRAM = Path(sys.executable).parent / "friction-audit"
@@ -118,7 +119,7 @@ def test_names_of_options_are_those_of_the_steps() -> None:
     assert tuple(scene.name for scene in SCENES) == ARMS
     assert tuple(comparison.FIGURES) == FIGURES
     assert tuple(one.figure for one in REPRODUCTIONS) == PAPER_FIGURES
-    assert {name: ending for name, (ending, _) in REPORT_FORMATS.items()} == choices.REPORT_FORMATS
+    assert WRITERS.keys() == ENDINGS.keys()
 
 
 MOST_LOADED = 90  # of the modules of the package

@@ -71,7 +71,7 @@ def test_limits_of_a_compensator_are_those_of_the_preset() -> None:
 
 
 def test_a_plan_without_a_log_is_for_the_arm_named(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(plan, "candidates_of", lambda limits: candidates_of(limits)[::3])
+    monkeypatch.setattr(plan, "candidates_of", lambda limits: candidates_of(limits)[::9])
     words = ("--robot", "ur5e", "--joints", "3", "--drive", "robot", "--no-check", "--duration", "60")
     done = run("plan", *words, "-o", tmp_path)
     assert done.code == 0, done.err

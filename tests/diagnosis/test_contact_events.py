@@ -7,13 +7,12 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from friction_audit.api import diagnose_log
 from friction_audit.diagnosis.contact_events import Contact, detect, touched, without_impulses
 from friction_audit.diagnosis.problem import RegressionProblem
 from friction_audit.diagnosis.samples import NoiseModel, least_squares
-from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
-from friction_audit.pipeline import AuditSettings, diagnose_log
 from friction_audit.simulation import BenchSettings, simulate
 from friction_audit.simulation.effects.slow_and_events import draw_events
 from friction_audit.simulation.hide import hide
@@ -130,8 +129,8 @@ EVENTS = draw_events(TOUCHED.hidden[0].contact_event, BENCH.duration_s, make_str
 
 
 def diagnosed(settings: BenchSettings) -> Any:
-    asked = DiagnosisSettings(candidates=("contact_event", "stribeck"))
-    (joint,) = diagnose_log(simulate(settings, SEED).log, AuditSettings(), asked).joints
+    asked = ("contact_event", "stribeck")
+    (joint,) = diagnose_log(simulate(settings, SEED).log, candidates=asked).joints
     return joint
 
 

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from scipy.signal import butter, lfilter, sosfiltfilt
 
-from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.api import diagnose_log
 from friction_audit.joint_log import DERIVATIVE, Float, JointLog
-from friction_audit.pipeline import AuditSettings, diagnose_log
 from friction_audit.simulation import IDEAL_SENSORS, SCENARIOS, simulate
 from friction_audit.simulation.hide import hide
 
@@ -22,7 +21,7 @@ def recorded(*effects: str, scenario: str = "joint", duration_s: float = 60.0, s
 
 
 def diagnosed(log: JointLog, **asked: Any) -> Any:
-    (found,) = diagnose_log(log, AuditSettings(), DiagnosisSettings(**asked)).joints
+    (found,) = diagnose_log(log, **asked).joints
     return found
 
 

@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from friction_audit.api import diagnose_log
 from friction_audit.diagnosis.result import JointDiagnosis
-from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.io.readers import read_log
 from friction_audit.joint_log import Float
-from friction_audit.pipeline import AuditSettings, diagnose_log
 from tests.effects.joint_data_by_hand import STROKES, sines
 
 Columns = dict[str, Float]
@@ -39,7 +38,7 @@ def columns() -> Columns:
 def diagnosed_all(log: Columns, folder: Path) -> tuple[JointDiagnosis, ...]:
     path = folder / "log.csv"
     np.savetxt(path, np.column_stack(list(log.values())), "%.17g", ",", header=",".join(log), comments="")
-    return diagnose_log(read_log(path), AuditSettings(), DiagnosisSettings(candidates=CANDIDATES)).joints
+    return diagnose_log(read_log(path), candidates=CANDIDATES).joints
 
 
 def diagnosed(log: Columns, folder: Path) -> JointDiagnosis:

@@ -8,9 +8,8 @@ from functools import cache
 import pytest
 
 from benchmarks.resampled import CASES, Columns, log_by, recorded
-from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.api import diagnose_log
 from friction_audit.joint_log import Float
-from friction_audit.pipeline import AuditSettings, diagnose_log
 
 SEEDS = {scenario: 130_000 + seed for truth, scenario, seed, _ in CASES if truth == "none"}
 
@@ -32,5 +31,5 @@ def signals(scenario: str) -> tuple[Float, Columns]:
 )
 def test_nothing_is_missing_in_a_clean_joint_whose_log_was_resampled(scenario: str, way: str) -> None:
     log = log_by(way, *signals(scenario), SEEDS[scenario])
-    (found,) = diagnose_log(log, AuditSettings(), DiagnosisSettings()).joints
+    (found,) = diagnose_log(log).joints
     assert (found.verdict, found.effects) == ("adequate", ())

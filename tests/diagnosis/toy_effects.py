@@ -32,7 +32,7 @@ def altered(effect: Effect, *, units: Sequence[str] = (), **changes: object) -> 
         points = changes["grid"]
         changes["grid"] = lambda _data: points
     if "regressor" in changes:  # of one point
-        one: Any = changes.pop("regressor")
+        one: Any = changes["regressor"]
         changes["regressors"] = lambda data, nominal, grid: ((k, one(data, nominal, at)) for k, at in enumerate(grid))
     if units:
         changes["coefficients"] = _coefficients(units)

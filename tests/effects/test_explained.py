@@ -32,7 +32,7 @@ ORDERS = [at["ripple_order"] for at in effect_of("torque_ripple").grid(DATA)]
 def lugre(reach_rad: float, damping_s: float) -> Float:
     """Euler steps of Canudas de Wit's equations at a constant level of 1."""
     z, substeps, torque = 0.0, 20, np.zeros(len(SHORT.q))
-    for k, v in enumerate(SHORT.dq):
+    for k, v in enumerate(SHORT.dq.tolist()):
         for _ in range(substeps):
             rate = v - abs(v) * z / reach_rad
             z += rate * STEP_S / substeps

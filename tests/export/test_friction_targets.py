@@ -156,6 +156,7 @@ def test_the_cpp_law_is_the_python_law(tmp_path: Path) -> None:
     for column, model in enumerate(models):
         assert np.abs(found[:, column] - law(model).torque(dq, sign_width=0.01)).max() < 1e-12
     assert not found[:, 4].any()  # a joint that is not there has no friction
+    assert law(STRIBECK).fit(None).coefficients[:2] == law(SIMPLE).fit(None).coefficients[:2]  # shown as written
 
 
 def test_other_formats_are_read_by_their_readers(tmp_path: Path) -> None:

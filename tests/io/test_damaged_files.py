@@ -44,7 +44,7 @@ whole = cache(lambda name: FILES[name]())
 
 
 @pytest.mark.parametrize("name", FILES)
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 def test_damage_is_an_error_in_words(tmp_path: Path, name: str, data: st.DataObject) -> None:
     content = bytearray(whole(name))

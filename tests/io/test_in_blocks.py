@@ -212,17 +212,12 @@ def test_a_fault_is_handled_block_by_block(frame: pd.DataFrame, tmp_path: Path, 
     assert assert_same_log(path, {}).source.findings
 
 
-@pytest.mark.parametrize(
-    "own",
-    [
-        {"flip": (2,), "torque_scale": (1.5,)},
-        {"time_scale": 1.1},
-        {"t_start_s": 3.0, "t_end_s": 12.5},
-        {"t_start_s": 9.0},
-        {"mapping": {"q": "q_{i}:deg", "dq": "dq_{i}:deg"}},
-    ],
-)
-@pytest.mark.parametrize("is_large", [False, True])
+DEGREES = {"q": "q_{i}:deg", "dq": "dq_{i}:deg"}
+PARTS: list[Any] = [{"t_start_s": 3.0, "t_end_s": 12.5}, {"t_start_s": 9.0}]
+OWN = [*PARTS, {"flip": (2,), "torque_scale": (1.5,)}, {"time_scale": 1.1}, {"mapping": DEGREES}]
+
+
+@pytest.mark.parametrize(("own", "is_large"), [(own, False) for own in OWN] + [(own, True) for own in PARTS])
 def test_options_hold_block_by_block(
     frame: pd.DataFrame, tmp_path: Path, own: dict[str, Any], is_large: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:

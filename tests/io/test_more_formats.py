@@ -161,12 +161,14 @@ def test_a_matlab_file(tmp_path: Path, *, structure: bool, turned: bool) -> None
 def test_a_matlab_file_of_version_7_3(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     h5py = pytest.importorskip("h5py")
     path = tmp_path / "run.mat"
-    with h5py.File(path, "w", userblock_size=512) as file:
-        for name, array in motion(300).items():
-            file.create_dataset(name, data=np.atleast_2d(array.T)).attrs["MATLAB_class"] = np.bytes_("double")
-    with path.open("r+b") as stream:
-        stream.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64, HDF5 schema 1.00 .".ljust(124) + b"\x00\x02IM")
-    np.testing.assert_array_equal(read_log(path).q, motion(300)["q"])
+    head = b"MATLAB 7.3 MAT-file, Platform: GLNXA64, HDF5 schema 1.00 .".ljust(124) + b"\x00\x02IM"
+    for size, start in ((0, b""), (512, head)):
+        with h5py.File(path, "w", userblock_size=size) as file:
+            for name, array in motion(300).items():
+                file.create_dataset(name, data=np.atleast_2d(array.T)).attrs["MATLAB_class"] = np.bytes_("double")
+        with path.open("r+b") as stream:
+            stream.write(start)
+        np.testing.assert_array_equal(read_log(path).q, motion(300)["q"])
     monkeypatch.setattr("friction_audit.io.readers.mat.find_spec", lambda _: None)
     refused(r"needs h5py: pip install 'friction-audit\[hdf5\]'", read_log, path)
 

@@ -229,6 +229,7 @@ def test_columns_that_are_not_there() -> None:
     columns = mapped("time q_1 q_2 dq_1 dq_2 tau_J_1 tau_J_2 temperature_1")
     assert "temperature" not in columns.channels
     assert [finding.code for finding in columns.findings] == ["incomplete_channel"]
+    assert mapped("time q_1 q_2 dq_1 dq_2 tau_J_1 tau_J_2 temperature").channels["temperature"] == (7, 7)
     message = mapped("time q_2 q_3 dq_2 dq_3 tau_J_1 tau_J_2 tau_J_3").findings[0].message
     assert message == "tau_J_1 left out: q_{i} has no such joint"
 

@@ -30,7 +30,10 @@ STRIBECK = {"stribeck_excess_nm": 0.15, "stribeck_speed_rad_s": 0.1, "stribeck_e
 
 @pytest.fixture(autouse=True, scope="module")
 def designed_once() -> Iterator[None]:
-    """Take the candidates of one joint apart once: what they say of the effects does not depend on the duration."""
+    """Take the candidates of one joint apart once: what they say of the effects does not depend on the duration.
+
+    Plans are made of every third candidate; the pages of the documents show plans that are made of all.
+    """
     known, original = dict[str, design.Information](), design.information_of
 
     def information_of(*args: Any) -> design.Information:
@@ -41,6 +44,7 @@ def designed_once() -> Iterator[None]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(design, "information_of", information_of)
+        patch.setattr(plans, "candidates_of", lambda limits: candidates_of(limits)[::3])
         yield
 
 
@@ -155,10 +159,7 @@ def test_the_command_separates_checks_and_writes_a_document_and_the_trajectory(r
     assert run("plan", source, "--no-check", "-o", "out").code == 2  # files that exist
 
 
-def test_a_result_without_open_names_says_so_and_offers_the_best_recording(
-    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(plans, "candidates_of", lambda limits: candidates_of(limits)[::3])
+def test_a_result_without_open_names_says_so_and_offers_the_best_recording(run: Run, tmp_path: Path) -> None:
     document = json.loads(result(tmp_path / "a.json", "adequate").read_text())
     constants = {"name": "torque_bias", "alternatives": ["asymmetric_coulomb"], "parameters": {"torque_bias_nm": 0.1}}
     (adequate,) = document["joints"]

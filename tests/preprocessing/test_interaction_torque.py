@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from functools import cache
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -29,6 +30,7 @@ FORGOTTEN = load_arm(payload=(2.0, 0.05, 0.0, 0.1))
 LEFT = {"gravity_error", "torque_offset"}
 
 
+@cache
 def motion(joints: int, seconds: float = 12.0) -> tuple[Float, Float, Float, Float]:
     t = np.arange(0.0, seconds, 0.001)
     omega = 2 * np.pi * np.linspace(0.4, 0.9, joints)
@@ -38,13 +40,14 @@ def motion(joints: int, seconds: float = 12.0) -> tuple[Float, Float, Float, Flo
 
 
 T, Q, DQ, DDQ = motion(7)
-GRAVITY = PANDA.gravity(Q)
+GRAVITY, MOVED = PANDA.gravity(Q), PANDA.inverse_dynamics(Q, DQ, DDQ)
 
 
 def log_of(robot: str = "panda", joints: int = 7, **channels: Any) -> JointLog:
     return made_log(*motion(joints)[:3], robot=robot, **channels)
 
 
+@cache
 def friction(joints: int = 7) -> Float:
     dq = motion(joints)[2]
     return np.asarray(COULOMB[:joints] * np.sign(dq) + np.random.default_rng(2).normal(0, 0.05, dq.shape))
@@ -57,7 +60,7 @@ def hand_log(robot: str = "panda", **channels: Any) -> JointLog:
 
 def robot_log(robot: str = "panda", **channels: Any) -> JointLog:
     """The arm moves by itself: tau_J = M ddq + c + g + F_m."""
-    return log_of(robot, tau_J=PANDA.inverse_dynamics(Q, DQ, DDQ) + friction(), **channels)
+    return log_of(robot, tau_J=MOVED + friction(), **channels)
 
 
 def extract(log: JointLog, joints: tuple[int, ...] | None = None, *, hand: bool = False, **choices: Any) -> Interaction:

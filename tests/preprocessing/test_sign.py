@@ -12,10 +12,10 @@ from friction_audit.preprocessing.sign import coarse_log, most, prove_sign
 from tests.synthetic_interaction import log_of
 
 
-def strokes(seconds: float = 20.0, speed: float = 0.5, drift: float = 0.05) -> tuple[JointLog, Float]:
+def strokes(seconds: float = 20.0, speed: float = 0.5, drift: float = 0.05, hz: float = 0.5) -> tuple[JointLog, Float]:
     """One joint going to and fro, never back to the same place, and its acceleration."""
     t = np.arange(0.0, seconds, 0.001)
-    omega = 2 * np.pi * 0.5
+    omega = 2 * np.pi * hz
     dq = speed * np.sin(omega * t) + drift
     q = speed / omega * (1 - np.cos(omega * t)) + drift * t
     return log_of(t, q, dq, tau_interaction=np.zeros(len(t))), speed * omega * np.cos(omega * t)
@@ -53,12 +53,12 @@ def test_torque_that_does_not_know_the_direction_is_undecided_in_most_cases() ->
 
 
 @pytest.mark.parametrize(
-    ("speed", "drift", "verdict"),
-    [(0.003, 0.0, "still"), (0.04, 0.0, "rises"), (0.2, 0.6, "undecided")],
-    ids=["at rest", "slow strokes", "one way"],
+    ("speed", "drift", "hz", "verdict"),
+    [(0.003, 0.0, 0.5, "still"), (0.04, 0.0, 0.5, "rises"), (0.008, 0.0, 0.04, "rises"), (0.2, 0.6, 0.5, "undecided")],
+    ids=["at rest", "slow strokes", "slow strokes of 60 mrad", "one way"],
 )
-def test_what_motion_proves(speed: float, drift: float, verdict: str) -> None:
-    log, _ = strokes(speed=speed, drift=drift)
+def test_what_motion_proves(speed: float, drift: float, hz: float, verdict: str) -> None:
+    log, _ = strokes(10.0 / hz, speed, drift, hz)
     evidence = judged(log, np.sign(log.dq))
     assert evidence.verdict == verdict
     assert verdict == "rises" or not most((evidence,), "rises")

@@ -12,7 +12,7 @@ from friction_audit.effects.registry import NAMES
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.pipeline import Estimate
 from friction_audit.preprocessing.interaction import Caution, quoted
-from friction_audit.reporting import words
+from friction_audit.reporting import drift_words, words
 from friction_audit.reporting.diagnosis import diagnose_lines
 from friction_audit.reporting.diagnosis_words import joint_message
 from friction_audit.reporting.drift import batch_lines
@@ -80,7 +80,7 @@ def in_ampere(found: Estimate) -> Estimate:
         ["2 Coulomb drift +15.0 ± 1.5 % 13 0 ± 0.10 % 3.3 %"],
         ["panda-1: 24 sessions, 2026-03-03 to 2026-04-07, 23 compared; joint 2: Coulomb friction rose by 15 % (14 to",
          "not compared: session 9 (run_009.mcap): payload 0.7 kg, the reference had none",
-         "Where friction drifts: check lubrication", "limit exceeded: panda-1, joint 2",
+         "Where friction drifts: check", "limit exceeded: panda-1, joint 2", "Friction drifts on 2 of 2 arms: panda-1",
          "failed: logs/broken.bag: broken.bag: is truncated"],
     ),
 ], ids=["estimate", "current", "replay", "diagnosis", "verbose", "longest names", "batch"])  # fmt: skip
@@ -143,6 +143,8 @@ def test_drift_in_detail_of_many_and_of_nothing() -> None:
     assert "not compared: 9 sessions: no start" in lines
     assert any(line.startswith("[red]arm[/red]: 24 sessions, 2026-03-03 to 2026-04-07") for line in lines)
     assert batch_lines(batch_by_hand.empty())[0].startswith("0 sessions of 0 arms: 0 computed, 0 known from the ledger")
+    fall = Coefficient(value=-3.97, low=-6.2, high=-0.25)
+    assert drift_words.how_much(fall, UNDETERMINED, "N m") == "397 % (25 to 620 %)"
 
 
 def test_sessions_that_do_not_fit_are_named_with_the_fault_of_their_torque() -> None:

@@ -80,7 +80,7 @@ def test_load_that_nobody_told_sags_and_gravity_compensation_stays_the_controlle
 # Friction compensators in every joint of a guided arm.
 
 JOINT = JointParameters(inertia_kg_m2=0.2, coulomb_nm=0.3, viscous_nms_per_rad=0.06)
-ALONE = ArmSettings(joints=(JOINT,) * 7, sensors=(IDEAL_SENSORS,) * 7, duration_s=14.0)
+ALONE = ArmSettings(joints=(JOINT,) * 7, sensors=(IDEAL_SENSORS,) * 7, duration_s=12.0)
 TRUE_VALUES = FixedCompensation(coulomb_nm=0.3, viscous_nms_per_rad=0.06)
 HELPED_SEED = 1
 LATER_S = 9.0
@@ -163,7 +163,7 @@ def test_a_driven_arm_follows_its_command_and_its_friction_is_found() -> None:
 
 
 def test_friction_of_a_guided_arm_is_found_with_default_settings() -> None:
-    simulation = simulate(ArmSettings(duration_s=30.0), AUDITED_SEED)
+    simulation = simulate(ArmSettings(duration_s=20.0), AUDITED_SEED)
     estimate = estimate_log(simulation.log, AuditSettings())
     assert np.abs(coulomb(estimate) - COULOMB)[1:].max() < 0.03
     truths = [

@@ -15,9 +15,6 @@ from friction_audit.joint_numbers import parse_joint_numbers
 from friction_audit.reporting.figures import style as figure_style
 from friction_audit.reporting.figures.registry import figures_of
 
-# Its module loads numerics, and the help shows it: a test holds them equal.
-REPORT_FORMATS = {"html": ".html", "pdf": ".pdf", "markdown": ".md", "json": ".json"}
-"""Formats of a report and the endings of their files."""
 FIGURES, REPLAY_FIGURES, DIAGNOSIS_FIGURES, BATCH_FIGURES, DIFF_FIGURES = (
     tuple(figure.name for figure in figures_of(result))
     for result in ("estimate", "replay", "diagnosis", "drift", "diff")

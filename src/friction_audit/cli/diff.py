@@ -82,7 +82,7 @@ def _recordings(
     """Return the recordings of a side, and which of several logs were left out."""
     from friction_audit.batch.find_logs import find_logs
     from friction_audit.batch.work import recording_of_document
-    from friction_audit.reporting.notices import Notice
+    from friction_audit.reporting.notices import notice
 
     is_result = source.suffix.lower() == ".json"
     results = [source] if is_result else [*source.glob(RESULT)] or sorted(source.glob(f"*/{RESULT}"))
@@ -99,7 +99,7 @@ def _recordings(
         try:
             found.append(of_log(path))
         except FrictionAuditError as error:
-            lost.append(Notice("log_left_out", None, f"{str(error).removeprefix(f'{path}: ')}; {path} is left out"))
+            lost.append(notice("log_left_out", why=str(error).removeprefix(f"{path}: "), path=path))
     if not found:
         raise InputError(f"{source}: none of {len(logs)} logs can be used: {lost[0].message}")
     return found, lost

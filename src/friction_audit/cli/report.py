@@ -5,11 +5,12 @@ from pathlib import Path
 
 import typer
 
-from friction_audit.cli import chain, choices, options as opt
+from friction_audit.cli import chain, options as opt
 from friction_audit.cli.choices import group, option
 from friction_audit.cli.grouped_help import OUTPUT, command_line
 from friction_audit.cli.outputs import ResultFolder, show
 from friction_audit.cli.replay import ReplayOptions, replay_settings
+from friction_audit.reporting import ENDINGS, SECTIONS
 
 EXAMPLES = """Examples:
   friction-audit report run.mcap
@@ -19,8 +20,6 @@ EXAMPLES = """Examples:
   friction-audit report run.bag --json | jq '.joints[] | {joint, verdict}'"""
 
 DEFAULT = "html"
-SECTIONS = ("friction", "diagnosis", "compensator", "recording")
-FORMATS = tuple(choices.REPORT_FORMATS)
 LENGTHS = {"read": 2.0, "friction": 2.0, "compensator": 1.0, "diagnosis": 15.0}  # as on a log of 21 s, seven joints
 DRAWING, WRITING = 15.0, 2.0  # likewise: the first file has to wait for the figures
 # Parameters that change nothing in the report; the values of a --config file are written out.
@@ -31,7 +30,7 @@ NOT_PART_OF_IT = ("json", "quiet", "verbose", "overwrite", "config", "strict")
 class ReportOptions:
     """What the report holds."""
 
-    formats: list[str] = option("Formats of the report. Default: html.", "--format", default=(), some_of=FORMATS)
+    formats: list[str] = option("Formats of the report. Default: html.", "--format", default=(), some_of=[*ENDINGS])
     sections: list[str] = option(
         "Sections of the report; repeatable, or separated by commas. Without diagnosis it takes seconds. Default: all.",
         "--sections", default=(), some_of=SECTIONS,
@@ -62,10 +61,10 @@ def command(
     name = f"{made.name_of_log(log) if log.is_dir() else Path(made.name_of_log(log)).stem}.report"
     # Where the document is printed and nothing else was asked for, there is no file.
     kinds = wanted.formats or ([] if json and folder is None else [DEFAULT])
-    by_ending = {ending: kind for kind, ending in choices.REPORT_FORMATS.items()}
+    by_ending = {ending: kind for kind, ending in ENDINGS.items()}
     if folder is not None and folder.suffix in by_ending and not folder.is_dir():
         kinds, name, folder = wanted.formats or [by_ending[folder.suffix]], folder.stem, folder.parent
-    files = {kind: (folder or Path()) / f"{name}{choices.REPORT_FORMATS[kind]}" for kind in kinds}
+    files = {kind: (folder or Path()) / f"{name}{ENDINGS[kind]}" for kind in kinds}
     out = ResultFolder(folder=folder or Path(), name=name, prefix=f"{name}.", exports=export, overwrite=again)
     out.check(log, [path.name for path in files.values()], "estimate", "replay", "diagnosis")
     lengths = [*(length for part, length in LENGTHS.items() if part in {"read", "friction", *sections}), DRAWING]
@@ -80,7 +79,7 @@ def command(
         given = command_line(context, leave_out=NOT_PART_OF_IT)
         from friction_audit.diagnosis.settings import DiagnosisSettings
         from friction_audit.io.files import whole_file
-        from friction_audit.reporting.html.log_page import REPORT_FORMATS
+        from friction_audit.reporting.html.log_page import WRITERS
 
         steps = replay_settings(ReplayOptions(), shared.cycles), DiagnosisSettings(min_effect_nm=wanted.min_effect)
         typed = given.replace(shlex.quote(str(log)), shlex.quote(made.name_of_log(log)))
@@ -88,7 +87,7 @@ def command(
         report = made.report_estimate(estimate, *steps, sections=sections, reading=how, command=typed, step=stages.step)
         for kind, path in files.items():
             with stages.step(f"write {path}"), whole_file(path, overwrite=again) as draft:
-                draft.write_bytes(REPORT_FORMATS[kind][1](report))
+                draft.write_bytes(WRITERS[kind](report))
         exported = out.write_exports(made.report_tables(report), recorded, stages)
     lines = [made.lead_sentence(report), *map(str, (*files.values(), *exported))]
     show(lambda: made.REPORT.json(report, report.unit), lambda: lines, json=json)

@@ -71,7 +71,7 @@ class Run:
         """Run on through a scene; return what happens in it, up to where it diverges."""
         recorded, motion, samples = scene.recorded, scene.motion, 0
         dq, torques = recorded.dq, np.zeros((4, len(recorded.t)))
-        rows = np.zeros(len(recorded.t) // SHORTEST_CYCLE + 2, CYCLE)
+        rows = np.empty(len(recorded.t) // SHORTEST_CYCLE + 2, CYCLE)
         if motion is not None and isinstance(self._compensator, JointModelCompensation):
             self._feed = feed_of(self._compensator.terms, motion)
         control = Control(self._settings, self.memory, self.tally, self._feed, scene.cuts, torques, rows)

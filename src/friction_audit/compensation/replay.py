@@ -164,7 +164,7 @@ class _JointRun:
         if joint.reason:
             return joint
         run, history = self._run, np.concatenate(self._run.rows).view(np.recarray)
-        history.start_s[1:] = history.stop_s[:-1]
+        history.start_s[:1], history.start_s[1:] = 0.0, history.stop_s[:-1]
         reason = (
             result.missing_estimate(history, self.friction, joint.compensator) if isnan(run.tally["diverged_s"]) else ()
         )

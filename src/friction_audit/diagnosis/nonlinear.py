@@ -16,7 +16,7 @@ import numpy as np
 
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.gram import Gram, Training
-from friction_audit.diagnosis.problem import SIGN_COLUMNS, SMOOTHED
+from friction_audit.diagnosis.problem import SAMPLE_SD, SIGN_COLUMNS, SMOOTHED
 from friction_audit.diagnosis.selection import PRIOR, Projected, occam, split
 from friction_audit.effects.effect import Nonlinear
 from friction_audit.effects.joint_data import Nominal
@@ -245,10 +245,12 @@ def intervals(gram: Gram, dictionary: Dictionary, active: Sequence[Block], basel
     nominal = {name: _around(fit.coefficients[k], half[k]) for k, name in enumerate(gram.problem.nominal.names)}
     _, *widths = np.split(half, np.cumsum([len(base), *map(len, (*free, *slopes))])[:-1])
     linear, effects, missing = iter(widths), [], []
+    # A delay that is found holds the recorder's own, of part of a sample.
+    recorder = 2.0 * SAMPLE_SD * gram.problem.data.sample_s
     for (scale, c), width in zip(each, widths[len(free) :], strict=True):
-        block, (nonlinear, unknown) = scale.block, _free(scale, width)
-        named = zip(block.effect.coefficients, block.there, strict=False)
-        labels = [parameter.name for parameter, there in named if there]
+        block, unit = scale.block, scale.unit * np.where(scale.log, scale.start, 1.0)
+        nonlinear, unknown = _free(scale, np.hypot(width, recorder / unit) if block.effect.recorder else width)
+        labels = [one.name for one, there in zip(block.effect.coefficients, block.there, strict=False) if there]
         if block.effect.follows:
             numbers = {labels[0]: _following(block, nonlinear)}
             unknown = (*unknown, *(name for name, one in numbers.items() if not np.isfinite(one.high)))

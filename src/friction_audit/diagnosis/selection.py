@@ -25,9 +25,9 @@ ROUNDS_OF_FOLDS = 2
 # Difference in evidence below which two effects cannot be separated: more is very strong (Kass and Raftery 1995).
 # With 6 effects_cable_spring_90001, pairs_torque_bias+warm_up_90006 and stranger_gravity_error_90001 have a wrong name.
 INDISTINGUISHABLE = 10.0
-# Evidence of the screened points of an effect, of any size with the right sign, from which its others are built: of 174
-# joints with effects of all kinds, none has a link with 6 and more whose screened points have less than this.
-SCREENED = 4.0
+# Evidence of the screened points of an effect, of any size with the right sign, from which its others are built. With 4
+# in its place no more true names are found in 75 joints of most kinds, half of which have 4 to 6 for some effect.
+SCREENED = 6.0
 LEAST_EVIDENCE = 2.0  # of a competing effect: less is hardly anything
 ALIKE = 0.7  # correlation of their torques given everything else, from which they are the same thing
 CLOSE = 40.0  # effects so near the best one are refined before one is chosen

@@ -47,7 +47,6 @@ def _loaded_neighbours(data: JointData, nominal: Nominal) -> Caution | None:
 
 
 TORQUE_CROSSTALK = TorqueCrosstalk(
-    name="torque_crosstalk",
     label="torque of a neighbour leaks in",
     axis="neighbour",
     coefficients=(
@@ -67,8 +66,8 @@ JOINTS = 7  # accelerations of more joints are not looked at
 INERTIAL = ("moment_x", "moment_y", "moment_z", "xx", "xy", "yy", "xz", "yz", "zz")
 UNITS = ("kg_m",) * 3 + ("kg_m2",) * 6
 # Either sign is possible, for a rotor may turn against its neighbour.
-SHARE = {"lower": -2.0, "upper": 2.0}  # of the model's inertial torque: 1 where it was not subtracted, -1 if twice
-MASS_KG = {"lower": -10.0, "upper": 10.0}  # what columns that nearly cancel may make of the last link is no body
+SHARE = 2.0  # of the model's inertial torque at most: 1 where it was not subtracted, -1 where it was twice
+MASS_KG = 10.0  # what columns that nearly cancel may make of the last link is no body
 CYCLES_PER_COLUMN = 2  # a dozen coefficients from as many cycles overfit, with masses that no arm carries
 
 
@@ -124,7 +123,6 @@ def _moving_neighbours(data: JointData, _nominal: Nominal) -> Caution | None:
 
 
 INERTIAL_COUPLING = InertialCoupling(
-    name="inertial_coupling",
     label="acceleration of other joints",
     axis="neighbour",
     coefficients=(
@@ -133,8 +131,8 @@ INERTIAL_COUPLING = InertialCoupling(
             for to, what in (("joint", "acceleration"), ("speed", "squared speed"))
             for k in range(1, JOINTS + 1)
         ),
-        Parameter("inertial_torque_share", "1", "share of the model's inertial torque", **SHARE),
-        Parameter("tip_mass_kg", "kg", "of the last link, mass", **MASS_KG),
+        Parameter("inertial_torque_share", "1", "share of the model's inertial torque", lower=-SHARE, upper=SHARE),
+        Parameter("tip_mass_kg", "kg", "of the last link, mass", lower=-MASS_KG, upper=MASS_KG),
         *(
             Parameter(f"tip_{name}_{unit}", unit.replace("_", " "), f"of the last link, {name}")
             for name, unit in zip(INERTIAL, UNITS, strict=True)

@@ -28,7 +28,7 @@ class OneColumn(Effect):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SimpleFriction(OneColumn, SpeedFriction):
+class SimpleFriction(SpeedFriction, OneColumn):
     """Coulomb and viscous friction."""
 
 
@@ -54,18 +54,14 @@ NOMINAL = (
     SimpleFriction(
         name="coulomb",
         label="Coulomb friction",
-        axis="speed",
         coefficients=(Parameter("coulomb_nm", "N m", "friction at any speed", lower=0.0),),
-        friction=True,
         of=lambda motion: motion.direction,  # 0 at rest, where friction is what holds the joint
         cpp="{0!r} * way",
     ),
     SimpleFriction(
         name="viscous",
         label="viscous friction",
-        axis="speed",
         coefficients=(Parameter("viscous_nms_per_rad", "N m s/rad", "friction per velocity", lower=0.0),),
-        friction=True,
         of=lambda motion: motion.dq,
         cpp="{0!r} * dq",
     ),
@@ -79,7 +75,6 @@ NOMINAL = (
 )
 
 ASYMMETRIC_COULOMB = Constant(
-    name="asymmetric_coulomb",
     label="friction differs by direction",
     axis="speed",
     coefficients=(Parameter("coulomb_half_difference_nm", "N m", "half of the difference, forward minus backward"),),
@@ -96,7 +91,6 @@ ASYMMETRIC_COULOMB = Constant(
 )
 
 ASYMMETRIC_VISCOUS = OneColumn(
-    name="asymmetric_viscous",
     label="viscous friction differs by direction",
     axis="speed",
     coefficients=(
@@ -112,7 +106,6 @@ ASYMMETRIC_VISCOUS = OneColumn(
 )
 
 TORQUE_BIAS = Constant(
-    name="torque_bias",
     label="offset of the torque sensor",
     axis="time",
     coefficients=(Parameter("torque_bias_nm", "N m", "interaction torque as read without a load"),),
@@ -125,7 +118,6 @@ TORQUE_BIAS = Constant(
 )
 
 INERTIA_ERROR = OneColumn(
-    name="inertia_error",
     label="the stated inertia is wrong",
     axis="acceleration",
     coefficients=(Parameter("extra_inertia_kg_m2", "kg m^2", "true minus stated inertia"),),

@@ -55,15 +55,12 @@ class Stribeck(SpeedFriction):
 
 
 STRIBECK = Stribeck(
-    name="stribeck",
     label="more friction at low speed",
-    axis="speed",
     coefficients=(Parameter("stribeck_excess_nm", "N m", "static minus Coulomb friction", lower=0.0),),
     nonlinear=(
         Parameter("stribeck_speed_rad_s", "rad/s", "Stribeck velocity", lower=SLOWEST, upper=FASTEST),
         Parameter("stribeck_exponent", "1", "Stribeck exponent", lower=0.2, upper=5.0),
     ),
-    friction=True,
     cpp="{0!r} * way * std::exp(-std::pow(pace / {1!r}, {2!r}))",
     requires=partial(speed_range, ratio=8.0),
     record="move steadily at speeds that differ by a factor of 8, very slow to fast",
@@ -137,9 +134,7 @@ def bend_table(freedom: float) -> Float:
 
 
 NONLINEAR_VISCOUS = NonlinearViscous(
-    name="nonlinear_viscous",
     label="friction curved in speed",
-    axis="speed",
     coefficients=(Parameter("curved_viscous_nm", "N m", "curved friction at 1 rad/s"),),
     nonlinear=(
         Parameter("curved_viscous_exponent", "1", "exponent at high speed", lower=-1.0, upper=5.0),
@@ -153,7 +148,6 @@ NONLINEAR_VISCOUS = NonlinearViscous(
             optional=True,
         ),
     ),
-    friction=True,
     requires=partial(speed_range, ratio=5.0),
     record="move at speeds that differ by a factor of 5 and more",
     separate={
@@ -189,7 +183,6 @@ def stated_friction(data: JointData, nominal: Nominal) -> Caution | None:
 
 
 UNLOGGED_COMPENSATION = UnloggedCompensation(
-    name="unlogged_compensation",
     label="less friction than stated: an unlogged compensator",
     axis="speed",
     coefficients=(Parameter("unlogged_nm", "N m", "compensator torque at high speed", lower=0.0),),

@@ -140,7 +140,7 @@ def export_friction(
         known = [name for name, _ in found]
         names, by_order = friction_law.match_names(laws, len(joints.every), known, into.where)
         tags = dict(found)
-    fitted = [one.fit(target.highest_power or 1) for one in laws]
+    fitted = [one.fit(target.highest_power) for one in laws]
     written = tuple(ExportedJoint(*one) for one in zip(names, laws, fitted, strict=True))
     if into is None or target.edits is None:
         content = render(target.name, written)

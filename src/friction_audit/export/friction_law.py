@@ -60,8 +60,15 @@ class FrictionLaw:
         motion = Motion(t=still, q=still, dq=dq, ddq=still, way=way)
         return np.asarray(np.sum([term.torque(motion) for term in self.terms], axis=0))
 
-    def fit(self, highest_power: int) -> FittedFriction:
-        """Fit a polynomial of the speed; its highest power is 1 for Coulomb and viscous friction alone, up to 3."""
+    def fit(self, highest_power: int | None) -> FittedFriction:
+        """Fit a polynomial of the speed; its highest power is 1 for Coulomb and viscous friction alone, up to 3.
+
+        None is for a file that holds the law itself: its own Coulomb and viscous friction.
+        """
+        if highest_power is None:
+            own = {term.name: term.values[0] for term in self.terms}
+            ends = (own.get("coulomb", 0.0), own.get("viscous", 0.0), 0.0, 0.0)
+            return FittedFriction(coefficients=ends, error_nm=0.0, error_share=0.0)
         from scipy.optimize import nnls
 
         torque = self.torque(self.speeds)

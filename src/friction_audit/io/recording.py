@@ -13,8 +13,9 @@ from friction_audit.parallel import ahead
 Block = tuple[Float, dict[str, Float]]  # clock and channels of samples that follow each other
 # Of the parabola whose slope is the velocity: shorter than a change of direction by hand. Of a coarse position it is
 # longer, until the slope has little noise: jitter that looks like motion adds path, and takes Coulomb friction away.
+# It ends at the least mean square error of the slope: a long parabola cuts fast motion.
 HALF_WINDOW_S, LONGEST_HALF_WINDOW_S, NOISE_RAD_S = 0.01, 0.05, 1e-3
-MEAN_OF_THIRD = np.sqrt(20.0 * 2.0 / np.pi)  # absolute third difference of white noise, over its standard deviation
+MEAN_OF_SIXTH = np.sqrt(924.0 * 2.0 / np.pi)  # absolute sixth difference of white noise, over its standard deviation
 _TURN_RAD = 2.001 * np.pi
 _PIECE = 1 << 16  # samples of a recording in memory that are looked at at a time: they stay in the processor's cache
 
@@ -174,17 +175,22 @@ def with_velocity(recording: Recording, step_s: float, *, asked: bool) -> Record
     columns = [np.unwrap(column) if np.ptp(column) <= _TURN_RAD else column for column in q.T]
 
     def fitted(half_s: float) -> tuple[int, Float]:
-        width = min(2 * max(2, round(half_s / step_s)) + 1, (len(t) - 1) // 2 * 2 + 1)
+        width = min(2 * max(1, round(half_s / step_s)) + 1, (len(t) - 1) // 2 * 2 + 1)
         ts, *qs = (savgol_filter(x, width, 2, deriv=1) if width > 1 else np.gradient(x) for x in (t, *columns))
         return width, np.asfortranarray(np.divide(qs, ts).T)
 
     width, rate = fitted(HALF_WINDOW_S)
-    # Noise and resolution, from third differences without those of the clock; the slope's falls with width^1.5.
-    third = (np.diff(x, 3) - v[1:-2] * np.diff(t, 3) for x, v in zip(columns, rate.T, strict=True))
-    noise = max(float(np.abs(one).sum()) for one in third) / (MEAN_OF_THIRD * len(t))
+    # Noise and resolution, from sixth differences without those of the clock; the slope's falls with width^1.5.
+    sixth = (np.diff(x, 6) - v[3:-3] * np.diff(t, 6) for x, v in zip(columns, rate.T, strict=True))
+    noise = max(float(np.abs(one).sum()) for one in sixth) / (MEAN_OF_SIXTH * len(t))
     enough_s = 0.5 * step_s * (np.sqrt(12.0) * noise / (NOISE_RAD_S * step_s)) ** (2.0 / 3.0)
     if enough_s > HALF_WINDOW_S:
-        width, rate = fitted(min(enough_s, LONGEST_HALF_WINDOW_S))
+        longest, smooth = fitted(LONGEST_HALF_WINDOW_S)
+        lag = max(longest // 2, 1)
+        jerk = np.sqrt(np.mean(np.diff(smooth[::lag], 2, axis=0) ** 2, axis=0).max()) / (lag * step_s) ** 2
+        # Least variance plus squared bias, 1.5 noise^2 step / half^3 + (jerk half^2 / 10)^2.
+        best_s = (112.5 * noise**2 * step_s / max(jerk, 1e-9) ** 2) ** (1.0 / 7.0)
+        width, rate = fitted(min(enough_s, max(best_s, HALF_WINDOW_S), LONGEST_HALF_WINDOW_S))
     message = f"dq is the derivative of q ({names.get('q', 'q')}), by a parabola through {width} samples"
     if recording.guessed_unit:
         message += f" of a clock read in {recording.guessed_unit}"

@@ -162,13 +162,11 @@ def _both_steps(x: Float) -> Float:
 
 def _areas(step: Float, moved: Float, dq: Float, filtered: Float, torque: Float, compensation: Float | None) -> Float:
     """Return what each of the sums adds up, shape (k, ...)."""
-    found = np.zeros((len(SUMS), *step.shape))
+    found = np.empty((len(SUMS), *step.shape))
     work, by_active, printed, path, rectified, square = found
     np.multiply(torque, moved, out=work)
-    moved_by_dq, driving = dq * step, torque
-    if compensation is not None:
-        np.multiply(compensation, moved, out=by_active)
-        driving = torque + compensation
+    moved_by_dq, driving = dq * step, torque if compensation is None else torque + compensation
+    np.multiply(0.0 if compensation is None else compensation, moved, out=by_active)
     np.multiply(driving, moved_by_dq, out=printed)
     np.multiply(np.sign(filtered, out=path), moved, out=path)
     np.abs(moved_by_dq, out=rectified)

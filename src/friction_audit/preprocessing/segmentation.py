@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import fields, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
-from friction_audit.joint_log import Float, JointLog, median_step
+from friction_audit.joint_log import Float, Int, JointLog, median_step
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing import cycle_sums
 from friction_audit.preprocessing.energy_cycles import (
@@ -21,7 +21,6 @@ from friction_audit.preprocessing.energy_cycles import (
     SMALL,
     EnergyCycles,
     EnergySums,
-    Int,
 )
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.settings import CycleSettings
@@ -45,6 +44,7 @@ NOISE_MULTIPLE = 5.0  # standard deviations of the filtered velocity that termin
 TINY = 1e-6  # a log without any motion still gets thresholds above zero
 MOST_SAMPLES = 1 << 19  # of which automatic thresholds are taken, spread evenly over the log
 
+Arrays = TypeVar("Arrays", EnergyCycles, EnergySums)
 Thresholds = tuple[float, float]
 """Of initiation and termination."""
 
@@ -324,14 +324,9 @@ def _moments(parts: EnergySums) -> tuple[Float, Float]:
     return (one * other).sum(axis=-1), speeds
 
 
-def join_cycles(joints: Sequence[EnergyCycles]) -> EnergyCycles:
-    """Return the cycles of all joints, each given in order, as one structure."""
-
-    def joined(some: Sequence[Any]) -> Any:  # noqa: ANN401 - arrays, or what holds them
-        if isinstance(some[0], np.ndarray):
-            return np.concatenate(some)
-        names = [one.name for one in fields(some[0]) if one.name != "speed_unit"]
-        return replace(some[0], **{name: joined([getattr(one, name) for one in some]) for name in names})
-
-    found: EnergyCycles = joined(joints)
-    return found
+def join_cycles(joints: Sequence[Arrays]) -> Arrays:
+    """Return the cycles of all joints, or their sums, each given in order, as one structure."""
+    every = {one.name: [getattr(own, one.name) for own in joints] for one in fields(joints[0])}
+    joined: dict[str, Any] = {n: np.concatenate(some) for n, some in every.items() if isinstance(some[0], np.ndarray)}
+    joined |= {name: join_cycles(some) for name, some in every.items() if isinstance(some[0], EnergySums)}
+    return replace(joints[0], **joined)

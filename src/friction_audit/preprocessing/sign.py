@@ -21,9 +21,9 @@ from friction_audit.log_in_blocks import LogInBlocks, block_means, samples_per_m
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.interaction import SignEvidence
 
-# A sample moves above a fifth of the joint's peak speed, but at least at 0.01 and at most at 0.05 rad/s.
+# A sample moves above a fifth of the joint's peak speed, at most 0.05 rad/s, and at least 0.01 unless all is slow.
 SLOWEST_RAD_S, FASTEST_RAD_S, SHARE_OF_PEAK = 0.01, 0.05, 0.2
-STILL_RAD_S = 0.02  # a joint whose peak speed stays below this does not move
+STILL_RAD_S, STILL_RAD = 0.02, 0.05  # a joint whose peak speed and range stay below these does not move
 SHARE_OF_FARTHEST = 0.1
 MINIMUM_STROKES = 4
 SIGNIFICANT = 2.0  # standard errors
@@ -88,7 +88,8 @@ def most(evidence: tuple[SignEvidence, ...], verdict: Verdict) -> bool:
 def strokes_of(log: CoarseLog, joint: int) -> tuple[Bool, Float, Int]:
     """Return where a joint moves, shape (m,), and there the direction and the number of the stroke."""
     speed = np.abs(log.dq[:, joint])
-    moving = (speed > np.clip(SHARE_OF_PEAK * speed.max(), SLOWEST_RAD_S, FASTEST_RAD_S)) & log.whole
+    slowest = SLOWEST_RAD_S if speed.max() >= STILL_RAD_S else 0.0
+    moving = (speed > np.clip(SHARE_OF_PEAK * speed.max(), slowest, FASTEST_RAD_S)) & log.whole
     direction = np.sign(log.dq[moving, joint])
     return moving, direction, np.cumsum(np.diff(direction, prepend=direction[:1]) != 0)
 
@@ -96,7 +97,8 @@ def strokes_of(log: CoarseLog, joint: int) -> tuple[Bool, Float, Int]:
 def _judge(log: CoarseLog, joint: int, torque: Float) -> SignEvidence:
     step, speed = median_step(log.t), np.abs(log.dq[:, joint])
     moving, direction, stroke = strokes_of(log, joint)
-    verdict: Verdict = "undecided" if speed.max() >= STILL_RAD_S else "still"
+    moves = speed.max() >= STILL_RAD_S or np.ptp(log.q[:, joint]) >= STILL_RAD
+    verdict: Verdict = "undecided" if moves else "still"
     against = error = float("nan")
     if verdict != "still" and stroke.size > 0 and stroke[-1] + 1 >= MINIMUM_STROKES:
         q = log.q[moving, joint]

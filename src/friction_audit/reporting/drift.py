@@ -290,7 +290,8 @@ def batch_lines(summary: BatchSummary, *, verbose: bool = False) -> list[str]:
     last += [f"failed: {path}: {message}" for path, message in summary.failed]
     by_arm = (line for arm in summary.report.arms for line in ("", *_arm_lines(arm, verbose=verbose)))
     advice = ["", phrases.TO_DO] if summary.report.drift else []
-    return [f"{sessions} of {arms}: {done}", *by_arm, *advice, *([""] if last else []), *last]
+    several = ["", phrases.batch_sentence(summary.report.arms)] if len(summary.report.arms) > 1 else []
+    return [f"{sessions} of {arms}: {done}", *several, *by_arm, *advice, *([""] if last else []), *last]
 
 
 def _details(arm: ArmDrift, joint: JointDrift) -> Iterator[str]:

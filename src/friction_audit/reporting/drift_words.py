@@ -119,12 +119,11 @@ def _step(point: ChangePoint, unit: str, sessions: Sequence[Session]) -> str:
 
 def how_much(relative: Coefficient, absolute: Coefficient, unit: str) -> str:
     """Return a size with its interval, in per cent where that means something."""
-    shown = words.scaled(relative, 100.0) if isfinite(relative.value) else absolute
+    shown = relative if isfinite(relative.value) else absolute
     low, high = sorted(math.copysign(1.0, shown.value) * end for end in (shown.low, shown.high))
-    ends = f"{low:.2g} to {high:.2g}"
     if shown is absolute:
-        return f"{abs(absolute.value):.2g} {unit} ({ends})"
-    return f"{words.percent(abs(relative.value))} % ({ends} %)"
+        return f"{abs(absolute.value):.2g} {unit} ({low:.2g} to {high:.2g})"
+    return f"{words.percent(abs(relative.value))} % ({words.percent(low)} to {words.percent(high)} %)"
 
 
 def amount(share: float, size: float, coefficient: str) -> str:
@@ -189,6 +188,23 @@ def arm_sentence(arm: ArmDrift) -> str:
             parts.append(f"{words.range_of(sizes, words.percent)} % of {word} friction")
     least = f": changes of {' and of '.join(parts)} are detectable, joint by joint" if parts else ""
     return f"no drift in {compared} sessions{least}"
+
+
+def batch_sentence(arms: Sequence[ArmDrift]) -> str:
+    """Return one sentence on all arms."""
+    if not arms:
+        return "No session could be read: no statement on drift is possible."
+    drifting = [arm for arm in arms if arm.drift]
+    if len(drifting) > 1:
+        names = words.enumerate_words(arm.robot for arm in drifting)
+        return f"Friction drifts on {len(drifting)} of {count_of(len(arms), 'arm')}: {names}."
+    if drifting or len(arms) == 1:
+        arm = (drifting or arms)[0]
+        return f"{arm.robot}: {arm_sentence(arm)}."
+    coefficients = ([one for joint in arm.joints for one in joint.coefficients] for arm in arms)
+    steady = [drift_verdict(*own) for own in coefficients].count(STEADY)
+    found = f"No drift of the friction was found on {count_of(steady, 'arm')}"
+    return f"{found}." if steady == len(arms) else f"{found}; no answer on {count_of(len(arms) - steady, 'arm')}."
 
 
 def first_after(change: ChangePoint) -> str:

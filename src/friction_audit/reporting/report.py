@@ -15,6 +15,7 @@ from friction_audit.errors import AnalysisError, FrictionAuditError, bug
 from friction_audit.friction.history import Coefficient, JointFriction
 from friction_audit.io.writers.tables import TidyTable
 from friction_audit.pipeline import Diagnosis, Estimate, LogReplay, diagnose_estimate, replay_estimate
+from friction_audit.reporting import SECTIONS
 from friction_audit.reporting.diagnosis import DIAGNOSE, diagnose_tables
 from friction_audit.reporting.diagnosis_tables import TONES, WORDS, effect_rows
 from friction_audit.reporting.diagnosis_words import joint_message, plain_names
@@ -26,7 +27,6 @@ from friction_audit.reporting.table import JOINT, NAME, Column, Document, Record
 from friction_audit.reporting.words import count_of, enumerate_words, with_unit
 
 T = TypeVar("T")
-SECTIONS = ("friction", "diagnosis", "compensator", "recording")  # sections of a report that can be left out
 Step = Callable[[str], AbstractContextManager[Callable[[float], None] | None]]
 """Takes the name of a step and returns what is entered while it is under way: what takes the share done, or None."""
 

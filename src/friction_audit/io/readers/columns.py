@@ -246,6 +246,8 @@ def _align(
         group = groups[channel]
         fits = len(group.cells) == len(keys) and (group.in_order or len(keys) == 1)
         own = tuple(group.cells.values()) if fits else tuple(group.cells[key] for key in keys if key in group.cells)
+        if channel == "temperature" and len(group.cells) == 1 and not re.search(r"[{#]", group.template):
+            fits, own = True, (*group.cells.values(),) * len(keys)  # that of the arm or of the room
         lost = [names[cell] for key, cell in group.cells.items() if key not in keys and not fits]
         if len(own) == len(keys):
             channels[channel] = own

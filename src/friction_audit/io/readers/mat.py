@@ -22,7 +22,7 @@ from friction_audit.io.readers.table import read_table
 from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Finding
 
-_HDF5 = b"MATLAB 7.3"
+_HDF5 = (b"MATLAB 7.3", b"\x89HDF")  # of MATLAB, and of scripts that write HDF5 under this name
 _FEWEST_SAMPLES = 2
 _HEADER_BYTES, _ORDER_BYTES = 128, slice(126, 128)
 # Types of elements of version 5 (MAT-File Format, MathWorks, table 1-1).
@@ -47,7 +47,7 @@ def topics(path: Path) -> tuple[Topic, ...]:
 def _arrays(path: Path) -> tuple[dict[str, NDArray[Any]], tuple[Finding, ...]]:
     """Return the arrays of numbers by name, one row per sample, and what is said of channels of another shape."""
     try:
-        whole = dict(_from_hdf5(path) if starts_with(path, _HDF5) else _from_version_5(path))
+        whole = dict(_from_hdf5(path) if any(starts_with(path, magic) for magic in _HDF5) else _from_version_5(path))
     except _DAMAGED as error:
         text = " ".join(str(error).split())
         raise InputError(f"{path}: a damaged MATLAB file: {text}; copy or save it again") from error

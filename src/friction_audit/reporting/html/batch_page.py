@@ -12,7 +12,7 @@ from friction_audit.reporting.figures.registry import FigureKind, figures_of
 from friction_audit.reporting.html import page as html
 from friction_audit.reporting.notices import sentence_of, text_of
 from friction_audit.reporting.table import Record, Table
-from friction_audit.reporting.words import count_of, enumerate_words, joint_label, joints_label
+from friction_audit.reporting.words import count_of, joint_label, joints_label
 
 # Figures of one page together: a page of many arms shows those that drift, and names the others. [bytes]
 MOST_BYTES = 1_600_000
@@ -62,23 +62,7 @@ def write_page(summary: tables.BatchSummary, drawn: Mapping[str, html.Figure]) -
         *([failed] if summary.failed else ()),
         *html.closing_sections(WORDS, summary.settings, summary.command),
     )
-    return html.render_page(html.Page("Friction over sessions", _lead(arms), facts, sections))
-
-
-def _lead(arms: Sequence[ArmDrift]) -> str:
-    if not arms:
-        return "No session could be read: no statement on drift is possible."
-    drifting = [arm for arm in arms if arm.drift]
-    if len(drifting) > 1:
-        names = enumerate_words(arm.robot for arm in drifting)
-        return f"Friction drifts on {len(drifting)} of {count_of(len(arms), 'arm')}: {names}."
-    if drifting or len(arms) == 1:
-        arm = (drifting or arms)[0]
-        return f"{arm.robot}: {phrases.arm_sentence(arm)}."
-    coefficients = ([one for joint in arm.joints for one in joint.coefficients] for arm in arms)
-    steady = [phrases.drift_verdict(*own) for own in coefficients].count(phrases.STEADY)
-    found = f"No drift of the friction was found on {count_of(steady, 'arm')}"
-    return f"{found}." if steady == len(arms) else f"{found}; no answer on {count_of(len(arms) - steady, 'arm')}."
+    return html.render_page(html.Page("Friction over sessions", phrases.batch_sentence(arms), facts, sections))
 
 
 def _pictures(arms: tuple[ArmDrift, ...], drawn: Mapping[str, html.Figure]) -> dict[int, tuple[html.Figure, ...]]:

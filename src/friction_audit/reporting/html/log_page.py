@@ -229,13 +229,13 @@ TOPICS: Mapping[str, tuple[str, Callable[[made.LogReport], Iterator[html.Part]]]
     "recording": ("What was recorded", _recording),
 }
 """Sections that can be left out."""
-REPORT_FORMATS: Mapping[str, tuple[str, Callable[[made.LogReport], bytes]]] = {
-    "html": (".html", lambda report: html.render_page(log_page(report)).encode()),
-    "pdf": (".pdf", lambda report: html.write_pdf(log_page(report))),
-    "markdown": (".md", lambda report: html.write_markdown(log_page(report, figures=False)).encode()),
-    "json": (".json", lambda report: write_document(made.REPORT.json(report, report.unit)).encode()),
+WRITERS: Mapping[str, Callable[[made.LogReport], bytes]] = {
+    "html": lambda report: html.render_page(log_page(report)).encode(),
+    "pdf": lambda report: html.write_pdf(log_page(report)),
+    "markdown": lambda report: html.write_markdown(log_page(report, figures=False)).encode(),
+    "json": lambda report: write_document(made.REPORT.json(report, report.unit)).encode(),
 }
-"""Formats: the ending of a file, and what is in it."""
+"""What is in a file of a format."""
 
 
 @lru_cache(maxsize=1)  # a page and its PDF have the same figures
