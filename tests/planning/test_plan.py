@@ -30,10 +30,7 @@ STRIBECK = {"stribeck_excess_nm": 0.15, "stribeck_speed_rad_s": 0.1, "stribeck_e
 
 @pytest.fixture(autouse=True, scope="module")
 def designed_once() -> Iterator[None]:
-    """Take the candidates of one joint apart once: what they say of the effects does not depend on the duration.
-
-    Plans are made of every third candidate; the pages of the documents show plans that are made of all.
-    """
+    """Take candidates apart once, whatever the duration; plan with every third, but in the test of the command."""
     known, original = dict[str, design.Information](), design.information_of
 
     def information_of(*args: Any) -> design.Information:
@@ -133,7 +130,10 @@ def result(path: Path, verdict: str, **changes: object) -> Path:
     return path
 
 
-def test_the_command_separates_checks_and_writes_a_document_and_the_trajectory(run: Run, tmp_path: Path) -> None:
+def test_the_command_separates_checks_and_writes_a_document_and_the_trajectory(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(plans, "candidates_of", candidates_of)
     effect = {"name": "stribeck", "alternatives": ["nonlinear_viscous"], "parameters": STRIBECK}
     source = result(tmp_path / "a.json", "ambiguous", effects=[effect])
     answer = run("plan", source, "--drive", "hand", "--duration", DURATION, "-o", "out", "--json")

@@ -16,7 +16,7 @@ import numpy as np
 
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.gram import Gram, Training
-from friction_audit.diagnosis.problem import SAMPLE_SD, SIGN_COLUMNS, SMOOTHED
+from friction_audit.diagnosis.problem import SIGN_COLUMNS, SMOOTHED
 from friction_audit.diagnosis.selection import PRIOR, Projected, occam, split
 from friction_audit.effects.effect import Nonlinear
 from friction_audit.effects.joint_data import Nominal
@@ -245,8 +245,8 @@ def intervals(gram: Gram, dictionary: Dictionary, active: Sequence[Block], basel
     nominal = {name: _around(fit.coefficients[k], half[k]) for k, name in enumerate(gram.problem.nominal.names)}
     _, *widths = np.split(half, np.cumsum([len(base), *map(len, (*free, *slopes))])[:-1])
     linear, effects, missing = iter(widths), [], []
-    # A delay that is found holds the recorder's own, of part of a sample.
-    recorder = 2.0 * SAMPLE_SD * gram.problem.data.sample_s
+    # A delay that is found holds the recorder's own, evenly spread over one sample.
+    recorder = 0.5 * CONFIDENCE * gram.problem.data.sample_s
     for (scale, c), width in zip(each, widths[len(free) :], strict=True):
         block, unit = scale.block, scale.unit * np.where(scale.log, scale.start, 1.0)
         nonlinear, unknown = _free(scale, np.hypot(width, recorder / unit) if block.effect.recorder else width)
