@@ -121,7 +121,7 @@ def how_much(relative: Coefficient, absolute: Coefficient, unit: str) -> str:
     """Return a size with its interval, in per cent where that means something."""
     shown = relative if isfinite(relative.value) else absolute
     low, high = sorted(math.copysign(1.0, shown.value) * end for end in (shown.low, shown.high))
-    if shown is absolute:
+    if not isfinite(relative.value):
         return f"{abs(absolute.value):.2g} {unit} ({low:.2g} to {high:.2g})"
     return f"{words.percent(abs(relative.value))} % ({words.percent(low)} to {words.percent(high)} %)"
 
