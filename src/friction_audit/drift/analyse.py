@@ -123,7 +123,7 @@ def describe_series(
         return CoefficientDrift(**_shown(series, series.y, sessions), shape="too_few", drift=False, reasons=reasons)
     warm, growth, first = series.take(series.kept), verdict.scatter.growth, verdict.scatter.first
     inflation = (1.0 + first) / (1.0 - first)
-    shape, model, steps = _find_shape(warm, verdict, reference, settings)
+    shape, model, steps, p_value = _find_shape(warm, verdict, reference, settings, inflation)
     if shape == "temperature":
         series = replace(series, temperature=None)
         model = regression.ends_model(series.take(series.kept), reference)
@@ -148,60 +148,92 @@ def describe_series(
         **_shown(series, y, sessions),
         level=level,
         shape=shape,
-        p_value=verdict.p_value,
+        p_value=p_value,
         temperature_slope=slope,
         temperature_c=float("nan") if counted.temperature is None else float(np.mean(counted.temperature)),
         trend_per_session=regression.slope_over(counted, counted.place, inflation),
         trend_per_day=regression.slope_over(counted, counted.day, inflation),
         trend_p_value=verdict.ramp_p_value,
-        change_points=tuple(_change_points(counted, steps, fit, verdict.p_value)),
+        change_points=tuple(_change_points(counted, steps, fit, p_value)),
         control=make_chart(series, y, fit, level, reference, settings.alpha),
         change=absolute,
         total=total,
         scatter=fit.scatter / abs(level.value) if relative_scatter else fit.scatter,
         smallest_change=least.value,
         smallest_drift=least_share.value,
-        drift=verdict.p_value <= settings.alpha,
+        drift=p_value <= settings.alpha,
         warmer_k=_warming(warm),
-        by_temperature=verdict.p_without_temperature <= settings.alpha < verdict.p_value,
-        speed_ratio=_speed_ratio(warm, model) if verdict.p_value <= settings.alpha else float("nan"),
+        by_temperature=verdict.p_without_temperature <= settings.alpha < p_value,
+        speed_ratio=_speed_ratio(warm, model) if p_value <= settings.alpha else float("nan"),
     )
 
 
 def _find_shape(
-    series: Series, verdict: Verdict, reference: Collection[int], settings: DriftSettings
-) -> tuple[str, Model, tuple[Step, ...]]:
-    """Return the shape of a series, the model that it is measured by, and its steps."""
-    if verdict.p_value > settings.alpha:
-        ends, warmth = regression.ends_model(series, reference), series.temperature
-        if warmth is None or verdict.p_without_temperature > settings.alpha:
-            return "none", ends, ()
-        confounded = max(shared(column, warmth) for column in (series.place, *ends.columns.T[:-1])) > CONFOUNDED
-        return "temperature" if confounded else "none", ends, ()
+    series: Series, verdict: Verdict, reference: Collection[int], settings: DriftSettings, inflation: float
+) -> tuple[str, Model, tuple[Step, ...], float]:
+    """Return the shape of a series, the model that it is measured by, its steps, and the p-value of drift.
+
+    The order of the sessions has to be rare, and the size beyond their errors, which may be larger than their scatter:
+    the larger p-value counts (intersection-union test, Berger 1982), so that no interval of a drift holds zero.
+    """
+    p_value, ends, warmth = verdict.p_value, regression.ends_model(series, reference), series.temperature
+    if p_value <= settings.alpha:
+        shape, model, steps, of_size = _find_drift(series, verdict, reference, settings, inflation)
+        p_value = max(p_value, of_size)
+        if p_value <= settings.alpha:
+            return shape, model, steps, p_value
+    if warmth is None or verdict.p_without_temperature > settings.alpha:
+        return "none", ends, (), p_value
+    confounded = max(shared(column, warmth) for column in (series.place, *ends.columns.T[:-1])) > CONFOUNDED
+    return "temperature" if confounded else "none", ends, (), p_value
+
+
+def _find_drift(
+    series: Series, verdict: Verdict, reference: Collection[int], settings: DriftSettings, inflation: float
+) -> tuple[str, Model, tuple[Step, ...], float]:
+    """Return steps or a ramp, whichever describes a drift better, and the p-value of its size."""
     steps = find_steps(series, settings, verdict.scatter.growth)
-    segment = np.searchsorted([step.place for step in steps], np.arange(len(series.y)), side="right")
-    levels = (segment[:, None] == np.arange(len(steps) + 1)).astype(float)
-    stepped = regression.make_model(series, levels, reference, free=regression.PLACE_AND_SIZE * len(steps))
+    stepped, p_values = _fit_steps(series, steps, reference, inflation)
+    while len(steps) > 1 and max(p_values) > settings.alpha:  # a step whose interval holds zero is none
+        weakest = int(np.argmax(p_values))
+        steps = (*steps[:weakest], *steps[weakest + 1 :])
+        stepped, p_values = _fit_steps(series, steps, reference, inflation)
     ramp = regression.ramp_model(series, reference)
     better = regression.criterion(series, stepped) - regression.criterion(series, ramp)  # of the ramp than of the steps
     shape = "ramp" if better > 0.0 else "step" if len(steps) == 1 else "steps"
     if not abs(better) >= regression.STRONG_EVIDENCE:
         shape = "step_or_ramp"
-    return (shape, ramp, ()) if better > 0.0 else (shape, stepped, steps)
+    if better > 0.0:
+        rise = np.eye(ramp.columns.shape[1])[1]
+        return shape, ramp, (), regression.fit_model(series, ramp.columns, inflation).p_value(rise)
+    return shape, stepped, steps, min(p_values)
+
+
+def _fit_steps(
+    series: Series, steps: Sequence[Step], reference: Collection[int], inflation: float
+) -> tuple[Model, list[float]]:
+    """Return the model of some steps and the p-value of the size of each one."""
+    segment = np.searchsorted([step.place for step in steps], np.arange(len(series.y)), side="right")
+    levels = (segment[:, None] == np.arange(len(steps) + 1)).astype(float)
+    model = regression.make_model(series, levels, reference, free=regression.PLACE_AND_SIZE * len(steps))
+    fit = regression.fit_model(series, model.columns, inflation)
+    return model, [fit.p_value(size) for size in np.diff(np.eye(len(fit.value)), axis=0)[: len(steps)]]
 
 
 def _change_points(series: Series, steps: Sequence[Step], fit: Fit, p_value: float) -> Iterator[made.ChangePoint]:
     for (before, after), step in zip(pairwise(np.eye(len(fit.value))), steps, strict=False):
         level = to_level(fit.interval(before), series)
         session, low, high = series.session[[step.place, step.low, step.high]].tolist()
+        change, relative = to_change(fit.interval(after - before), level, series)
         yield made.ChangePoint(
             session=session,
             low=low,
             high=high,
             before=level,
             after=to_level(fit.interval(after), series),
-            relative=to_change(fit.interval(after - before), level, series)[1],
-            p_value=max(step.p_value, p_value),
+            change=change,
+            relative=relative,
+            p_value=max(step.p_value, p_value, fit.p_value(after - before)),
         )
 
 

@@ -80,10 +80,16 @@ class Fit:
         """Return a combination of the coefficients with its 95 % interval."""
         from scipy.stats import t
 
-        value, variance = float(weights @ self.value), weights @ self.covariance @ weights
-        quantile = float(t.ppf(0.975, self.freedom)) if self.freedom > 0 else float("nan")
-        half = quantile * float(np.sqrt(np.maximum(variance, 0.0)))
+        value, quantile = float(weights @ self.value), float(t.ppf(0.975, self.freedom or np.nan))
+        half = quantile * float(np.sqrt(np.maximum(weights @ self.covariance @ weights, 0.0)))
         return Coefficient(value=value, low=value - half, high=value + half)
+
+    def p_value(self, weights: Float) -> float:
+        """Return the p-value of a combination: at most 5 % where its interval excludes zero."""
+        from scipy.stats import t
+
+        variance = float(np.maximum(weights @ self.covariance @ weights, 1e-300))
+        return 2.0 * float(t.sf(abs(weights @ self.value) / variance**0.5, self.freedom or np.nan))
 
 
 def fit_model(series: Series, columns: Float, inflation: float = 1.0) -> Fit:
