@@ -178,7 +178,8 @@ def _find_shape(
     """
     p_value, ends, warmth = verdict.p_value, regression.ends_model(series, reference), series.temperature
     if p_value <= settings.alpha:
-        shape, model, steps, of_size = _find_drift(series, verdict, reference, settings, inflation)
+        steps = find_steps(series, settings, verdict.scatter.growth)
+        shape, model, steps, of_size = _describe_drift(series, steps, reference, settings.alpha, inflation)
         p_value = max(p_value, of_size)
         if p_value <= settings.alpha:
             return shape, model, steps, p_value
@@ -188,36 +189,28 @@ def _find_shape(
     return "temperature" if confounded else "none", ends, (), p_value
 
 
-def _find_drift(
-    series: Series, verdict: Verdict, reference: Collection[int], settings: DriftSettings, inflation: float
+def _describe_drift(
+    series: Series, steps: tuple[Step, ...], reference: Collection[int], alpha: float, inflation: float
 ) -> tuple[str, Model, tuple[Step, ...], float]:
     """Return steps or a ramp, whichever describes a drift better, and the p-value of its size."""
-    steps = find_steps(series, settings, verdict.scatter.growth)
-    stepped, p_values = _fit_steps(series, steps, reference, inflation)
-    while len(steps) > 1 and max(p_values) > settings.alpha:  # a step whose interval holds zero is none
-        weakest = int(np.argmax(p_values))
-        steps = (*steps[:weakest], *steps[weakest + 1 :])
-        stepped, p_values = _fit_steps(series, steps, reference, inflation)
+
+    def p_values(model: Model, sizes: int) -> list[float]:
+        fit = regression.fit_model(series, model.columns, inflation)
+        return [fit.p_value(size) for size in np.diff(np.eye(len(fit.value)), axis=0)[:sizes]]
+
+    segment = np.searchsorted([step.place for step in steps], np.arange(len(series.y)), side="right")
+    levels = (segment[:, None] == np.arange(len(steps) + 1)).astype(float)
+    stepped = regression.make_model(series, levels, reference, free=regression.PLACE_AND_SIZE * len(steps))
+    of_steps = p_values(stepped, len(steps))
+    weakest = int(np.argmax(of_steps))
+    if len(steps) > 1 and of_steps[weakest] > alpha:  # a step whose interval holds zero is none
+        return _describe_drift(series, steps[:weakest] + steps[weakest + 1 :], reference, alpha, inflation)
     ramp = regression.ramp_model(series, reference)
     better = regression.criterion(series, stepped) - regression.criterion(series, ramp)  # of the ramp than of the steps
     shape = "ramp" if better > 0.0 else "step" if len(steps) == 1 else "steps"
     if not abs(better) >= regression.STRONG_EVIDENCE:
         shape = "step_or_ramp"
-    if better > 0.0:
-        rise = np.eye(ramp.columns.shape[1])[1]
-        return shape, ramp, (), regression.fit_model(series, ramp.columns, inflation).p_value(rise)
-    return shape, stepped, steps, min(p_values)
-
-
-def _fit_steps(
-    series: Series, steps: Sequence[Step], reference: Collection[int], inflation: float
-) -> tuple[Model, list[float]]:
-    """Return the model of some steps and the p-value of the size of each one."""
-    segment = np.searchsorted([step.place for step in steps], np.arange(len(series.y)), side="right")
-    levels = (segment[:, None] == np.arange(len(steps) + 1)).astype(float)
-    model = regression.make_model(series, levels, reference, free=regression.PLACE_AND_SIZE * len(steps))
-    fit = regression.fit_model(series, model.columns, inflation)
-    return model, [fit.p_value(size) for size in np.diff(np.eye(len(fit.value)), axis=0)[: len(steps)]]
+    return (shape, ramp, (), *p_values(ramp, 1)) if better > 0.0 else (shape, stepped, steps, min(of_steps))
 
 
 def _change_points(series: Series, steps: Sequence[Step], fit: Fit, p_value: float) -> Iterator[made.ChangePoint]:

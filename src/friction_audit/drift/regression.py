@@ -136,8 +136,7 @@ def ends_model(series: Series, reference: Collection[int]) -> Model:
 
 def ramp_model(series: Series, reference: Collection[int]) -> Model:
     """Return a straight change, over the sessions or over the days, whichever describes better."""
-    ones = np.ones(len(series.y))
-    models = [make_model(series, np.column_stack([ones, ramp]), reference, 1) for ramp in ramp_columns(series).T]
+    models = [make_model(series, np.column_stack([1.0 - r, r]), reference, 1) for r in ramp_columns(series).T]
     return min(models, key=lambda model: criterion(series, model))
 
 
