@@ -193,10 +193,10 @@ def to_change(change: Coefficient, level: Coefficient, series: Series) -> tuple[
 
 
 def relative_change(first: Coefficient, last: Coefficient) -> Coefficient:
-    """Return (last - first) / first, of a first one surely above zero, with its interval by the delta method."""
-    ratio = last.value / first.value
-    half = float(np.hypot(last.high - last.value, ratio * (first.high - first.value))) / first.value
-    return Coefficient(value=ratio - 1.0, low=ratio - 1.0 - half, high=ratio - 1.0 + half)
+    """Return (last - first) / first, of a first one surely above zero, with its interval by Fieller's theorem."""
+    (f, off), (g, far) = ((one.value, one.high - one.value) for one in (first, last))
+    middle, half, square = f * g, float(np.sqrt(f**2 * far**2 + g**2 * off**2 - off**2 * far**2)), f**2 - off**2
+    return Coefficient(value=g / f - 1.0, low=(middle - half) / square - 1.0, high=(middle + half) / square - 1.0)
 
 
 def is_near_zero(level: Coefficient) -> bool:
