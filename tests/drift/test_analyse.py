@@ -119,7 +119,6 @@ def test_a_joint_that_recovered_is_no_odd_session(back_for: int) -> None:
 
 @pytest.mark.parametrize(("error", "drift"), [(0.003, True), (0.012, False)])
 def test_a_step_within_the_errors_of_the_sessions_is_no_drift(error: float, drift: bool) -> None:
-    """The order of the sessions shows it in either case; errors of four times the scatter leave its size open."""
     found = coulomb(make_sessions(stepped(noisy(30, 1), 10, 1.03), error=error))
     assert [found.drift, found.p_value <= 0.05, found.total.low > 0.0] == [drift] * 3
 

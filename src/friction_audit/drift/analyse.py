@@ -272,7 +272,8 @@ def make_chart(
 
 def smallest_change(series: Series, fit: Fit, *, critical: float, growth: float, power: float) -> float:
     """Return the straight change of y, start to end, that the test of the arm finds with a probability, the power."""
-    from scipy.stats import t
+    from scipy.special import nctdtrinc
+    from scipy.stats import chi2, t
 
     weight = 1.0 / (np.sqrt(series.y_error**2 + fit.scatter**2) * max(fit.scale, 1.0))
     base, ramp = regression.baseline_columns(series) * weight[:, None], regression.ramp_columns(series)[:, 0] * weight
@@ -280,14 +281,8 @@ def smallest_change(series: Series, fit: Fit, *, critical: float, growth: float,
     if freedom < 1 or left @ left <= COLLINEAR * (ramp @ ramp):
         return math.nan
     statistic = float(t.isf(np.exp(-critical), freedom))
-    return noncentrality(statistic, freedom, power) * growth / float(np.linalg.norm(left))
-
-
-def noncentrality(statistic: float, freedom: int, power: float) -> float:
-    """Return the shift of a t-statistic that passes a bound with a given probability."""
-    from scipy.special import nctdtrinc
-    from scipy.stats import chi2
-
     if statistic > CERTAIN:  # where the search of nctdtrinc may take for ever
-        return statistic * math.sqrt(float(chi2.ppf(power, freedom)) / freedom)
-    return float(nctdtrinc(freedom, 1.0 - power, statistic))
+        shift = statistic * math.sqrt(float(chi2.ppf(power, freedom)) / freedom)
+    else:
+        shift = float(nctdtrinc(freedom, 1.0 - power, statistic))  # noncentrality that passes the bound
+    return shift * growth / float(np.linalg.norm(left))
