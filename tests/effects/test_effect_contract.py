@@ -15,7 +15,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from friction_audit.dynamics.motion import Motion, Others
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_model import FittedTerm
-from friction_audit.effects.registry import NAMES, PART_OF, effect_of, effects, motion_between, same_as, terms
+from friction_audit.effects.registry import MODULES, NAMES, PART_OF, effect_of, effects, motion_between, same_as, terms
 from friction_audit.joint_log import Float
 from friction_audit.simulation.effects import EFFECTS, velocity
 from friction_audit.simulation.effects.effect import Setting
@@ -140,7 +140,7 @@ def test_stated_numbers_make_what_needs_them_identifiable() -> None:
         assert "no_inertia" in repr(effect_of(link).not_identifiable(MOVING, replace(NOMINAL, inertia_kg_m2=-0.01)))
 
 
-# The name of an effect stands in the lines of the two registries.
+# The name of an effect stands in its module, in its simulator module and in the lines of the two registries.
 
 SOURCE = Path(__file__).parents[2] / "src" / "friction_audit"
 TEXTS = {path.relative_to(SOURCE).as_posix(): path.read_text() for path in SOURCE.rglob("*.py")}
@@ -158,12 +158,12 @@ ELSEWHERE = {
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_an_effect_is_named_by_the_registry_of_either_side(name: str) -> None:
+def test_an_effect_is_defined_in_one_module_of_either_side(name: str) -> None:
     # As a string, an import or a field; the word itself may be the field's, as in "backlash".
     written = re.compile(rf'"{name}[":]|\.{name}\b|import {name}\b|^    {name}: (\w+\.)?[A-Z]', re.MULTILINE)
     found = {path for path, text in TEXTS.items() if written.search(text)}
-    own = {"effects/registry.py", "simulation/effects/__init__.py"}
-    # In the modules of other effects it is the other side of a pair that is easily confused.
+    own = {f"effects/{MODULES[name]}.py", "effects/registry.py", "simulation/effects/__init__.py"}
+    # Its own class carries the name too; in other effects it is the other side of a pair that is easily confused.
     assert own <= found
     others = {path for path in found - own if not path.startswith(("effects/", "simulation/effects/", *APPLIED))}
     assert len(others) <= ELSEWHERE.get(name, 0), sorted(others)

@@ -11,6 +11,7 @@ from scipy.signal import lfilter
 
 from friction_audit.diagnosis.samples import make_samples
 from friction_audit.effects import breakaway
+from friction_audit.effects.breakaway import STICTION
 from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.registry import effect_of
@@ -35,7 +36,6 @@ SUBSTEPS = 10
 DELAY, LAG, SPRING, GAP, _ = RIVALS = tuple(
     effect_of(name) for name in ("time_delay", "frictional_lag", "joint_elasticity", "backlash", "presliding")
 )
-STICTION = effect_of("stiction")
 
 
 def far_side_torque(stiffness: float, damping: float, half_gap: float, inertia: float = 0.3) -> Float:

@@ -204,7 +204,7 @@ def _effects(
     data, baseline = problem.data, nominal(state.search.training, active)
     friction = np.abs(baseline.coulomb_nm * data.way + baseline.viscous_nms_per_rad * data.dq)[data.used]
     friction_nm = max(float(np.sqrt(np.mean(friction**2))), 1e-12)
-    left, power = residual_of(gram, active), float(np.sum(residual_of(gram, ()) ** 2))
+    left, nominal_nm = residual_of(gram, active), held_out(gram, (), replaced=active).rms
     each = zip(fitted(gram, active), gains(gram, active), sizes(gram, active).tolist(), *estimates[1:], strict=True)
     added: dict[bool, list[Block]] = {False: [], True: []}  # by whether they are negligible
     found: dict[bool, list[NamedEffect]] = {False: [], True: []}
@@ -212,8 +212,9 @@ def _effects(
         effect, torque, share = block.effect, factors @ block.columns, size / friction_nm
         grade = "negligible" if share < NEGLIGIBLE or size < least_nm else ("minor" if share < MINOR else "major")
         competing, small = selection.competing_effects(state.search, active, block), grade == "negligible"
-        before = found[small][-1].gap_after_nm if found[small] else held_out(gram, (), replaced=active).rms
+        before = found[small][-1].gap_after_nm if found[small] else nominal_nm
         added[small].append(block)
+        after = held_out(gram, added[small], replaced=active).rms
         found[small].append(
             NamedEffect(
                 name=block.name,
@@ -224,12 +225,12 @@ def _effects(
                 evidence=competing[:COMPETING_SHOWN],
                 axis=effect.axis,
                 gap_before_nm=before,
-                gap_after_nm=held_out(gram, added[small], replaced=active).rms,
+                gap_after_nm=after,
                 torque=torque,
                 curve=profiles.profiles_of(problem, left + torque, {}, effect.axis)[0],
                 size_nm=size,
                 friction_share=share,
-                residual_share=min(size**2 * len(torque) / max(power, 1e-300), 1.0),
+                residual_share=max(before**2 - after**2, 0.0) / nominal_nm**2,
                 grade=grade,
                 folds=problem.folds,
                 chosen_in=(state.folds or {}).get(block.name, 0),

@@ -58,10 +58,6 @@ def select(data: JointData, model: JointModel | None, effects: Sequence[Effect])
     """Everything up to the active set."""
     problem = RegressionProblem.build(data, model)
     state = _selected(problem, effects)
-    if [b.name for b in state.active if b.name in {"time_delay", "stiction"}] == ["time_delay"]:
-        # The torque of a break-away comes late too: what is read at its moment is not at the limit yet.
-        problem = problem.without(problem.samples.breakaway)
-        state = _selected(problem, effects)
     left = residual_checks.residual_of(state.gram, state.active)
     left = contact_events.without_impulses(problem, left, fine_residual(state))
     errors = [_formula_error(block) * (c @ block.columns) for block, c in fitted(state.gram, state.active)]

@@ -96,7 +96,7 @@ class NamedEffect:
     evidence: tuple[Evidence, ...] = ()  # other candidates in its place, the best first
     size_nm: float  # rms of its torque free of the nominal model [N m]
     friction_share: float = float("nan")  # of the rms of the joint's friction torque
-    residual_share: float  # of the residual's power, with the nominal model alone, that it takes
+    residual_share: float  # of the mean square that the nominal model leaves on held-out cycles, with the larger named
     grade: str  # ``major``, ``minor`` or ``negligible``
     folds: int = 0  # selections, each without one fold of the cycles
     chosen_in: int = 0  # those that chose it, or what is the same thing there

@@ -228,6 +228,7 @@ def since_onset(q: Float, way: Float, moving: Bool, step_s: float) -> tuple[Floa
 
 
 STICTION = Stiction(
+    name="stiction",
     label="higher torque at breakaway",
     axis="displacement",
     coefficients=(Parameter("breakaway_excess_nm", "N m", "break-away minus sliding friction", lower=0.0),),

@@ -61,6 +61,7 @@ def different_speeds(data: JointData, _nominal: Nominal) -> Caution | None:
 
 
 FRICTIONAL_LAG = FrictionalLag(
+    name="frictional_lag",
     label="friction follows speed late",
     axis="acceleration",
     coefficients=(Parameter("lagging_share", "1", "share of friction that lags", lower=0.0, upper=LARGEST_SHARE),),
@@ -124,6 +125,7 @@ class TimeDelay(Effect):
 
 
 TIME_DELAY = TimeDelay(
+    name="time_delay",
     label="torque and velocity are not simultaneous",
     axis="acceleration",
     coefficients=(Parameter("delay_s", "s", "delay of the torque", lower=-1.0, upper=1.0),),

@@ -27,7 +27,7 @@ Each: TypeAlias = Any  # a number or an answer of one point, or of each of k, sh
 class Effect:
     """One effect; a subclass has its formula, ``columns`` or ``columns_of_many``, and what else is its own."""
 
-    name: str = ""  # that of the registry, which sets it, or ``inertia``, ``coulomb``, ``viscous``, ``offset``
+    name: str  # from the vocabulary of the program, or ``inertia``, ``coulomb``, ``viscous``, ``offset``
     label: str  # a few words for people
     # Quantity on which it shows: position, displacement, time, acceleration, load, neighbour, or speed, where its
     # torque follows from the velocity alone.

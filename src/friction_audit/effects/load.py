@@ -58,6 +58,7 @@ def _changing_load(data: JointData, nominal: Nominal) -> Caution | None:
 
 
 LOAD_DEPENDENT_FRICTION = LoadDependentFriction(
+    name="load_dependent_friction",
     label="friction grows with load",
     axis="load",
     coefficients=(
@@ -179,6 +180,7 @@ def _of_another(link: str) -> Iterator[Parameter]:
 
 
 GRAVITY_ERROR = GravityError(
+    name="gravity_error",
     label="gravity not fully compensated",
     axis="position",
     coefficients=(

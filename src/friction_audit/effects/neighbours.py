@@ -47,6 +47,7 @@ def _loaded_neighbours(data: JointData, nominal: Nominal) -> Caution | None:
 
 
 TORQUE_CROSSTALK = TorqueCrosstalk(
+    name="torque_crosstalk",
     label="torque of a neighbour leaks in",
     axis="neighbour",
     coefficients=(
@@ -123,6 +124,7 @@ def _moving_neighbours(data: JointData, _nominal: Nominal) -> Caution | None:
 
 
 INERTIAL_COUPLING = InertialCoupling(
+    name="inertial_coupling",
     label="acceleration of other joints",
     axis="neighbour",
     coefficients=(

@@ -75,6 +75,7 @@ NOMINAL = (
 )
 
 ASYMMETRIC_COULOMB = Constant(
+    name="asymmetric_coulomb",
     label="friction differs by direction",
     axis="speed",
     coefficients=(Parameter("coulomb_half_difference_nm", "N m", "half of the difference, forward minus backward"),),
@@ -91,6 +92,7 @@ ASYMMETRIC_COULOMB = Constant(
 )
 
 ASYMMETRIC_VISCOUS = OneColumn(
+    name="asymmetric_viscous",
     label="viscous friction differs by direction",
     axis="speed",
     coefficients=(
@@ -106,6 +108,7 @@ ASYMMETRIC_VISCOUS = OneColumn(
 )
 
 TORQUE_BIAS = Constant(
+    name="torque_bias",
     label="offset of the torque sensor",
     axis="time",
     coefficients=(Parameter("torque_bias_nm", "N m", "interaction torque as read without a load"),),
@@ -118,6 +121,7 @@ TORQUE_BIAS = Constant(
 )
 
 INERTIA_ERROR = OneColumn(
+    name="inertia_error",
     label="the stated inertia is wrong",
     axis="acceleration",
     coefficients=(Parameter("extra_inertia_kg_m2", "kg m^2", "true minus stated inertia"),),

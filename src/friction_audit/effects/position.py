@@ -91,6 +91,7 @@ class PositionDependentFriction(Effect):
 
 
 POSITION_DEPENDENT_FRICTION = PositionDependentFriction(
+    name="position_dependent_friction",
     label="friction changes with position",
     axis="position",
     coefficients=(
@@ -151,6 +152,7 @@ def order_range(data: JointData) -> tuple[float, float]:
 
 
 TORQUE_RIPPLE = TorqueRipple(
+    name="torque_ripple",
     label="torque periodic in position",
     axis="position",
     coefficients=(
@@ -212,6 +214,7 @@ class CableSpring(Effect):
 
 
 CABLE_SPRING = CableSpring(
+    name="cable_spring",
     label="a cable pulls the joint back",
     axis="position",
     coefficients=(
@@ -270,6 +273,7 @@ class JointLimitStop(Effect):
 
 
 JOINT_LIMIT_STOP = JointLimitStop(
+    name="joint_limit_stop",
     label="a stop near the end of the range",
     axis="position",
     coefficients=(

@@ -122,6 +122,7 @@ def _dahl(path: Float, exponent: float) -> Float:
 
 
 PRESLIDING = Presliding(
+    name="presliding",
     label="friction builds up after a reversal",
     axis="displacement",
     coefficients=(Parameter("bristle_nm", "N m", "Coulomb friction of the bristles", lower=0.0),),

@@ -1,7 +1,6 @@
 """All effects by name. Importing this module loads no numerics: effects are imported when they are first used."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING
@@ -12,7 +11,7 @@ if TYPE_CHECKING:
     from friction_audit.effects.effect import Effect
 
 # Family -> its effects -> the module of each, in the order of the documentation, of help and of the search. The module
-# defines the effect under its name in capital letters, and does not repeat it.
+# defines the effect under its name in capital letters.
 FAMILIES = {
     "velocity": {
         "stribeck": "speed",
@@ -67,7 +66,7 @@ FAMILY_OF = {name: family for family, members in FAMILIES.items() for name in me
 def effects() -> tuple["Effect", ...]:
     """Return the effects that a diagnosis may name, in the order of ``NAMES``."""
     found = {name: import_module(f"friction_audit.effects.{module}") for name, module in MODULES.items()}
-    return tuple(replace(getattr(module, name.upper()), name=name) for name, module in found.items())
+    return tuple(getattr(module, name.upper()) for name, module in found.items())
 
 
 @cache

@@ -62,6 +62,7 @@ def _many_cycles(data: JointData, nominal: Nominal) -> Caution | None:
 
 
 TORQUE_DRIFT = TorqueDrift(
+    name="torque_drift",
     label="the torque drifts slowly",
     axis="time",
     coefficients=tuple(
@@ -119,6 +120,7 @@ def _long_enough(data: JointData, nominal: Nominal) -> Caution | None:
 
 
 WARM_UP = WarmUp(
+    name="warm_up",
     label="friction falls as the joint warms",
     axis="time",
     coefficients=(
@@ -167,6 +169,7 @@ def _cycles_around(data: JointData, nominal: Nominal) -> Caution | None:
 
 
 FRICTION_STEP = FrictionStep(
+    name="friction_step",
     label="friction changes at one moment",
     axis="time",
     coefficients=(
@@ -186,6 +189,7 @@ FRICTION_STEP = FrictionStep(
 
 # Found by a detector of its own, which leaves out its samples: it has no columns.
 CONTACT_EVENT = Effect(
+    name="contact_event",
     label="short contact with the arm",
     axis="time",
     record="record again with no person and no object near the arm",

@@ -55,6 +55,7 @@ class Stribeck(SpeedFriction):
 
 
 STRIBECK = Stribeck(
+    name="stribeck",
     label="more friction at low speed",
     coefficients=(Parameter("stribeck_excess_nm", "N m", "static minus Coulomb friction", lower=0.0),),
     nonlinear=(
@@ -134,6 +135,7 @@ def bend_table(freedom: float) -> Float:
 
 
 NONLINEAR_VISCOUS = NonlinearViscous(
+    name="nonlinear_viscous",
     label="friction curved in speed",
     coefficients=(Parameter("curved_viscous_nm", "N m", "curved friction at 1 rad/s"),),
     nonlinear=(
@@ -183,6 +185,7 @@ def stated_friction(data: JointData, nominal: Nominal) -> Caution | None:
 
 
 UNLOGGED_COMPENSATION = UnloggedCompensation(
+    name="unlogged_compensation",
     label="less friction than stated: an unlogged compensator",
     axis="speed",
     coefficients=(Parameter("unlogged_nm", "N m", "compensator torque at high speed", lower=0.0),),

@@ -189,6 +189,7 @@ class JointElasticity(Link):
 
 
 JOINT_ELASTICITY = JointElasticity(
+    name="joint_elasticity",
     label="a spring between motor and link",
     axis="acceleration",
     coefficients=(Parameter("compliance_rad_per_nm", "rad/(N m)", "twist per torque", lower=0.0, upper=1.0),),
@@ -256,6 +257,7 @@ class Backlash(Link):
 
 
 BACKLASH = Backlash(
+    name="backlash",
     label="free play at a reversal",
     axis="displacement",
     coefficients=(
