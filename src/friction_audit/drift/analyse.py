@@ -210,7 +210,9 @@ def _describe_drift(
     shape = "ramp" if better > 0.0 else "step" if len(steps) == 1 else "steps"
     if not abs(better) >= regression.STRONG_EVIDENCE:
         shape = "step_or_ramp"
-    return (shape, ramp, (), *p_values(ramp, 1)) if better > 0.0 else (shape, stepped, steps, min(of_steps))
+    if better > 0.0:
+        return shape, ramp, (), p_values(ramp, 1)[0]
+    return shape, stepped, steps, min(of_steps)
 
 
 def _change_points(series: Series, steps: Sequence[Step], fit: Fit, p_value: float) -> Iterator[made.ChangePoint]:
