@@ -165,21 +165,21 @@ def test_pieces_give_the_recording_back_from_their_starts_and_nothing_between_th
 # Bristles read off a term: by hand for a stop and for Dahl's exponential, and along the path of any motion.
 
 LEVEL, REACH = 0.3, 0.01
-WAY = 0.03 * np.sin(np.linspace(0.0, 12.0, 3001)) * np.linspace(0.1, 1.0, 3001)
+Q = 0.03 * np.sin(np.linspace(0.0, 12.0, 3001)) * np.linspace(0.1, 1.0, 3001)
 
 
 def stop(q: Float, reach: float) -> Float:
     z = [0.0]
-    for way in (np.diff(q) / reach).tolist():
-        z.append(min(max(z[-1] + way, -1.0), 1.0))
+    for displacement in (np.diff(q) / reach).tolist():
+        z.append(min(max(z[-1] + displacement, -1.0), 1.0))
     return np.array(z)
 
 
 def dahl(q: Float, reach: float) -> Float:
     z = [0.0]
-    for way in (np.diff(q) / reach).tolist():
-        end = math.copysign(1.0, way)
-        z.append(end + (z[-1] - end) * math.exp(-abs(way)) if way else z[-1])
+    for displacement in (np.diff(q) / reach).tolist():
+        end = math.copysign(1.0, displacement)
+        z.append(end + (z[-1] - end) * math.exp(-abs(displacement)) if displacement else z[-1])
     return np.array(z)
 
 
@@ -192,7 +192,7 @@ def test_a_stop_by_hand() -> None:
     assert curve == pytest.approx([LEVEL, 0.0, -LEVEL, -LEVEL], abs=1e-3)
     assert found.damping_s == pytest.approx(0.0, abs=1e-9)
     for bristles in (found, springs):
-        assert bristles.along(WAY) == pytest.approx(LEVEL * stop(WAY, REACH), abs=2e-3)
+        assert bristles.along(Q) == pytest.approx(LEVEL * stop(Q, REACH), abs=2e-3)
     assert springs.reach == pytest.approx([REACH], rel=1e-3)
     assert springs.stiffness == pytest.approx([LEVEL / REACH], rel=1e-3)
 
@@ -204,8 +204,8 @@ def test_springs_remember_every_reversal() -> None:
         return 0.5 * (stop(q, 0.002) + stop(q, 0.01))
 
     _, found, springs = bristles_of(invent(lambda motion: two(motion.q) - np.sign(motion.dq), LEVEL, "bristle"))
-    way = np.interp(np.arange(5001), [0, 1000, 2000, 3000, 4000, 5000], [0.0, 0.03, 0.018, 0.022, 0.01, 0.03])
-    wrong = [np.sqrt(np.mean((one.along(way) - LEVEL * two(way)) ** 2)) for one in (springs, found)]
+    q = np.interp(np.arange(5001), [0, 1000, 2000, 3000, 4000, 5000], [0.0, 0.03, 0.018, 0.022, 0.01, 0.03])
+    wrong = [np.sqrt(np.mean((one.along(q) - LEVEL * two(q)) ** 2)) for one in (springs, found)]
     assert wrong[0] < 3e-3
     assert wrong[1] > 5.0 * wrong[0]
 
@@ -221,7 +221,7 @@ def test_an_exponential_and_the_damping_of_its_bending_by_hand(damping: float) -
     assert dry == pytest.approx(-LEVEL, rel=0.01)
     if damping == 0.0:
         assert found.torque == pytest.approx(LEVEL * (2.0 * np.exp(-found.path / REACH) - 1.0), abs=1e-3)
-        assert found.along(WAY) == pytest.approx(LEVEL * dahl(WAY, REACH), abs=2e-3)
+        assert found.along(Q) == pytest.approx(LEVEL * dahl(Q, REACH), abs=2e-3)
 
 
 # Tables of terms: read along a recording they give what the terms give, and say so where they cannot.

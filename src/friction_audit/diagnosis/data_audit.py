@@ -130,9 +130,9 @@ def own_velocity(log: JointLog) -> JointLog:
             return log
     # Where no position changes, the sample is a repeated one unless all move by less than two of their smallest steps.
     before, after = np.maximum(np.arange(1, n) - NEAR, 0), np.minimum(np.arange(1, n) + NEAR, n - 1)
-    way = np.abs(log.q[after] - log.q[before]) * step / (log.t[after] - log.t[before])[:, None]
+    displacement = np.abs(log.q[after] - log.q[before]) * step / (log.t[after] - log.t[before])[:, None]
     size = np.min(np.abs(slope * step), axis=0, where=slope != 0, initial=np.inf)
-    new = np.append(True, np.any(slope != 0, axis=1) | np.all(way < 2.0 * size, axis=1))
+    new = np.append(True, np.any(slope != 0, axis=1) | np.all(displacement < 2.0 * size, axis=1))
     dq = np.gradient(log.q[new], log.t[new], axis=0)[np.cumsum(new) - 1]
     return replace(log, dq=dq, source=replace(log.source, channels={**log.source.channels, "dq": DERIVATIVE}))
 

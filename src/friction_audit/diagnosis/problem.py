@@ -222,7 +222,7 @@ class RegressionProblem:
     def _smoothed_sign(self) -> list[Float]:
         """What a smoothed sign differs from the sign by, at the width that fits best, and its change with the width."""
         (_, near, seen), inside = self.near, np.linalg.qr(self.X.T)[0].T
-        signs = seen(np.stack([np.tanh(near.dq / width) - near.way for width in SIGN_WIDTHS_RAD_S]).T)
+        signs = seen(np.stack([np.tanh(near.dq / width) - near.direction for width in SIGN_WIDTHS_RAD_S]).T)
         free = signs - (signs @ inside.T) @ inside
         gain = (free @ self.y) ** 2 / np.maximum(np.sum(free**2, axis=1), 1e-300)
         k = int(np.clip(np.argmax(gain), 1, len(gain) - 2))

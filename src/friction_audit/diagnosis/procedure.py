@@ -112,7 +112,7 @@ def _change_point(state: State) -> list[Block]:
     if not inside.any():
         return []
     given = selection.Projected(state.search.training, [b for b in state.active if b.name != "friction_step"])
-    white = gram.whiten(state.problem.columns(np.column_stack([data.way, data.dq])))
+    white = gram.whiten(state.problem.columns(np.column_stack([data.direction, data.dq])))
     rows = np.vstack([given.left, given.basis, white])[:, np.argsort(gram.order)]
     # Products of the part of each column from a moment on: rows are innovations in the order of time.
     later = np.cumsum((rows[-2:, None] * rows)[..., ::-1], axis=-1)[..., ::-1]

@@ -126,17 +126,17 @@ def _one_side(recording: _Recording, ahead: Float, tables: Tables) -> tuple[Floa
     return place, speed, speed + rate
 
 
-def _by_direction(torque: Float, way: Float, t: Float) -> Float:
+def _by_direction(torque: Float, direction: Float, t: Float) -> Float:
     """Torque forwards and backwards, shape (2, n): against the motion or independent of it, what jumps less.
 
     Friction jumps where the direction turns; its level against the motion does not. It is interpolated where no
     direction is certain.
     """
-    sure = way != 0.0
+    sure = direction != 0.0
     if not sure.any():
         return np.stack([torque, torque])
-    level = np.interp(t, t[sure], (torque * way)[sure])
-    turns = np.abs(np.diff(torque[sure])).sum() > np.abs(np.diff((torque * way)[sure])).sum()
+    level = np.interp(t, t[sure], (torque * direction)[sure])
+    turns = np.abs(np.diff(torque[sure])).sum() > np.abs(np.diff((torque * direction)[sure])).sum()
     return np.stack([level, -level] if turns else [torque, torque])
 
 

@@ -93,13 +93,13 @@ def advance(q: float, v: float, sign: float, step: Step, bent: Float, tables: Ta
             step = rest_of(step, share)
         after = slide(q, v, sign, step, bent, tables)
         if after * sign >= 0.0:
-            way = 0.5 * step.h * (v + after)
-            bend_on(bent, way, tables)
-            return q + way, after, sign
+            displacement = 0.5 * step.h * (v + after)
+            bend_on(bent, displacement, tables)
+            return q + displacement, after, sign
         share = v / (v - after)
-        way = 0.5 * share * step.h * v
-        bend_on(bent, way, tables)
-        q, v, sign = q + way, 0.0, 0.0
+        displacement = 0.5 * share * step.h * v
+        bend_on(bent, displacement, tables)
+        q, v, sign = q + displacement, 0.0, 0.0
         step = rest_of(step, share)
     return q, 0.0, 0.0
 

@@ -106,9 +106,9 @@ def _forms(term: Term, motion: Motion, empty: Tables) -> Iterable[Tables]:
     n = len(motion.t)
     still, top = np.zeros(n), empty.speed_step * (n - 1)
 
-    def ask(ways: float | Float, motion: Motion) -> Float:
+    def ask(speed: float | Float, motion: Motion) -> Float:
         with np.errstate(all="ignore"):
-            return np.stack([term.torque(replace(motion, dq=sign * ways + still)) for sign in (1.0, -1.0)])
+            return np.stack([term.torque(replace(motion, dq=sign * speed + still)) for sign in (1.0, -1.0)])
 
     with np.errstate(all="ignore"):
         more = term.torque(replace(motion, ddq=motion.ddq + 1.0))
@@ -125,24 +125,24 @@ def _forms(term: Term, motion: Motion, empty: Tables) -> Iterable[Tables]:
 
 
 @compiled(inline=True)
-def read(table: Float, way: int, place: float) -> float:
+def read(table: Float, row: int, place: float) -> float:
     """Read a row of a table between its entries; level beyond its ends. (A row by itself costs as much as reading.)"""
     last = table.shape[1] - 1
     if last == 0:
-        return float(table[way, 0])
+        return float(table[row, 0])
     place = min(max(place, 0.0), float(last))
     low = min(int(place), last - 1)
-    return float(table[way, low] + (place - low) * (table[way, low + 1] - table[way, low]))
+    return float(table[row, low] + (place - low) * (table[row, low + 1] - table[row, low]))
 
 
 @compiled()
 def taken(sign: float, q: float, speed: float, moment: float, tables: Tables) -> float:
     """Return what a joint takes without its bristles, forwards (1.0) or backwards, at a sample of the recording."""
-    way = 0 if sign > 0.0 else 1
+    row = 0 if sign > 0.0 else 1
     place = (q - tables.place_start) / tables.place_step
-    per_speed = read(tables.place_per_speed, way, place) + read(tables.time_per_speed, way, moment)
-    torque = read(tables.speed, way, speed / tables.speed_step) + read(tables.place, way, place)
-    return torque + read(tables.time, way, moment) + per_speed * speed
+    per_speed = read(tables.place_per_speed, row, place) + read(tables.time_per_speed, row, moment)
+    torque = read(tables.speed, row, speed / tables.speed_step) + read(tables.place, row, place)
+    return torque + read(tables.time, row, moment) + per_speed * speed
 
 
 @compiled()
@@ -155,20 +155,20 @@ def taken_along(q: Float, dq: Float, tables: Tables) -> Float:
 
 
 @compiled(inline=True)
-def bristle_nm(bent: Float, way: float, tables: Tables) -> float:
+def bristle_nm(bent: Float, displacement: float, tables: Tables) -> float:
     """Return the torque of the bristles a displacement ahead, without damping. [N m]"""
-    torque = bend(bent[0], way, tables.bristles.path, tables.bristles.torque)
+    torque = bend(bent[0], displacement, tables.bristles.path, tables.bristles.torque)
     for k in range(len(tables.bristles.reach)):
-        torque += tables.bristles.stiffness[k] * stretch(bent[1 + k], way, tables.bristles.reach[k])
+        torque += tables.bristles.stiffness[k] * stretch(bent[1 + k], displacement, tables.bristles.reach[k])
     return torque
 
 
 @compiled(inline=True)
-def bend_on(bent: Float, way: float, tables: Tables) -> None:
+def bend_on(bent: Float, displacement: float, tables: Tables) -> None:
     """Let the bristles follow a displacement, in place."""
-    bent[0] = bend(bent[0], way, tables.bristles.path, tables.bristles.torque)
+    bent[0] = bend(bent[0], displacement, tables.bristles.path, tables.bristles.torque)
     for k in range(len(tables.bristles.reach)):
-        bent[1 + k] = stretch(bent[1 + k], way, tables.bristles.reach[k])
+        bent[1 + k] = stretch(bent[1 + k], displacement, tables.bristles.reach[k])
 
 
 @compiled(inline=True)

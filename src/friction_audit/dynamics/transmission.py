@@ -121,7 +121,7 @@ def added_torques(
     """
     step = float(motion.t[1] - motion.t[0])
     load = np.zeros(len(motion.t)) if motion.load is None else motion.load
-    q, dq, ddq, way, load = map(read_only, (motion.q, motion.dq, motion.ddq, motion.direction, load))
+    signals = [*map(read_only, (motion.q, motion.dq, motion.ddq, motion.direction, load))]
     alike: dict[tuple[int, bool], list[int]] = {}  # those that take as many steps and are of one kind
     numbers: dict[int, tuple[float, ...]] = {}  # of each far side, then of each transmission
     for place, (own, link) in enumerate(zip(far, links, strict=True)):
@@ -143,7 +143,7 @@ def added_torques(
             filled = places + places[-1:] * (LANES - len(places) if len(places) > 1 else 0)
             table = np.ascontiguousarray(np.array([numbers[k] for k in filled]).T)
             lanes, weights = (0.0,) * len(filled), between_samples(step, steps)
-            yield places, _follow(q, dq, ddq, way, load, step, weights, table[:3], table[3:], gap, lanes)[: len(places)]
+            yield places, _follow(*signals, step, weights, table[:3], table[3:], gap, lanes)[: len(places)]
 
 
 def between_samples(step: float, steps: int) -> Float:
@@ -166,7 +166,7 @@ def _follow(  # noqa: PLR0913
     q: Float,
     dq: Float,
     ddq: Float,
-    way: Float,
+    direction: Float,
     load: Float,
     step: float,
     between: Float,
@@ -223,12 +223,12 @@ def _follow(  # noqa: PLR0913
                     omega[j] = after
         share = 2.0 / steps if k == 0 else 1.0 / steps  # both ends have half a sample each
         for j in range(many):
-            rigid = far[0, j] * ddq[k] + (far[1, j] * way[k] + far[2, j] * dq[k])
+            rigid = far[0, j] * ddq[k] + (far[1, j] * direction[k] + far[2, j] * dq[k])
             block[k % BLOCK, j] = share * table[last, j] - rigid
             table[last, j], table[next_one, j] = table[next_one, j], 0.0
         _write(torque, block, k, k == len(q) - 2)
     for j in range(many):
-        rigid = far[0, j] * ddq[-1] + (far[1, j] * way[-1] + far[2, j] * dq[-1])
+        rigid = far[0, j] * ddq[-1] + (far[1, j] * direction[-1] + far[2, j] * dq[-1])
         torque[j, -1] = 2.0 / steps * table[last, j] - rigid
     return torque
 

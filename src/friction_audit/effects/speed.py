@@ -62,7 +62,7 @@ STRIBECK = Stribeck(
         Parameter("stribeck_speed_rad_s", "rad/s", "Stribeck velocity", lower=SLOWEST, upper=FASTEST),
         Parameter("stribeck_exponent", "1", "Stribeck exponent", lower=0.2, upper=5.0),
     ),
-    cpp="{0!r} * way * std::exp(-std::pow(pace / {1!r}, {2!r}))",
+    cpp="{0!r} * direction * std::exp(-std::pow(pace / {1!r}, {2!r}))",
     requires=partial(speed_range, ratio=8.0),
     record="move steadily at speeds that differ by a factor of 8, very slow to fast",
     separate={
@@ -104,10 +104,10 @@ class NonlinearViscous(SpeedFriction):
         torque, exponent, speed, sharpness = values
         squares = f"({speed * speed!r} + pace * pace) / {speed * speed + 1.0!r}"
         if sharpness == 0.0:
-            return f"{torque!r} * way * pace * std::pow({squares}, {(exponent - 1.0) / 2.0!r})", None
+            return f"{torque!r} * direction * pace * std::pow({squares}, {(exponent - 1.0) / 2.0!r})", None
         steep, per_angle = float(np.exp(-0.5 * sharpness)) / speed, (TABLE - 1) / (np.pi / 2.0)
         here, at_one = (f"between({table}, std::atan({x} * {steep!r}) * {per_angle!r})" for x in ("pace", "1.0"))
-        formula = f"{torque!r} * way * {here} / {at_one} * std::pow({squares}, {exponent / 2.0!r})"
+        formula = f"{torque!r} * direction * {here} / {at_one} * std::pow({squares}, {exponent / 2.0!r})"
         return formula, bend_table(CARREAU * np.exp(sharpness))
 
     def tries(self, data: JointData) -> list[Sequence[float]]:

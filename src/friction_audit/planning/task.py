@@ -70,7 +70,7 @@ class Joint:
     def nominal(self, data: JointData) -> Nominal:
         """Return the nominal model along a motion."""
         own = {name: getattr(self.parameters, name) for name in COEFFICIENTS}
-        return Nominal(**own, torque=np.array([*own.values()]) @ np.stack([data.ddq, data.way, data.dq]))
+        return Nominal(**own, torque=np.array([*own.values()]) @ np.stack([data.ddq, data.direction, data.dq]))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

@@ -251,10 +251,10 @@ def fresh_samples(log: JointLog) -> Bool:
     A velocity that mostly stays the same while the position changes is read in coarse steps. It says nothing then, and
     a joint moves where it passes a step of its position between two samples.
     """
-    way, dq = np.abs(np.diff(log.q, axis=0)), np.abs(log.dq[1:])
-    changed, same = way > 0, np.diff(log.dq, axis=0) == 0
+    moved, dq = np.abs(np.diff(log.q, axis=0)), np.abs(log.dq[1:])
+    changed, same = moved > 0, np.diff(log.dq, axis=0) == 0
     coarse = np.sum(same & changed, axis=0) > 0.5 * np.sum(changed, axis=0)
-    step = np.where(coarse, np.min(way, axis=0, where=changed, initial=np.inf), 0.0)
+    step = np.where(coarse, np.min(moved, axis=0, where=changed, initial=np.inf), 0.0)
     moving = np.any((dq > 0) & (dq * np.diff(log.t)[:, None] >= step), axis=1)
     fresh = np.append(True, ~(np.all(same & ~changed, axis=1) & moving))
     if fresh.sum() < MINIMUM_SAMPLES:

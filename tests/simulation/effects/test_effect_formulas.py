@@ -113,15 +113,15 @@ LAWS += [("warm_up", "warm_up_coulomb_factor", HEAT, -1), ("warm_up", "warm_up_v
 
 
 @pytest.mark.parametrize(
-    ("name", "function", "numbers", "way", "form"),
-    [(name, function, numbers, way, form) for name, function, numbers, way in LAWS for form in CLASSES[name].forms],
+    ("name", "function", "numbers", "sign", "form"),
+    [(name, function, numbers, sign, form) for name, function, numbers, sign in LAWS for form in CLASSES[name].forms],
 )
 @given(one=st.floats(0.0, 5.0), other=st.floats(0.0, 5.0))
 def test_friction_grows_or_falls_and_never_drives(
-    name: str, function: str, numbers: dict[str, float], way: int, form: str, one: float, other: float
+    name: str, function: str, numbers: dict[str, float], sign: int, form: str, one: float, other: float
 ) -> None:
     low, high = (value(name, function, form, numbers, at) for at in sorted((one, other)))
-    assert way * (high - low) >= 0.0
+    assert sign * (high - low) >= 0.0
     assert min(low, high) >= 0.0
 
 

@@ -70,7 +70,7 @@ def pushed(push: Float, hidden: Hidden | None = None, speed: float = 0.0) -> Tru
     return release(bench(JOINT, hidden), duration, tick_s=TICK_S, push=push, dq=(speed, speed))
 
 
-@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize("direction", [1.0, -1.0])
 @pytest.mark.parametrize(
     ("hidden", "level"),
     [
@@ -79,14 +79,14 @@ def pushed(push: Float, hidden: Hidden | None = None, speed: float = 0.0) -> Tru
         (Hidden(asymmetric_coulomb=velocity.AsymmetricCoulomb(half_difference_nm=0.1)), {1.0: 0.4, -1.0: 0.2}),
     ],
 )
-def test_break_away_at_the_level_and_not_before(hidden: Hidden, level: dict[float, float], way: float) -> None:
+def test_break_away_at_the_level_and_not_before(hidden: Hidden, level: dict[float, float], direction: float) -> None:
     t = np.arange(2001, dtype=np.float64) * TICK_S
-    motion = pushed(0.5 * way * t, hidden)
+    motion = pushed(0.5 * direction * t, hidden)
     moving = motion.dq[:, 0] != 0.0
-    assert_allclose(motion.t[moving][0], level[way] / 0.5, atol=1.01 * TICK_S)
+    assert_allclose(motion.t[moving][0], level[direction] / 0.5, atol=1.01 * TICK_S)
     assert moving[np.flatnonzero(moving)[0] :].all()
     assert_array_equal(motion.q[~moving], 0.0)
-    assert_allclose(motion.friction_nm[~moving, 0], 0.5 * way * motion.t[~moving], atol=1e-15)
+    assert_allclose(motion.friction_nm[~moving, 0], 0.5 * direction * motion.t[~moving], atol=1e-15)
 
 
 def test_coasting_stops_for_good_where_it_must() -> None:
@@ -148,10 +148,10 @@ def coulomb_swing(t: Float) -> Float:
     """Return the position of a swing with Coulomb friction: half-turns about centres that change sides."""
     shift = DRY.coulomb_nm / SPRING
     half = np.floor(t * PULSATION / np.pi).astype(int)
-    turns, way = [REACH], 1.0
+    turns, direction = [REACH], 1.0
     while abs(turns[-1]) > shift:
-        turns.append(2.0 * way * shift - turns[-1])
-        way = -way
+        turns.append(2.0 * direction * shift - turns[-1])
+        direction = -direction
     last = len(turns) - 1
     start = np.array(turns)[np.minimum(half, last)]
     centre = np.where(half < last, np.where(half % 2 == 0, shift, -shift), start)
