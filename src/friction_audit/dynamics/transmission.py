@@ -256,9 +256,9 @@ def _start(  # noqa: PLR0913
     for j in range(len(lanes)):
         for i in range(5):
             table[i, j] = links[i, j]
-        table[8, j], table[9, j], table[10, j] = _pace(far[:, j], links[1, j], h)
+        table[8, j], table[9, j], table[10, j] = _of_step(far[:, j], links[1, j], h)
         if gap:
-            table[5, j], table[6, j], table[7, j] = _pace(far[:, j], 0.0, h)
+            table[5, j], table[6, j], table[7, j] = _of_step(far[:, j], 0.0, h)
             for i in range(8, 11):
                 table[i, j] -= table[i - 3, j]
         theta = q - twisted(load, links[0, j], links[2, j], links[3, j])
@@ -266,7 +266,7 @@ def _start(  # noqa: PLR0913
 
 
 @compiled(inline=True)
-def _pace(far: Float, drag: float, h: float) -> tuple[float, float, float]:
+def _of_step(far: Float, drag: float, h: float) -> tuple[float, float, float]:
     """Return for a step what is left of a velocity, what a torque gives to it, and what Coulomb friction takes."""
     loss = 0.5 * h * (drag + far[2])
     gain = h / (far[0] + loss)

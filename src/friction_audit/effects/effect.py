@@ -146,7 +146,7 @@ class SpeedFriction(Effect):
 
     axis: str = "speed"
     friction: bool = True
-    # Its torque in C++, from the parameters by their places, the velocity ``dq``, its size ``pace`` and its sign
+    # Its torque in C++, from the parameters by their places, the velocity ``dq``, its size ``speed`` and its sign
     # ``direction``, which is smooth at standstill.
     cpp: str = ""
 

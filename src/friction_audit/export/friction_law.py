@@ -109,8 +109,8 @@ def even_speeds(low: float, high: float) -> Float:
 
 def moving_speeds(dq: Float) -> Float:
     """Return speeds of a log that each stand for an equal share of its moving time, shape (n,). [rad/s]"""
-    pace = np.abs(dq[np.isfinite(dq)])
-    moving = pace[pace > SPEEDS[0]]
+    speed = np.abs(dq[np.isfinite(dq)])
+    moving = speed[speed > SPEEDS[0]]
     return np.quantile(moving, (np.arange(POINTS) + 0.5) / POINTS) if len(moving) else even_speeds(*SPEEDS)
 
 

@@ -225,9 +225,9 @@ def test_closed_loops_take_energy_and_run_clockwise_about_the_spring(form: int, 
 
     Of Maxwell-slip the area is known: every element that yields takes four times its torque times the way it slips.
     """
-    pace = np.pi
+    omega = np.pi
     t = np.arange(12001) * TICK_S
-    motion = guided(form, reach * (1.0 - np.cos(pace * t)), reach * pace * np.sin(pace * t))
+    motion = guided(form, reach * (1.0 - np.cos(omega * t)), reach * omega * np.sin(omega * t))
     loop = slice(10000, 12001)
     moved = np.diff(motion.q[loop, 0])
     dry = (motion.friction_nm - 0.07 * motion.dq)[loop, 0]
