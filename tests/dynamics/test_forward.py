@@ -29,12 +29,12 @@ def whole(t: Float) -> NDArray[np.int64]:
 
 
 def free(model: JointModel, t: Float, drive: Float, *, q: float = 0.0, dq: float = 0.0, span: float = 1.0) -> Float:
-    """Velocity from a start, where nothing else was recorded but the span of places."""
-    places = q + np.where(np.arange(len(t)) % 2, span, -span)
-    places[0] = q
+    """Velocity from a start, where nothing else was recorded but the span of positions."""
+    positions = q + np.where(np.arange(len(t)) % 2, span, -span)
+    positions[0] = q
     speeds = np.where(np.arange(len(t)) % 2, 2.0, -2.0)
     speeds[0] = dq
-    return np.asarray(simulate_along(model, recording_of(t, places, speeds), drive, whole(t)))
+    return np.asarray(simulate_along(model, recording_of(t, positions, speeds), drive, whole(t)))
 
 
 @pytest.mark.parametrize("stribeck", [False, True])
@@ -236,14 +236,14 @@ def of_load_and_neighbours(m: Motion) -> Float:
     return 0.1 * m.load * np.sign(m.dq) + 0.2 * m.others.ddq[:, 0] + 0.01 * m.t
 
 
-OF_PLACE = invent(lambda m: m.q**3 + np.sign(m.dq) * m.q**2 + 2 * m.dq * m.q)
+OF_POSITION = invent(lambda m: m.q**3 + np.sign(m.dq) * m.q**2 + 2 * m.dq * m.q)
 
 
 @pytest.mark.parametrize(
     "term",
     [
         invent(of_load_and_neighbours),
-        OF_PLACE,
+        OF_POSITION,
         invent(lambda m: np.sign(m.dq) * np.sqrt(np.abs(m.dq))),
         FittedTerm("coulomb", (0.3,)),
         FittedTerm("viscous", (0.1,)),

@@ -122,8 +122,8 @@ def _one_side(recording: _Recording, ahead: Float, tables: Tables) -> tuple[Floa
     step_s, rate = recording.step_s, np.gradient(ahead, recording.step_s)
     q, dq = recording.motion.q - ahead, recording.motion.dq - rate
     bent, steps = tables.bristles.states_along(q), steps_per_sample(step_s, tables)
-    place, speed = run_pieces(step_s, steps, recording.drive, q, dq, recording.pieces, bent, tables)
-    return place, speed, speed + rate
+    position, speed = run_pieces(step_s, steps, recording.drive, q, dq, recording.pieces, bent, tables)
+    return position, speed, speed + rate
 
 
 def _by_direction(torque: Float, direction: Float, t: Float) -> Float:

@@ -150,14 +150,14 @@ def between_samples(step: float, steps: int) -> Float:
     """Weights of the rise and of both slopes in Hermite's cubic and its slope, amid every step, shape (steps, 6)."""
     x = (np.arange(steps) + 0.5) / steps
     rest = 1.0 - x
-    place = (x**2 * (3.0 - 2.0 * x), step * x * rest**2, -step * x**2 * rest)
+    position = (x**2 * (3.0 - 2.0 * x), step * x * rest**2, -step * x**2 * rest)
     speed = (6.0 * x * rest / step, rest * (1.0 - 3.0 * x), x * (3.0 * x - 2.0))
-    return np.stack([*place, *speed], axis=1)
+    return np.stack([*position, *speed], axis=1)
 
 
 @compiled(inline=True)
 def amid(w: Float, q: float, rise: float, dq: float, next_dq: float) -> tuple[float, float]:
-    """Return place and speed between two samples, on the cubic through both, by the weights of a step."""
+    """Return position and speed between two samples, on the cubic through both, by the weights of a step."""
     return q + w[0] * rise + w[1] * dq + w[2] * next_dq, w[3] * rise + w[4] * dq + w[5] * next_dq
 
 
@@ -186,7 +186,7 @@ def _follow(  # noqa: PLR0913
     table, bent = np.zeros((15, len(lanes))), links[3].any()
     stiffness, damping, half, bend, curve = table[0], table[1], table[2], table[3], table[4]
     keep_apart, gain_apart, held_apart, keep, gain, held = table[5], table[6], table[7], table[8], table[9], table[10]
-    middle, omega = table[11], table[12]  # place amid the next step, last velocity
+    middle, omega = table[11], table[12]  # position amid the next step, last velocity
     torque, block = np.empty((many, len(q))), np.empty((BLOCK, len(lanes)))
     # About the last sample and about the next one, from half a sample before to half a sample after.
     last, next_one = 13, 14
@@ -194,13 +194,13 @@ def _follow(  # noqa: PLR0913
     for k in range(len(q) - 1):
         rise, more = q[k + 1] - q[k], load[k + 1] - load[k]
         for i in range(steps):
-            place, speed = amid(between[i], q[k], rise, dq[k], dq[k + 1])
+            position, speed = amid(between[i], q[k], rise, dq[k], dq[k + 1])
             borne = load[k] + (i + 0.5) / steps * more
             felt = last if 2 * i < steps else next_one
             # Damping at the mean of both velocities, then what Coulomb friction takes of the new one.
             if gap:
                 for j in range(many):
-                    twist = place - middle[j]
+                    twist = position - middle[j]
                     engaged = twist - min(max(twist, -half[j]), half[j])
                     push = _pushed(stiffness[j] * engaged, bend[j], curve[j], bent) + damping[j] * speed
                     # Neither spring nor damping within the gap and where flanks would pull. As a factor, for what is
@@ -214,7 +214,7 @@ def _follow(  # noqa: PLR0913
                     omega[j] = after
             else:
                 for j in range(many):
-                    push = _pushed(stiffness[j] * (place - middle[j]), bend[j], curve[j], bent)
+                    push = _pushed(stiffness[j] * (position - middle[j]), bend[j], curve[j], bent)
                     push += damping[j] * speed - borne
                     free = keep[j] * omega[j] + gain[j] * push
                     after = free - min(max(free, -held[j]), held[j])

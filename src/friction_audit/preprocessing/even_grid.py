@@ -325,11 +325,11 @@ def belated_samples(t: Float, q: Float, dq: Float) -> Bool:
     """
     belated, span, tiny = np.zeros(len(t), bool), t[2:] - t[:-2], np.finfo(float).tiny
     x, along, squared = (t[1:-1] - t[:-2]) / span, np.zeros(len(span)), np.zeros(len(span))
-    for place, speed in zip(q.T, dq.T, strict=True):  # one by one: a long log takes little memory
+    for position, speed in zip(q.T, dq.T, strict=True):  # one by one: a long log takes little memory
         moves = np.abs(v := speed[1:-1]) > MOVING_RAD_S
         if not moves.any():
             continue
-        lag = place[:-2] * (1.0 + 2.0 * x) * (1.0 - x) ** 2 + place[2:] * x**2 * (3.0 - 2.0 * x) - place[1:-1]
+        lag = position[:-2] * (1.0 + 2.0 * x) * (1.0 - x) ** 2 + position[2:] * x**2 * (3.0 - 2.0 * x) - position[1:-1]
         lag += span * x * (1.0 - x) * (speed[:-2] * (1.0 - x) - speed[2:] * x)
         variance = max(float(np.median(np.abs(lag[moves]))) ** 2, tiny)  # each joint counts by its own
         along += np.where(moves, lag * v, 0.0) / variance

@@ -79,7 +79,7 @@ class StopAndGo(Checked):
     def intend(self, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
         """Return the strokes that fit between two rests at the ticks of the controller; at rest if not one fits."""
         rows, speeds = [(0.0, REST_S, 0.0, 0.0)], list[float]()  # start, duration [s], origin, signed length [rad]
-        begin, place, direction = REST_S, 0.0, 1.0
+        begin, position, direction = REST_S, 0.0, 1.0
         sigma = np.sqrt(np.log1p(self.speed_spread**2))
         while True:
             if not speeds:  # those of the next strokes: log-normal, stratified, within the limits
@@ -88,31 +88,31 @@ class StopAndGo(Checked):
                 drawn = self.speed_rad_s * np.exp(sigma * deviates - sigma**2 / 2)
                 speeds = np.clip(drawn, *self.speed_limits_rad_s).tolist()
             speed = speeds.pop()
-            displacement = _draw_length(self, speed, place, direction, rng)
+            displacement = _draw_length(self, speed, position, direction, rng)
             needed = PEAK * abs(displacement) / speed
             if begin + needed > ticks * dt - REST_S:
                 break
-            rows.append((begin, needed, place, displacement))
+            rows.append((begin, needed, position, displacement))
             begin += needed + rng.uniform(*self.pause_s)
-            place, direction = place + displacement, float(np.sign(displacement))
+            position, direction = position + displacement, float(np.sign(displacement))
         strokes, t = np.array(rows), np.arange(ticks + 1, dtype=np.float64) * dt
         start, lasts, origin, length = strokes[latest(strokes[:, 0], t)].T
         covered, slope = min_jerk((t - start) / lasts)
         return Intention(origin + length * covered, length / lasts * slope)
 
 
-def _draw_length(settings: StopAndGo, speed: float, place: float, direction: float, rng: np.random.Generator) -> float:
+def _draw_length(settings: StopAndGo, speed: float, q: float, direction: float, rng: np.random.Generator) -> float:
     """Draw the signed length of the next stroke; it mostly turns back and always stays in the range."""
     low, high = settings.range_rad
     length = speed * rng.uniform(*settings.stroke_s) / PEAK
     turned = -direction if rng.random() < settings.reversing else direction
     for sign in (turned, -turned):
-        if low <= place + sign * length <= high:
+        if low <= q + sign * length <= high:
             return sign * length
-    return (high - place) if high - place > place - low else (low - place)
+    return (high - q) if high - q > q - low else (low - q)
 
 
-Target = tuple[float, float]  # a place to go to [rad] and the speed to go with [rad/s]
+Target = tuple[float, float]  # a position to go to [rad] and the speed to go with [rad/s]
 MOST = 1000  # speeds or small reversals of a pass: more would outlast every recording
 
 
@@ -146,8 +146,8 @@ class SlowSweep(Checked):
         """Return the strokes that fit, ending at 0; at rest throughout if the first there and back does not fit."""
         now, rows = REST_S, [np.zeros((3, 0))]
         for targets in _excursions(self, rng):
-            places, speeds = np.array(targets).T
-            displacements = np.diff(places, prepend=0.0)
+            positions, speeds = np.array(targets).T
+            displacements = np.diff(positions, prepend=0.0)
             lasts = np.abs(displacements) / speeds + self.ease_s + self.dwell_s
             if now + lasts.sum() - self.dwell_s > ticks * dt - REST_S:
                 break
@@ -173,9 +173,9 @@ def _reversals(settings: SlowSweep, rng: np.random.Generator) -> list[Target]:
     """Draw small reversals to and fro about 0; a stroke, but for the first and the last, is within the limits."""
     smallest, largest = np.log(settings.reversal_rad)
     half = np.exp(rng.uniform(smallest, largest, settings.reversals)) / 2
-    places = [*(half * (-1.0) ** np.arange(settings.reversals)), 0.0]
-    lengths = np.abs(np.diff(places, prepend=0.0))
-    return [(float(place), float(length / settings.reversal_s)) for place, length in zip(places, lengths, strict=True)]
+    positions = [*(half * (-1.0) ** np.arange(settings.reversals)), 0.0]
+    lengths = np.abs(np.diff(positions, prepend=0.0))
+    return [(float(q), float(length / settings.reversal_s)) for q, length in zip(positions, lengths, strict=True)]
 
 
 TOO_SHORT = 1e-9  # rounding of a stroke that is all rise and fall
@@ -282,10 +282,10 @@ def plan_hand(settings: HandPath, ticks: int, dt: float, rng: np.random.Generato
 def _draw_stroke(settings: HandPath, pose: Float, rng: np.random.Generator) -> tuple[float, Float]:
     """Draw duration [s] and change, shape (6,) [m, rad], of a stroke towards a via point half the reach off or more."""
     while True:
-        place = settings.reach_m * _draw_in_ball(rng) * (1.0, settings.sideways, 1.0)
-        if np.linalg.norm(place - pose[:3]) >= settings.reach_m / 2:
+        position = settings.reach_m * _draw_in_ball(rng) * (1.0, settings.sideways, 1.0)
+        if np.linalg.norm(position - pose[:3]) >= settings.reach_m / 2:
             break
-    change = np.concatenate((place, settings.rotation_rad * _draw_in_ball(rng))) - pose
+    change = np.concatenate((position, settings.rotation_rad * _draw_in_ball(rng))) - pose
     distance = float(np.linalg.norm(change[:3]))
     speed = float(np.exp(rng.uniform(*np.log(settings.speed_m_s))))
     length = min(distance, speed * rng.uniform(*settings.stroke_s) / PEAK)

@@ -93,12 +93,12 @@ def test_coasting_stops_for_good_where_it_must() -> None:
     """M dv = -(Fc + Fv v) dt: at rest after M/Fv ln(1 + Fv v/Fc), exactly, and without having turned."""
     motion = pushed(np.zeros(2001), speed=0.5)
     stop = 0.6 / 0.07 * np.log1p(0.07 * 0.5 / 0.3)
-    place = 0.6 / 0.07 * (0.5 - 0.3 / 0.07 * np.log1p(0.07 * 0.5 / 0.3))
+    q = 0.6 / 0.07 * (0.5 - 0.3 / 0.07 * np.log1p(0.07 * 0.5 / 0.3))
     rest = motion.t > stop + TICK_S
     assert_array_equal(motion.dq[rest], 0.0)
     assert_array_equal(np.diff(motion.q[rest], axis=0), 0.0)
     assert (motion.dq >= 0.0).all()
-    assert_allclose(motion.q[-1, 0], place, rtol=1e-7)
+    assert_allclose(motion.q[-1, 0], q, rtol=1e-7)
     assert_allclose(motion.dissipated_j[-1, 0], 0.5 * 0.6 * 0.25, rtol=1e-12)
 
 

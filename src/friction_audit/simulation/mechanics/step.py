@@ -24,10 +24,10 @@ def viscous_now(joint: Record, state: Record, t: float, duration: float) -> floa
 
 @compiled()
 def coulomb_factor(joint: Record, state: Record, q: float, t: float, duration: float) -> float:
-    """Return what place, warmth and time make of the Coulomb level."""
+    """Return what position, warmth and time make of the Coulomb level."""
     hidden, factor = joint.hidden, 1.0
     if hidden.position_dependent_friction.share != 0.0:
-        factor *= load_and_place.place_factor(hidden.position_dependent_friction, q)
+        factor *= load_and_place.position_factor(hidden.position_dependent_friction, q)
     if hidden.warm_up.reduction != 0.0:
         factor *= slow_and_events.warm_up_coulomb_factor(hidden.warm_up, state.warmth)
     if hidden.friction_step.change != 0.0:
