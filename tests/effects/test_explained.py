@@ -110,9 +110,9 @@ ROWS: list[Row] = [
         for viscous in (0.0, 0.5)
     ),
     *(
-        ("friction_step", COLD, (0.2 * S + 0.1 * V) * np.clip((T - moment) / max(length, 1e-6), 0.0, 1.0), 0.95,
+        ("friction_step", COLD, (0.2 * S + 0.1 * V) * np.clip((T - time) / max(length, 1e-6), 0.0, 1.0), 0.95,
          {"warm_up": 0.9, "torque_drift": 0.9})
-        for moment in (9.3, 30.0, 41.7)
+        for time in (9.3, 30.0, 41.7)
         for length in (0.0, 5.0)
     ),
     *(

@@ -230,11 +230,11 @@ class RegressionProblem:
 
     def model_error(self, baseline: Nominal) -> Float:
         """Standard deviation of what any formula gets wrong: at reversals and in proportion to the inertia, (m,)."""
-        moments = self.data.t[np.flatnonzero(np.diff(np.sign(self.data.dq)) != 0)]
-        moments = np.concatenate([[-np.inf], moments, [np.inf]])
+        turns = self.data.t[np.flatnonzero(np.diff(np.sign(self.data.dq)) != 0)]
+        turns = np.concatenate([[-np.inf], turns, [np.inf]])
         t, dq, ddq = self.samples.t, *self.kinematics[1:]
-        k = np.searchsorted(moments, t)
-        nearest = np.minimum(t - moments[k - 1], moments[k] - t)
+        k = np.searchsorted(turns, t)
+        nearest = np.minimum(t - turns[k - 1], turns[k] - t)
         near = np.maximum(np.exp(-nearest / REVERSAL_S), np.exp(-np.abs(dq) / SLOW_RAD_S))
         reversal = MODEL_ERROR["reversal"] * abs(baseline.coulomb_nm) * near
         return np.hypot(reversal, MODEL_ERROR["inertia"] * abs(baseline.inertia_kg_m2) * np.abs(ddq))

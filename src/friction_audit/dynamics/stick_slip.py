@@ -66,8 +66,8 @@ def slide(q: float, v: float, sign: float, step: Step, bent: Float, tables: Tabl
     torque = taken(sign, q, abs(v), step.begin, tables) + bristle_nm(bent, 0.0, tables) + damping * v
     middle = v + 0.5 * step.h * (step.drive0 - torque) / tables.inertia_kg_m2
     speed, ahead = max(0.0, middle * sign), 0.5 * step.h * v
-    moment, drive = 0.5 * (step.begin + step.end), 0.5 * (step.drive0 + step.drive1)
-    torque = taken(sign, q + ahead, speed, moment, tables) + bristle_nm(bent, ahead, tables) + damping * speed * sign
+    sample, drive = 0.5 * (step.begin + step.end), 0.5 * (step.drive0 + step.drive1)
+    torque = taken(sign, q + ahead, speed, sample, tables) + bristle_nm(bent, ahead, tables) + damping * speed * sign
     return v + step.h * (drive - torque) / tables.inertia_kg_m2
 
 

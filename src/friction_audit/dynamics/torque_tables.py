@@ -136,13 +136,13 @@ def read(table: Float, row: int, entry: float) -> float:
 
 
 @compiled()
-def taken(sign: float, q: float, speed: float, moment: float, tables: Tables) -> float:
+def taken(sign: float, q: float, speed: float, sample: float, tables: Tables) -> float:
     """Return what a joint takes without its bristles, forwards (1.0) or backwards, at a sample of the recording."""
     row = 0 if sign > 0.0 else 1
     entry = (q - tables.position_start) / tables.position_step
-    per_speed = read(tables.position_per_speed, row, entry) + read(tables.time_per_speed, row, moment)
+    per_speed = read(tables.position_per_speed, row, entry) + read(tables.time_per_speed, row, sample)
     torque = read(tables.speed, row, speed / tables.speed_step) + read(tables.position, row, entry)
-    return torque + read(tables.time, row, moment) + per_speed * speed
+    return torque + read(tables.time, row, sample) + per_speed * speed
 
 
 @compiled()

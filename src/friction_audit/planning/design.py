@@ -316,5 +316,5 @@ def exchange(about: Information, criterion: Criterion, duration_s: float) -> Int
 
 def in_order(candidates: Sequence[Candidate], counts: Int) -> tuple[Candidate, ...]:
     """Return the runs spread over the time, so that neither warming up nor drift goes with one of them."""
-    moments = [((k + 0.5) / count, n) for n, count in enumerate(counts) for k in range(count)]
-    return tuple(candidates[n] for _, n in sorted(moments))
+    times = [((k + 0.5) / count, n) for n, count in enumerate(counts) for k in range(count)]
+    return tuple(candidates[n] for _, n in sorted(times))

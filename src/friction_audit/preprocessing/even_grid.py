@@ -290,7 +290,7 @@ def steady_clock(t: Float) -> Float:
     return np.asarray((own + phase) * period) if np.mean(own < tick) <= MOST_MOVED else t
 
 
-def moments_of_samples(t: Float, q: Float, dq: Float) -> Float:
+def times_of_samples(t: Float, q: Float, dq: Float) -> Float:
     """Return when the samples of positions and velocities, shape (n, j), were taken, shape (n,). [s]
 
     On the ticks of a steady clock whose stamps are late; at the stamps where the samples are late with them. Then the
