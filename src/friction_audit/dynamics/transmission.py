@@ -121,7 +121,7 @@ def added_torques(
     """
     step = float(motion.t[1] - motion.t[0])
     load = np.zeros(len(motion.t)) if motion.load is None else motion.load
-    signals = [*map(read_only, (motion.q, motion.dq, motion.ddq, motion.direction, load))]
+    q, dq, ddq, sign, load = map(read_only, (motion.q, motion.dq, motion.ddq, motion.direction, load))
     alike: dict[tuple[int, bool], list[int]] = {}  # those that take as many steps and are of one kind
     numbers: dict[int, tuple[float, ...]] = {}  # of each far side, then of each transmission
     for place, (own, link) in enumerate(zip(far, links, strict=True)):
@@ -141,9 +141,9 @@ def added_torques(
             places = those[first : first + LANES]
             # One or LANES side by side; the last one stands in for those that are lacking.
             filled = places + places[-1:] * (LANES - len(places) if len(places) > 1 else 0)
-            table = np.ascontiguousarray(np.array([numbers[k] for k in filled]).T)
+            rows = np.ascontiguousarray(np.array([numbers[k] for k in filled]).T)
             lanes, weights = (0.0,) * len(filled), between_samples(step, steps)
-            yield places, _follow(*signals, step, weights, table[:3], table[3:], gap, lanes)[: len(places)]
+            yield places, _follow(q, dq, ddq, sign, load, step, weights, rows[:3], rows[3:], gap, lanes)[: len(places)]
 
 
 def between_samples(step: float, steps: int) -> Float:
