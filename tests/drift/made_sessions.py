@@ -47,11 +47,10 @@ def make_session(
     start: float | None = None,
     conditions: Conditions = HAND,
     robot: str = "arm",
-    path: str | None = None,
     known: bool = True,
 ) -> Session:
     return Session(
-        path=path or f"run{i}.csv",
+        path=f"run{i}.csv",
         sha256=f"content {i}",
         robot=robot,
         start_s=(FIRST_S + i * A_DAY_S if start is None else start) if known else None,

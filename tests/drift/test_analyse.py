@@ -117,9 +117,10 @@ def test_a_joint_that_recovered_is_no_odd_session(back_for: int) -> None:
     assert "changed in 2 steps: rose by 1" in text
 
 
-def test_limits_of_few_sessions_overflow_without_a_warning() -> None:
-    found = coulomb(make_sessions([0.001, 0.5, 0.0002, 0.9], error=1e-5))  # a warning is an error in all tests
-    assert not any(point.outside for point in found.control)
+@pytest.mark.parametrize(("error", "drift"), [(0.003, True), (0.012, False)])
+def test_a_step_within_the_errors_of_the_sessions_is_no_drift(error: float, drift: bool) -> None:
+    found = coulomb(make_sessions(stepped(noisy(30, 1), 10, 1.03), error=error))
+    assert [found.drift, found.p_value <= 0.05, found.total.low > 0.0] == [drift] * 3
 
 
 @pytest.mark.parametrize("count", [1, 2, 3])
@@ -163,8 +164,7 @@ def test_warm_up_within_sessions_is_told_apart() -> None:
     warm = {"coulomb_nm": about(-0.08, 0.02)}
     levels = zip(noisy(12), noisy(12, 7, level=0.07), strict=True)
     found, text = described([make_session(i, [make_joint(1, *level, within=warm)]) for i, level in enumerate(levels)])
-    assert not found.drift
-    assert found.within.value == pytest.approx(-0.08)
+    assert (found.drift, found.within.value) == (False, pytest.approx(-0.08))
     assert found.within.high < 0.0
     assert "within a session it falls by 8 %" in text
 
@@ -206,8 +206,7 @@ def test_order_of_the_arguments_changes_nothing(order: list[int]) -> None:
 def test_what_is_constant_never_drifts(value: float, error: float, count: int) -> None:
     sessions = [make_session(i, [make_joint(1, value, error=error * value)]) for i in range(count)]
     found = coulomb(sessions, replace(QUICK, permutations=99))
-    assert not found.drift
-    assert found.change_points == ()
+    assert (found.drift, found.change_points) == (False, ())
 
 
 @pytest.mark.parametrize(("arms", "too_many"), [(8, 3), pytest.param(24, 5, marks=pytest.mark.thorough)])
@@ -222,10 +221,12 @@ def test_false_alarms_are_as_rare_as_said(arms: int, too_many: int) -> None:
     assert alarms < too_many
 
 
-def test_intervals_without_width_are_no_division_by_zero() -> None:
+def test_errors_of_zero_or_far_below_the_scatter_raise_nothing() -> None:
     found = coulomb(make_sessions(stepped(np.full(12, 0.3), 6, 1.1), error=0.0))
     assert (found.drift, found.shape) == (True, "step")
     assert found.change_points[0].relative.value == pytest.approx(0.1)
+    found = coulomb(make_sessions([0.001, 0.5, 0.0002, 0.9], error=1e-5))  # a warning is an error in all tests
+    assert not any(point.outside for point in found.control)
 
 
 def test_missing_intervals_are_taken_from_the_others() -> None:

@@ -92,7 +92,8 @@ def drift_of(sessions: Sequence[Session], joint: int, coefficient: str, compared
     )  # fmt: skip
     step = ChangePoint(
         session=STEP_SESSION, low=STEP_SESSION - 1, high=STEP_SESSION + 1, before=number(level, noise * level),
-        after=number(level * (1.0 + STEP), noise * level), relative=number(STEP, noise), p_value=1e-6,
+        after=number(level * (1.0 + STEP), noise * level), change=number(STEP * level, noise * level),
+        relative=number(STEP, noise), p_value=1e-6,
     )  # fmt: skip
     changes = coefficient == "coulomb_nm"
     steps = (step,) if changes and joint == STEP_JOINT and STEP_SESSION in compared else ()

@@ -123,7 +123,7 @@ def describe_series(
         return CoefficientDrift(**_shown(series, series.y, sessions), shape="too_few", drift=False, reasons=reasons)
     warm, growth, first = series.take(series.kept), verdict.scatter.growth, verdict.scatter.first
     inflation = (1.0 + first) / (1.0 - first)
-    shape, model, steps = _find_shape(warm, verdict, reference, settings)
+    shape, model, steps, p_value = _find_shape(warm, verdict, reference, settings, inflation)
     if shape == "temperature":
         series = replace(series, temperature=None)
         model = regression.ends_model(series.take(series.kept), reference)
@@ -148,60 +148,87 @@ def describe_series(
         **_shown(series, y, sessions),
         level=level,
         shape=shape,
-        p_value=verdict.p_value,
+        p_value=p_value,
         temperature_slope=slope,
         temperature_c=float("nan") if counted.temperature is None else float(np.mean(counted.temperature)),
         trend_per_session=regression.slope_over(counted, counted.place, inflation),
         trend_per_day=regression.slope_over(counted, counted.day, inflation),
         trend_p_value=verdict.ramp_p_value,
-        change_points=tuple(_change_points(counted, steps, fit, verdict.p_value)),
+        change_points=tuple(_change_points(counted, steps, fit, p_value)),
         control=make_chart(series, y, fit, level, reference, settings.alpha),
         change=absolute,
         total=total,
         scatter=fit.scatter / abs(level.value) if relative_scatter else fit.scatter,
         smallest_change=least.value,
         smallest_drift=least_share.value,
-        drift=verdict.p_value <= settings.alpha,
+        drift=p_value <= settings.alpha,
         warmer_k=_warming(warm),
-        by_temperature=verdict.p_without_temperature <= settings.alpha < verdict.p_value,
-        speed_ratio=_speed_ratio(warm, model) if verdict.p_value <= settings.alpha else float("nan"),
+        by_temperature=verdict.p_without_temperature <= settings.alpha < p_value,
+        speed_ratio=_speed_ratio(warm, model) if p_value <= settings.alpha else float("nan"),
     )
 
 
 def _find_shape(
-    series: Series, verdict: Verdict, reference: Collection[int], settings: DriftSettings
-) -> tuple[str, Model, tuple[Step, ...]]:
-    """Return the shape of a series, the model that it is measured by, and its steps."""
-    if verdict.p_value > settings.alpha:
-        ends, warmth = regression.ends_model(series, reference), series.temperature
-        if warmth is None or verdict.p_without_temperature > settings.alpha:
-            return "none", ends, ()
-        confounded = max(shared(column, warmth) for column in (series.place, *ends.columns.T[:-1])) > CONFOUNDED
-        return "temperature" if confounded else "none", ends, ()
-    steps = find_steps(series, settings, verdict.scatter.growth)
+    series: Series, verdict: Verdict, reference: Collection[int], settings: DriftSettings, inflation: float
+) -> tuple[str, Model, tuple[Step, ...], float]:
+    """Return the shape of a series, the model that it is measured by, its steps, and the p-value of drift.
+
+    The order of the sessions has to be rare, and the size beyond their errors, which may be larger than their scatter:
+    the larger p-value counts (intersection-union test, Berger 1982), so that no interval of a drift holds zero.
+    """
+    p_value, ends, warmth = verdict.p_value, regression.ends_model(series, reference), series.temperature
+    if p_value <= settings.alpha:
+        steps = find_steps(series, settings, verdict.scatter.growth)
+        shape, model, steps, of_size = _describe_drift(series, steps, reference, settings.alpha, inflation)
+        p_value = max(p_value, of_size)
+        if p_value <= settings.alpha:
+            return shape, model, steps, p_value
+    if warmth is None or verdict.p_without_temperature > settings.alpha:
+        return "none", ends, (), p_value
+    confounded = max(shared(column, warmth) for column in (series.place, *ends.columns.T[:-1])) > CONFOUNDED
+    return "temperature" if confounded else "none", ends, (), p_value
+
+
+def _describe_drift(
+    series: Series, steps: tuple[Step, ...], reference: Collection[int], alpha: float, inflation: float
+) -> tuple[str, Model, tuple[Step, ...], float]:
+    """Return steps or a ramp, whichever describes a drift better, and the p-value of its size."""
+
+    def p_values(model: Model, sizes: int) -> list[float]:
+        fit = regression.fit_model(series, model.columns, inflation)
+        return [fit.p_value(size) for size in np.diff(np.eye(len(fit.value)), axis=0)[:sizes]]
+
     segment = np.searchsorted([step.place for step in steps], np.arange(len(series.y)), side="right")
     levels = (segment[:, None] == np.arange(len(steps) + 1)).astype(float)
     stepped = regression.make_model(series, levels, reference, free=regression.PLACE_AND_SIZE * len(steps))
+    of_steps = p_values(stepped, len(steps))
+    weakest = int(np.argmax(of_steps))
+    if len(steps) > 1 and of_steps[weakest] > alpha:  # a step whose interval holds zero is none
+        return _describe_drift(series, steps[:weakest] + steps[weakest + 1 :], reference, alpha, inflation)
     ramp = regression.ramp_model(series, reference)
     better = regression.criterion(series, stepped) - regression.criterion(series, ramp)  # of the ramp than of the steps
     shape = "ramp" if better > 0.0 else "step" if len(steps) == 1 else "steps"
     if not abs(better) >= regression.STRONG_EVIDENCE:
         shape = "step_or_ramp"
-    return (shape, ramp, ()) if better > 0.0 else (shape, stepped, steps)
+    if better > 0.0:
+        return shape, ramp, (), p_values(ramp, 1)[0]
+    return shape, stepped, steps, min(of_steps)
 
 
 def _change_points(series: Series, steps: Sequence[Step], fit: Fit, p_value: float) -> Iterator[made.ChangePoint]:
     for (before, after), step in zip(pairwise(np.eye(len(fit.value))), steps, strict=False):
         level = to_level(fit.interval(before), series)
         session, low, high = series.session[[step.place, step.low, step.high]].tolist()
+        change, relative = to_change(fit.interval(after - before), level, series)
         yield made.ChangePoint(
             session=session,
             low=low,
             high=high,
             before=level,
             after=to_level(fit.interval(after), series),
-            relative=to_change(fit.interval(after - before), level, series)[1],
-            p_value=max(step.p_value, p_value),
+            change=change,
+            relative=relative,
+            p_value=max(step.p_value, p_value, fit.p_value(after - before)),
         )
 
 
@@ -247,7 +274,8 @@ def make_chart(
 
 def smallest_change(series: Series, fit: Fit, *, critical: float, growth: float, power: float) -> float:
     """Return the straight change of y, start to end, that the test of the arm finds with a probability, the power."""
-    from scipy.stats import t
+    from scipy.special import nctdtrinc
+    from scipy.stats import chi2, t
 
     weight = 1.0 / (np.sqrt(series.y_error**2 + fit.scatter**2) * max(fit.scale, 1.0))
     base, ramp = regression.baseline_columns(series) * weight[:, None], regression.ramp_columns(series)[:, 0] * weight
@@ -255,14 +283,8 @@ def smallest_change(series: Series, fit: Fit, *, critical: float, growth: float,
     if freedom < 1 or left @ left <= COLLINEAR * (ramp @ ramp):
         return math.nan
     statistic = float(t.isf(np.exp(-critical), freedom))
-    return noncentrality(statistic, freedom, power) * growth / float(np.linalg.norm(left))
-
-
-def noncentrality(statistic: float, freedom: int, power: float) -> float:
-    """Return the shift of a t-statistic that passes a bound with a given probability."""
-    from scipy.special import nctdtrinc
-    from scipy.stats import chi2
-
     if statistic > CERTAIN:  # where the search of nctdtrinc may take for ever
-        return statistic * math.sqrt(float(chi2.ppf(power, freedom)) / freedom)
-    return float(nctdtrinc(freedom, 1.0 - power, statistic))
+        shift = statistic * math.sqrt(float(chi2.ppf(power, freedom)) / freedom)
+    else:
+        shift = float(nctdtrinc(freedom, 1.0 - power, statistic))  # noncentrality that passes the bound
+    return shift * growth / float(np.linalg.norm(left))

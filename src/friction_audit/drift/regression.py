@@ -80,10 +80,16 @@ class Fit:
         """Return a combination of the coefficients with its 95 % interval."""
         from scipy.stats import t
 
-        value, variance = float(weights @ self.value), weights @ self.covariance @ weights
-        quantile = float(t.ppf(0.975, self.freedom)) if self.freedom > 0 else float("nan")
-        half = quantile * float(np.sqrt(np.maximum(variance, 0.0)))
+        value, quantile = float(weights @ self.value), float(t.ppf(0.975, self.freedom or np.nan))
+        half = quantile * float(np.sqrt(np.maximum(weights @ self.covariance @ weights, 0.0)))
         return Coefficient(value=value, low=value - half, high=value + half)
+
+    def p_value(self, weights: Float) -> float:
+        """Return the p-value of a combination: at most 5 % where its interval excludes zero."""
+        from scipy.stats import t
+
+        variance = float(np.maximum(weights @ self.covariance @ weights, 1e-300))
+        return 2.0 * float(t.sf(abs(weights @ self.value) / variance**0.5, self.freedom or np.nan))
 
 
 def fit_model(series: Series, columns: Float, inflation: float = 1.0) -> Fit:
@@ -130,8 +136,7 @@ def ends_model(series: Series, reference: Collection[int]) -> Model:
 
 def ramp_model(series: Series, reference: Collection[int]) -> Model:
     """Return a straight change, over the sessions or over the days, whichever describes better."""
-    ones = np.ones(len(series.y))
-    models = [make_model(series, np.column_stack([ones, ramp]), reference, 1) for ramp in ramp_columns(series).T]
+    models = [make_model(series, np.column_stack([1.0 - r, r]), reference, 1) for r in ramp_columns(series).T]
     return min(models, key=lambda model: criterion(series, model))
 
 
@@ -188,10 +193,10 @@ def to_change(change: Coefficient, level: Coefficient, series: Series) -> tuple[
 
 
 def relative_change(first: Coefficient, last: Coefficient) -> Coefficient:
-    """Return (last - first) / first, of a first one surely above zero, with its interval by the delta method."""
-    ratio = last.value / first.value
-    half = float(np.hypot(last.high - last.value, ratio * (first.high - first.value))) / first.value
-    return Coefficient(value=ratio - 1.0, low=ratio - 1.0 - half, high=ratio - 1.0 + half)
+    """Return (last - first) / first, of a first one surely above zero, with its interval by Fieller's theorem."""
+    (f, off), (g, far) = ((one.value, one.high - one.value) for one in (first, last))
+    middle, half, square = f * g, float(np.sqrt(f**2 * far**2 + g**2 * off**2 - off**2 * far**2)), f**2 - off**2
+    return Coefficient(value=g / f - 1.0, low=(middle - half) / square - 1.0, high=(middle + half) / square - 1.0)
 
 
 def is_near_zero(level: Coefficient) -> bool:

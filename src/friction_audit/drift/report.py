@@ -56,7 +56,8 @@ class ChangePoint:
     high: int  # last one
     before: Coefficient  # level before it, with interval
     after: Coefficient  # level after it
-    relative: Coefficient  # change over the level before it, with interval; NaN where that level is near zero
+    change: Coefficient  # from the level before it to that after it
+    relative: Coefficient  # the same over the level before it; NaN where that level is near zero
     p_value: float  # family-wise over joints and coefficients of the arm
 
 

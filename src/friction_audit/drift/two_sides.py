@@ -229,27 +229,27 @@ def _p_value(change: _Mean) -> float:
 
 def _change(name: str, sides: tuple[_Mean, _Mean], single: float, p_value: float, level: float) -> CoefficientChange:
     first, second = sides
-    change, before = _difference(first, second), first.interval()
-    total = UNDETERMINED
-    if first.value > 0.0 and not before.low <= 0.0:  # of an estimate without an interval the ratio is known
-        total = relative_change(*(replace(one, freedom=change.freedom).interval() for one in sides))
+    change, total = _difference(first, second), UNDETERMINED
+    ends = [replace(one, freedom=change.freedom).interval() for one in sides]
+    if first.value > 0.0 and not ends[0].low <= 0.0:  # of an estimate without an interval the ratio is known
+        total = relative_change(*ends)
     quantiles = stdtrit(change.freedom, 0.5 + level / 2) + stdtrit(change.freedom, SETTINGS.power)
     smallest = float(quantiles) * change.variance**0.5
     found = CoefficientDrift(
         coefficient=name,
         sessions=tuple(range(sum(one.recordings for one in sides if np.isfinite(one.value)))),
         values=(),
-        level=before,
+        level=first.interval(),
         shape="none" if np.isfinite(single) else "too_few",
         p_value=p_value,
         change=change.interval(),
         total=total,
         smallest_change=smallest,
-        smallest_drift=smallest / before.value if np.isfinite(total.value) else NAN,
+        smallest_drift=smallest / first.value if np.isfinite(total.value) else NAN,
         drift=p_value <= SETTINGS.alpha,
     )
     return CoefficientChange(
-        before=before, after=second.interval(), freedom=change.freedom, single_p_value=single, found=found
+        before=first.interval(), after=second.interval(), freedom=change.freedom, single_p_value=single, found=found
     )
 
 

@@ -106,22 +106,20 @@ def headline(found: CoefficientDrift, sessions: Sequence[Session]) -> str:
 
 def _step(point: ChangePoint, unit: str, sessions: Sequence[Session]) -> str:
     """Return a step and the sessions that it lies between: their dates, with the time if they share one, or names."""
-    before, after = point.before, point.after
-    change = Coefficient(value=after.value - before.value, low=after.low - before.high, high=after.high - before.low)
     both = sessions[point.low - 1], sessions[point.high]
     when = [format_date(one.start_s) for one in both]
     if any(one.start_s is None for one in both):
         when = [PurePath(one.path).name for one in both]
     elif when[0] == when[1]:
         when = [format_start(both[0].start_s), f"{format_start(both[1].start_s)} UTC"]
-    return f"{verb_of(change)} by {how_much(point.relative, change, unit)} between {' and '.join(when)}"
+    return f"{verb_of(point.change)} by {how_much(point.relative, point.change, unit)} between {' and '.join(when)}"
 
 
 def how_much(relative: Coefficient, absolute: Coefficient, unit: str) -> str:
     """Return a size with its interval, in per cent where that means something."""
     shown = relative if isfinite(relative.value) else absolute
     low, high = sorted(math.copysign(1.0, shown.value) * end for end in (shown.low, shown.high))
-    if shown is absolute:
+    if not isfinite(relative.value):
         return f"{abs(absolute.value):.2g} {unit} ({low:.2g} to {high:.2g})"
     return f"{words.percent(abs(relative.value))} % ({words.percent(low)} to {words.percent(high)} %)"
 
