@@ -101,12 +101,12 @@ def _columns(t: "Float", case: Case, rng: "np.random.Generator", arm: "Arm") -> 
     """Return the columns of a row group."""
     import numpy as np  # noqa: PLC0415
 
-    pace = 0.5 + 0.1 * np.array(JOINTS)
+    omega = 0.5 + 0.1 * np.array(JOINTS)
     swell = 0.011 * np.array(JOINTS)
     size, growth = 0.6 + 0.24 * np.sin(np.outer(t, swell)), 0.24 * swell * np.cos(np.outer(t, swell))
-    phase = np.outer(t, pace)
+    phase = np.outer(t, omega)
     q = size * np.sin(phase)
-    dq = size * pace * np.cos(phase) + growth * np.sin(phase)
+    dq = size * omega * np.cos(phase) + growth * np.sin(phase)
     noise = rng.standard_normal((3, *q.shape))
     friction = COULOMB_NM * np.sign(dq) + VISCOUS_NMS_PER_RAD * dq + 0.05 * noise[2]
     gravity = arm.gravity(q)

@@ -242,8 +242,8 @@ def presliding() -> Figure:
 
     def since_reversal(run: Run) -> tuple[Float, Float]:
         turn = turning(run)
-        chosen, way = slice(turn - 2, turn + 900), -np.sign(run.dq[turn - 200])
-        return 1e3 * way * (run.q[chosen] - run.q[turn]), way * run.friction[chosen]
+        chosen, direction = slice(turn - 2, turn + 900), -np.sign(run.dq[turn - 200])
+        return 1e3 * direction * (run.q[chosen] - run.q[turn]), direction * run.friction[chosen]
 
     curves(axes, "presliding", SLOW, SLOW_S, since_reversal)
     axes.set_xlim(-1.0, 30.0)

@@ -83,13 +83,13 @@ def torque_alone(case: Case, which: int, samples: SampledJoint) -> Float:
     data = prepared(simulate(settings_of(case, scales, ideal=True), case.seed).log)[case.number - 1]
     ideal = samples_of(data, samples.nominal.model, samples.rows.corner_hz)
     torque = np.zeros(len(samples.rows.t))
-    here, there = same_moments(samples.rows, ideal.rows)
+    here, there = same_times(samples.rows, ideal.rows)
     torque[here] = ideal.residual()[there]
     return torque
 
 
-def same_moments(rows: Samples, others: Samples) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Which rows of two logs are the same moment, or the same start from a standstill: places in both, shape (k,)."""
+def same_times(rows: Samples, others: Samples) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Which rows of two logs are of the same time, or the same start from a standstill: places in both, shape (k,)."""
     here, there = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)]
     step_s = float(np.min(np.diff(rows.t))) if len(rows.t) > 1 else 0.0
     for starts, apart in ((False, step_s / 2.0), (True, SAME_START_S)):

@@ -17,7 +17,7 @@ from scipy.optimize import brentq, least_squares
 from scipy.stats import chi2, ncx2
 
 from benchmarks.hidden_effects.draw import Case, model_of, settings_of
-from benchmarks.hidden_effects.limits import SampledJoint, integral_time, same_moments, samples_of
+from benchmarks.hidden_effects.limits import SampledJoint, integral_time, same_times, samples_of
 from benchmarks.hidden_effects.strength import prepared
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.problem import RegressionProblem
@@ -75,7 +75,7 @@ def separate(case: Case) -> Separation:
     own = problem.blocks.get(case.effects[0])
     if not own:
         return Separation(competing=(), numbers=0)
-    here, there = same_moments(noisy.rows, hidden.rows)
+    here, there = same_times(noisy.rows, hidden.rows)
     torque = np.zeros(len(noisy.rows.t))
     torque[here] = hidden.residual()[there]
     noise = noisy.residual(torque)

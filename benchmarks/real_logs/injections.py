@@ -30,13 +30,13 @@ def torques(t: Float, q: Float, v: Float, torque: Float, rms: float, rng: np.ran
     """Torque of each effect at the size of ``rms`` while the joint moves, its numbers drawn, shape (n,) each. [N m]"""
     fast, span = float(np.quantile(np.abs(v), 0.95)), float(np.ptp(q))
     moving, draw = np.abs(v) > 0.05 * fast, rng.uniform
-    place = float(np.quantile(q, draw(0.3, 0.7)))
+    centre = float(np.quantile(q, draw(0.3, 0.7)))
     late = draw(0.008, 0.02)
     made = {
         "stribeck": np.exp(-(np.abs(v / (draw(0.1, 0.2) * fast)) ** draw(1.0, 2.0))) * np.sign(v),
         "torque_bias": np.ones_like(q),
         "torque_ripple": np.sin(2 * np.pi * (draw(4.0, 10.0) * (q - q.min()) / span + draw(0.0, 1.0))),
-        "position_dependent_friction": np.sign(v) * np.exp(-(((q - place) / (draw(0.08, 0.16) * span)) ** 2)),
+        "position_dependent_friction": np.sign(v) * np.exp(-(((q - centre) / (draw(0.08, 0.16) * span)) ** 2)),
         "torque_drift": (t - t.mean()) / np.ptp(t),
         "asymmetric_viscous": np.abs(v),
     }

@@ -2,7 +2,7 @@
 
 The measured side (position theta, inertia ``motor_share * inertia``) drives the link (position q) through a spring
 with a dead zone; without a spring both are one. The link rubs: LuGre bristles (Canudas de Wit et al. 1995) whose level
-may follow speed, place, load, direction, time and rest, and springs in parallel that slip (Iwan 1966). The damping
+may follow speed, position, load, direction, time and rest, and springs in parallel that slip (Iwan 1966). The damping
 of the bristles fades with the speed: a constant one would peak at every reversal as high as friction itself.
 """
 
@@ -119,7 +119,7 @@ def viscous_torque(joint: Joint, v: float, t: float) -> float:
 
 @njit(cache=True)
 def resting_torque(joint: Joint, q: float, t: float) -> float:
-    """Torque that follows from the place and the time alone, whichever way the joint goes. [N m]"""
+    """Torque that follows from the position and the time alone, whichever way the joint goes. [N m]"""
     off = q - joint.hose_centre_rad
     stretch = np.sign(off) * max(abs(off) - joint.hose_slack_rad, 0.0)
     torque = joint.hose * stretch + joint.hose_hardening * stretch**3

@@ -225,13 +225,13 @@ def many(recordings: tuple[JointLog, ...], tmp_path_factory: pytest.TempPathFact
 
 
 def test_killed_at_any_moment_nothing_finished_is_lost_or_done_again(many: Path, tmp_path: Path) -> None:
-    moments, output, before = random.Random(6), tmp_path / "out", 0
+    rng, output, before = random.Random(6), tmp_path / "out", 0
     for kill in range(KILLS):
-        target, begin = before + moments.randint(0, LOGS // KILLS - 1), time.monotonic()
+        target, begin = before + rng.randint(0, LOGS // KILLS - 1), time.monotonic()
         with start(many, output) as process:
             while finished(output) <= target and process.poll() is None:
                 assert time.monotonic() < begin + PATIENCE_S
-                time.sleep(moments.uniform(0.0, 0.05))
+                time.sleep(rng.uniform(0.0, 0.05))
             process.send_signal(signal.SIGKILL)
         after = finished(output)
         assert after >= before, kill

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from benchmarks.hidden_effects.limits import PRICE, held_by, integral_time, judged, same_moments, samples_of, visible
+from benchmarks.hidden_effects.limits import PRICE, held_by, integral_time, judged, same_times, samples_of, visible
 from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 from tests.effects.joint_data_by_hand import moved_joint, started_and_stopped
@@ -38,9 +38,9 @@ def test_the_integral_time_is_that_of_an_autoregressive_noise() -> None:
     assert integral_time(noise, rows) == pytest.approx((1 + 0.8) / (1 - 0.8), rel=0.2)
 
 
-def test_the_same_moments_and_the_same_starts() -> None:
+def test_the_same_times_and_the_same_starts() -> None:
     one, other = (samples_of(started_and_stopped(starts=starts), None, 25.0).rows for starts in (8, 6))
-    here, there = same_moments(one, other)
+    here, there = same_times(one, other)
     assert np.abs(one.t[here] - other.t[there]).max() < 0.05
     assert len(np.unique(there)) == len(there) == len(here)
     first, second = (rows.breakaway[at] for rows, at in ((one, here), (other, there)))

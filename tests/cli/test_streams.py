@@ -88,8 +88,8 @@ sys.meta_path.insert(0, Stopping())
 RUN = "runpy.run_module('friction_audit', run_name='__main__')"
 
 
-def run(number: signal.Signals, moment: str, *words: str) -> "subprocess.CompletedProcess[str]":
-    command = [sys.executable, "-c", AS_A_COMMAND + moment + RUN, str(int(number)), *words]
+def run(number: signal.Signals, when: str, *words: str) -> "subprocess.CompletedProcess[str]":
+    command = [sys.executable, "-c", AS_A_COMMAND + when + RUN, str(int(number)), *words]
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 

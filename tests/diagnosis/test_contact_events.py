@@ -74,9 +74,9 @@ def test_an_impulse_of_a_sample_is_separated_from_a_push() -> None:
 
 
 def test_what_every_stroke_repeats_is_none() -> None:
-    place = (np.abs(MOTION.q - 0.4) < 0.05) & (MOTION.dq > 0.0)
-    assert found(noise(0.01) + 0.15 * place) == ()
-    once = place & (np.abs(MOTION.t - 30.0) < 1.5)
+    here = (np.abs(MOTION.q - 0.4) < 0.05) & (MOTION.dq > 0.0)
+    assert found(noise(0.01) + 0.15 * here) == ()
+    once = here & (np.abs(MOTION.t - 30.0) < 1.5)
     assert once.any()
     assert found(noise(0.01) + 0.15 * once) != ()
 

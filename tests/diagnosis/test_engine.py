@@ -41,7 +41,7 @@ def names(found: Any) -> list[str]:
 def scattered(data: JointData) -> Float:
     """Coulomb friction that differs from stroke to stroke."""
     size = 0.1 * np.random.default_rng(5).standard_normal(int(data.cycle.max()) + 1)
-    return np.asarray(size[data.cycle] * data.way)
+    return np.asarray(size[data.cycle] * data.direction)
 
 
 def relaxing(data: JointData) -> Float:
@@ -67,7 +67,7 @@ def test_an_adequate_model_has_no_name_and_the_right_numbers() -> None:
 
 
 def test_a_smoothed_sign_is_no_effect() -> None:
-    data = moved_joint(lambda data: 0.3 * (np.tanh(data.dq / 0.004) - data.way), noise_nm=0.01)
+    data = moved_joint(lambda data: 0.3 * (np.tanh(data.dq / 0.004) - data.direction), noise_nm=0.01)
     assert diagnosed(data).verdict == "adequate"
 
 
@@ -251,7 +251,7 @@ def test_a_compensator_that_the_log_lacks_is_named_where_coulomb_friction_is_hel
 
 def test_the_edge_of_a_dead_band_is_found_between_the_points_of_the_grid() -> None:
     def torque(data: JointData) -> Float:
-        return np.asarray(-SHARE * COULOMB_NM * data.way * (np.abs(data.dq) > 0.17))
+        return np.asarray(-SHARE * COULOMB_NM * data.direction * (np.abs(data.dq) > 0.17))
 
     (effect,) = diagnosed(moved_joint(torque, noise_nm=NOISE_NM), COMPENSATED, model=HELD).effects
     assert effect.parameters["unlogged_form"].value == 1.0
@@ -259,7 +259,7 @@ def test_the_edge_of_a_dead_band_is_found_between_the_points_of_the_grid() -> No
 
 
 def test_a_step_of_friction_is_found_at_its_moment() -> None:
-    data = moved_joint(lambda one: 0.1 * one.way * (one.t >= 31.3), noise_nm=NOISE_NM)
+    data = moved_joint(lambda one: 0.1 * one.direction * (one.t >= 31.3), noise_nm=NOISE_NM)
     (effect,) = diagnosed(data, [effect_of("friction_step")]).effects
     assert effect.parameters["step_time_s"].value == pytest.approx(31.3, abs=0.05)
     assert effect.parameters["step_coulomb_nm"].value == pytest.approx(0.1, rel=0.1)

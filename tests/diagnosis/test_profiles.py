@@ -143,15 +143,15 @@ def test_ringing_is_drawn_along_its_torque_and_its_means_are_those_of_the_sample
     assert own.curve.backwards == pytest.approx(0.5 + own.curve.centre, abs=0.05)
 
 
-PLACE, WAY, RINGING = np.tile(np.linspace(0.0, 1.0, 600), 8), np.repeat([1.0, -1.0] * 4, 600), np.sin(np.arange(4800))
+X, SIGN, RINGING = np.tile(np.linspace(0.0, 1.0, 600), 8), np.repeat([1.0, -1.0] * 4, 600), np.sin(np.arange(4800))
 
 
 @pytest.mark.parametrize(
     ("torque", "shown"),
     [
         (np.full(4800, 0.1), True),
-        (WAY * np.exp(-PLACE / 0.1), True),
-        (np.sin(400.0 * PLACE), False),
+        (SIGN * np.exp(-X / 0.1), True),
+        (np.sin(400.0 * X), False),
         (np.repeat([1.0, 1.0, -1.0, -1.0] * 2, 600), False),
         (1.1 + np.sqrt(2.0) * RINGING, True),
         (0.9 + np.sqrt(2.0) * RINGING, False),
@@ -159,4 +159,4 @@ PLACE, WAY, RINGING = np.tile(np.linspace(0.0, 1.0, 600), 8), np.repeat([1.0, -1
     ids=["an offset", "fading", "fine waves", "now this way, now that way", "over half of it", "less than half"],
 )
 def test_a_place_is_given_where_most_of_the_torque_is_a_curve_over_the_axis(torque: Float, shown: bool) -> None:
-    assert shows_along(torque, PLACE, WAY) is shown
+    assert shows_along(torque, X, SIGN) is shown

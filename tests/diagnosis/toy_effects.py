@@ -59,7 +59,7 @@ TOYS = (BUMP, WAVE, SQUARE, LOCKED_OUT)
 
 
 def rising(data: JointData) -> Float:
-    return np.asarray(0.1 * data.way * np.exp(-((data.dq / 0.1) ** 2)))
+    return np.asarray(0.1 * data.direction * np.exp(-((data.dq / 0.1) ** 2)))
 
 
 def bump(data: JointData) -> Float:

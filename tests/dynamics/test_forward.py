@@ -29,12 +29,12 @@ def whole(t: Float) -> NDArray[np.int64]:
 
 
 def free(model: JointModel, t: Float, drive: Float, *, q: float = 0.0, dq: float = 0.0, span: float = 1.0) -> Float:
-    """Velocity from a start, where nothing else was recorded but the span of places."""
-    places = q + np.where(np.arange(len(t)) % 2, span, -span)
-    places[0] = q
+    """Velocity from a start, where nothing else was recorded but the span of positions."""
+    positions = q + np.where(np.arange(len(t)) % 2, span, -span)
+    positions[0] = q
     speeds = np.where(np.arange(len(t)) % 2, 2.0, -2.0)
     speeds[0] = dq
-    return np.asarray(simulate_along(model, recording_of(t, places, speeds), drive, whole(t)))
+    return np.asarray(simulate_along(model, recording_of(t, positions, speeds), drive, whole(t)))
 
 
 @pytest.mark.parametrize("stribeck", [False, True])
@@ -165,21 +165,21 @@ def test_pieces_give_the_recording_back_from_their_starts_and_nothing_between_th
 # Bristles read off a term: by hand for a stop and for Dahl's exponential, and along the path of any motion.
 
 LEVEL, REACH = 0.3, 0.01
-WAY = 0.03 * np.sin(np.linspace(0.0, 12.0, 3001)) * np.linspace(0.1, 1.0, 3001)
+Q = 0.03 * np.sin(np.linspace(0.0, 12.0, 3001)) * np.linspace(0.1, 1.0, 3001)
 
 
 def stop(q: Float, reach: float) -> Float:
     z = [0.0]
-    for way in (np.diff(q) / reach).tolist():
-        z.append(min(max(z[-1] + way, -1.0), 1.0))
+    for displacement in (np.diff(q) / reach).tolist():
+        z.append(min(max(z[-1] + displacement, -1.0), 1.0))
     return np.array(z)
 
 
 def dahl(q: Float, reach: float) -> Float:
     z = [0.0]
-    for way in (np.diff(q) / reach).tolist():
-        end = math.copysign(1.0, way)
-        z.append(end + (z[-1] - end) * math.exp(-abs(way)) if way else z[-1])
+    for displacement in (np.diff(q) / reach).tolist():
+        end = math.copysign(1.0, displacement)
+        z.append(end + (z[-1] - end) * math.exp(-abs(displacement)) if displacement else z[-1])
     return np.array(z)
 
 
@@ -192,7 +192,7 @@ def test_a_stop_by_hand() -> None:
     assert curve == pytest.approx([LEVEL, 0.0, -LEVEL, -LEVEL], abs=1e-3)
     assert found.damping_s == pytest.approx(0.0, abs=1e-9)
     for bristles in (found, springs):
-        assert bristles.along(WAY) == pytest.approx(LEVEL * stop(WAY, REACH), abs=2e-3)
+        assert bristles.along(Q) == pytest.approx(LEVEL * stop(Q, REACH), abs=2e-3)
     assert springs.reach == pytest.approx([REACH], rel=1e-3)
     assert springs.stiffness == pytest.approx([LEVEL / REACH], rel=1e-3)
 
@@ -204,8 +204,8 @@ def test_springs_remember_every_reversal() -> None:
         return 0.5 * (stop(q, 0.002) + stop(q, 0.01))
 
     _, found, springs = bristles_of(invent(lambda motion: two(motion.q) - np.sign(motion.dq), LEVEL, "bristle"))
-    way = np.interp(np.arange(5001), [0, 1000, 2000, 3000, 4000, 5000], [0.0, 0.03, 0.018, 0.022, 0.01, 0.03])
-    wrong = [np.sqrt(np.mean((one.along(way) - LEVEL * two(way)) ** 2)) for one in (springs, found)]
+    q = np.interp(np.arange(5001), [0, 1000, 2000, 3000, 4000, 5000], [0.0, 0.03, 0.018, 0.022, 0.01, 0.03])
+    wrong = [np.sqrt(np.mean((one.along(q) - LEVEL * two(q)) ** 2)) for one in (springs, found)]
     assert wrong[0] < 3e-3
     assert wrong[1] > 5.0 * wrong[0]
 
@@ -221,7 +221,7 @@ def test_an_exponential_and_the_damping_of_its_bending_by_hand(damping: float) -
     assert dry == pytest.approx(-LEVEL, rel=0.01)
     if damping == 0.0:
         assert found.torque == pytest.approx(LEVEL * (2.0 * np.exp(-found.path / REACH) - 1.0), abs=1e-3)
-        assert found.along(WAY) == pytest.approx(LEVEL * dahl(WAY, REACH), abs=2e-3)
+        assert found.along(Q) == pytest.approx(LEVEL * dahl(Q, REACH), abs=2e-3)
 
 
 # Tables of terms: read along a recording they give what the terms give, and say so where they cannot.
@@ -236,14 +236,14 @@ def of_load_and_neighbours(m: Motion) -> Float:
     return 0.1 * m.load * np.sign(m.dq) + 0.2 * m.others.ddq[:, 0] + 0.01 * m.t
 
 
-OF_PLACE = invent(lambda m: m.q**3 + np.sign(m.dq) * m.q**2 + 2 * m.dq * m.q)
+OF_POSITION = invent(lambda m: m.q**3 + np.sign(m.dq) * m.q**2 + 2 * m.dq * m.q)
 
 
 @pytest.mark.parametrize(
     "term",
     [
         invent(of_load_and_neighbours),
-        OF_PLACE,
+        OF_POSITION,
         invent(lambda m: np.sign(m.dq) * np.sqrt(np.abs(m.dq))),
         FittedTerm("coulomb", (0.3,)),
         FittedTerm("viscous", (0.1,)),

@@ -54,7 +54,7 @@ def reference(model: JointModel, t: Float, amplitude: float, rate: float) -> Flo
     still = np.zeros(1)
 
     def slope(time: float, state: Float) -> list[float]:
-        motion = Motion(t=still, q=still, dq=state[1:], ddq=still, way=np.tanh(state[1:] / 1e-5))
+        motion = Motion(t=still, q=still, dq=state[1:], ddq=still, smooth_direction=np.tanh(state[1:] / 1e-5))
         return [state[1], (amplitude * np.cos(rate * time) - model.torque(motion)[0]) / model.inertia_kg_m2]
 
     return np.asarray(solve_ivp(slope, (0.0, t[-1]), np.zeros(2), "LSODA", t_eval=t, rtol=1e-8, atol=1e-10).y[1])

@@ -128,11 +128,11 @@ EXCESS_NM, RISE_NM_PER_S = 0.2, 1.5
 def started_and_stopped(noise_nm: float = 0.0, starts: int = 20) -> JointData:
     """A joint that stands still for half of every second, its torque rising, then slides, the excess lost at once."""
     t = np.arange(0.0, starts, 1.0 / 400.0)
-    since, way = t % 1.0 - 0.5, np.where(t % 2.0 < 1.0, 1.0, -1.0)
+    since, direction = t % 1.0 - 0.5, np.where(t % 2.0 < 1.0, 1.0, -1.0)
     slides = since >= 0.0
-    dq = np.where(slides, way * (1.0 - np.cos(4 * np.pi * since)), 0.0)
+    dq = np.where(slides, direction * (1.0 - np.cos(4 * np.pi * since)), 0.0)
     held = COULOMB_NM + EXCESS_NM + RISE_NM_PER_S * since
-    torque = way * np.where(slides, COULOMB_NM, held)
+    torque = direction * np.where(slides, COULOMB_NM, held)
     q = np.cumsum(dq) / 400.0
     signed, ddq = signed_rest(dq, np.gradient(dq, t), find_breakaways(q, dq, 3e-3, 1 / 400), 3e-3)
     noise = noise_nm * np.random.default_rng(0).standard_normal(len(t))

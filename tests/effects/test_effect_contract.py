@@ -231,7 +231,7 @@ def rubbing(group: Any) -> Float:
 
 
 def wavy(group: Any) -> Float:
-    return 0.4 * SIGN * (by_sample("place_factor", MOTION.q)(group) - 1.0)
+    return 0.4 * SIGN * (by_sample("position_factor", MOTION.q)(group) - 1.0)
 
 
 def crosstalk(group: Any) -> Float:

@@ -18,7 +18,7 @@ from tests.effects.joint_data_by_hand import STEP_S, baseline, joint_data, share
 
 DATA = two_sines()
 SHORT = two_sines(30.0)
-PLACE, WAY = SHORT.q, np.sign(SHORT.dq)
+Q, SIGN = SHORT.q, np.sign(SHORT.dq)
 COLD = replace(DATA, temperature=None)
 HEAT = np.sin(DATA.t / 9.0)
 HEATED = replace(DATA, temperature=25.0 + 10.0 * HEAT)
@@ -90,12 +90,12 @@ ROWS: list[Row] = [
     ("joint_limit_stop", DATA, 100.0 * np.maximum(Q - 0.8, 0.0) ** 2, 0.95, {}),  # a tether that hardens is one too
     ("joint_limit_stop", DATA, (20.0 * (Q - 0.85) + 0.4 * V) * (Q > 0.85), 0.95, {"cable_spring": 1.0}),
     *(
-        ("position_dependent_friction", SHORT, WAY * np.cos(order * PLACE + phase), 0.85, {"torque_ripple": 0.05})
+        ("position_dependent_friction", SHORT, SIGN * np.cos(order * Q + phase), 0.85, {"torque_ripple": 0.05})
         for order in (1.5, 4.4, 11.0)
         for phase in (0.0, 1.0)
     ),
     *(
-        ("position_dependent_friction", SHORT, WAY * np.maximum(1.0 - np.abs(PLACE - centre) / width, 0.0), 0.7, {})
+        ("position_dependent_friction", SHORT, SIGN * np.maximum(1.0 - np.abs(Q - centre) / width, 0.0), 0.7, {})
         for centre in (-0.6, -0.11, 0.23, 0.5)
         for width in (0.1, 0.2, 0.4)
     ),
@@ -110,9 +110,9 @@ ROWS: list[Row] = [
         for viscous in (0.0, 0.5)
     ),
     *(
-        ("friction_step", COLD, (0.2 * S + 0.1 * V) * np.clip((T - moment) / max(length, 1e-6), 0.0, 1.0), 0.95,
+        ("friction_step", COLD, (0.2 * S + 0.1 * V) * np.clip((T - time) / max(length, 1e-6), 0.0, 1.0), 0.95,
          {"warm_up": 0.9, "torque_drift": 0.9})
-        for moment in (9.3, 30.0, 41.7)
+        for time in (9.3, 30.0, 41.7)
         for length in (0.0, 5.0)
     ),
     *(

@@ -182,9 +182,9 @@ def test_coupling_by_all_others_and_by_the_model_of_the_arm() -> None:
     ],
 )
 def test_bends_that_have_a_formula(freedom: float, formula: object) -> None:
-    pace = np.linspace(0.0, 6.0, 50)
+    x = np.linspace(0.0, 6.0, 50)
     assert callable(formula)
-    assert_allclose(bend(pace, freedom), formula(pace), atol=1e-6)
+    assert_allclose(bend(x, freedom), formula(x), atol=1e-6)
 
 
 @given(st.floats(-1.0, 5.0), st.floats(1e-6, 1e3), st.floats(-0.7, 4.0))

@@ -254,9 +254,9 @@ def jumping() -> JointData:
     data = started_and_stopped()
     since = data.t % 1.0 - 0.5
     # The last 20 ms before a start take the torque up to friction: no few milliseconds say what it was.
-    way = np.where(data.t % 2.0 < 1.0, 1.0, -1.0)
-    jump = np.where((since > -0.02) & (since < 0.0), 40.0 * (since + 0.02), 0.0) * way
-    held_by_friction = np.where(since >= 0.0, EXCESS_NM + 0.8, 0.0) * way
+    direction = np.where(data.t % 2.0 < 1.0, 1.0, -1.0)
+    jump = np.where((since > -0.02) & (since < 0.0), 40.0 * (since + 0.02), 0.0) * direction
+    held_by_friction = np.where(since >= 0.0, EXCESS_NM + 0.8, 0.0) * direction
     assert STICTION.not_identifiable(data, baseline(data)) is None
     return replace(data, torque=data.torque + jump + held_by_friction)
 

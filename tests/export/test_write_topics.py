@@ -95,8 +95,8 @@ DATED, BARE = int(stamps_ns(log())[0]), UNKNOWN_START_NS
 def test_a_window_keeps_the_clock_and_nothing_lies_outside_it(
     start_s: float | None, window: tuple[float | None, float | None], first: int, last_s: float, tmp_path: Path
 ) -> None:
-    moments = made("moments", {"time_s": float}, "time_s", {"time_s": np.array([-0.1, 0.5, 99.0])})
-    write_topics([moments], log(start_s).take_window(*window), tmp_path / "part.mcap")
+    times = made("times", {"time_s": float}, "time_s", {"time_s": np.array([-0.1, 0.5, 99.0])})
+    write_topics([times], log(start_s).take_window(*window), tmp_path / "part.mcap")
     found = [message.log_time - first for _, _, message in messages(tmp_path / "part.mcap")]
     assert found == [0, 500_000_000, round(last_s * 1e9)]
 

@@ -230,9 +230,9 @@ def test_options_hold_block_by_block(
 
 @pytest.mark.parametrize("resolution", [1e-9, 1e-3])
 def test_a_late_velocity_is_put_on_time_block_by_block(frame: pd.DataFrame, tmp_path: Path, resolution: float) -> None:
-    names, places = [f"dq_{j}" for j in JOINTS], [f"q_{j}" for j in JOINTS]
+    names, positions = [f"dq_{j}" for j in JOINTS], [f"q_{j}" for j in JOINTS]
     late = frame.iloc[8:].assign(**{name: frame[name].to_numpy()[:-8] for name in names})
-    late[places] = np.round(late[places] / resolution) * resolution
+    late[positions] = np.round(late[positions] / resolution) * resolution
     log = assert_same_log(written(late, tmp_path, *PLAIN, joints=FEW), {})
     assert "dq_late" in [one.code for one in estimate_log(log, AuditSettings()).interaction.warnings]
 

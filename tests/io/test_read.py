@@ -169,13 +169,13 @@ def test_a_velocity_that_was_made_is_not_written_as_logged(tmp_path: Path, write
     np.testing.assert_allclose(again.dq[inside], log.dq[inside], atol=1e-2)
 
 
-@pytest.mark.parametrize(("count", "pace", "most"), [(1.5e-3, 1.0, 0.005), (6e-6, 1.0, 0.001), (1.5e-3, 8.0, 0.02)])
-def test_the_velocity_of_a_coarse_position_is_not_mostly_noise(count: float, pace: float, most: float) -> None:
+@pytest.mark.parametrize(("count", "omega", "most"), [(1.5e-3, 1.0, 0.005), (6e-6, 1.0, 0.001), (1.5e-3, 8.0, 0.02)])
+def test_the_velocity_of_a_coarse_position_is_not_mostly_noise(count: float, omega: float, most: float) -> None:
     t = np.arange(0.0, 20.0, 0.002)
     wild = 3.0 * (t == t[5000])  # is left out, and no noise
-    q = np.rint((0.5 * np.sin(pace * t) + wild) / count) * count
-    log = friction_audit.log_from_frame({"time": t, "q_1": q, "tau_J_1": np.sign(np.cos(pace * t)) + 1e-3 * t})
-    error = log.dq[50:-50, 0] - 0.5 * pace * np.cos(pace * log.t[50:-50])
+    q = np.rint((0.5 * np.sin(omega * t) + wild) / count) * count
+    log = friction_audit.log_from_frame({"time": t, "q_1": q, "tau_J_1": np.sign(np.cos(omega * t)) + 1e-3 * t})
+    error = log.dq[50:-50, 0] - 0.5 * omega * np.cos(omega * log.t[50:-50])
     assert np.std(error) < most  # [rad/s]; of 20 ms of the slow coarse one 0.017; of 100 ms of the fast one 0.047
     assert ("through 11 samples" in str(log.source.findings)) == (count < 1e-5)
 

@@ -199,8 +199,8 @@ def test_a_drift_is_sought_at_both_ends_of_the_time() -> None:
     assert going[gap] < 20.0
     assert going[gap + 1] > 100.0
     assert going[gap + 1] - going[gap] == pytest.approx(plan.rest_s, abs=1.0)
-    half = len(plan.motion.strokes) // 2
-    assert [one.way_rad for one in plan.motion.strokes[:half]] == [one.way_rad for one in plan.motion.strokes[half:]]
+    displacements = [one.displacement_rad for one in plan.motion.strokes]
+    assert displacements[: len(displacements) // 2] == displacements[len(displacements) // 2 :]
     assert all(one.decided for one in plan.answers), plan.answers
     short = plan_task(plan.task, plan.limits, 45.0, check=False)  # no time for both ends
     assert (short.rest_s, len(short.runs) >= 3) == (0.0, True)

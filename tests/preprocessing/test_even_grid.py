@@ -15,9 +15,9 @@ from friction_audit.preprocessing.even_grid import (
     first_order,
     fresh_samples,
     gaps,
-    moments_of_samples,
     natural_spline,
     steady_clock,
+    times_of_samples,
 )
 from friction_audit.preprocessing.resampling import Grid, GridTorque, grids_of, motion_on
 from friction_audit.preprocessing.settings import TorqueSettings
@@ -47,13 +47,13 @@ def test_a_position_bends_over_lost_samples() -> None:
 
 def test_samples_of_an_earlier_moment_are_found_by_the_motion() -> None:
     rng, t = np.random.default_rng(0), np.arange(0, 5, STEP)
-    moments = t.copy()
-    moments[37::50] -= 0.6 * STEP
-    q, dq = np.sin(4 * moments) + 4e-6 * rng.standard_normal(len(t)), 4 * np.cos(4 * moments)
+    times = t.copy()
+    times[37::50] -= 0.6 * STEP
+    q, dq = np.sin(4 * times) + 4e-6 * rng.standard_normal(len(t)), 4 * np.cos(4 * times)
     at_rest = np.zeros_like(t)
     found = belated_samples(t, np.column_stack([q, at_rest]), np.column_stack([dq, at_rest]))
     turning = np.abs(dq) < 0.2
-    np.testing.assert_array_equal(found[~turning], (moments < t)[~turning])
+    np.testing.assert_array_equal(found[~turning], (times < t)[~turning])
     assert not belated_samples(t, at_rest[:, None], at_rest[:, None]).any()
 
 
@@ -164,8 +164,8 @@ def test_the_position_shows_whether_samples_are_as_late_as_their_stamps(samples_
     t = tick + rng.exponential(1e-4, len(tick)).clip(max=0.8e-3)
     taken = t if samples_are_late else tick
     q = np.column_stack([np.sin(taken), 0.5 * np.sin(2.0 * taken)]) + rng.normal(scale=1e-6, size=(len(tick), 2))
-    moments = moments_of_samples(t, q, np.column_stack([np.cos(taken), np.cos(2.0 * taken)]))
-    assert np.std(moments - taken) < 0.2 * np.std(t - tick)
+    times = times_of_samples(t, q, np.column_stack([np.cos(taken), np.cos(2.0 * taken)]))
+    assert np.std(times - taken) < 0.2 * np.std(t - tick)
 
 
 @given(n=st.integers(2, 30), seed=st.integers(0, 1000))

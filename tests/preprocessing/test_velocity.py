@@ -194,9 +194,9 @@ def test_where_the_position_cannot_be_trusted_it_is_the_logged_one() -> None:
 
 
 def test_a_position_is_as_good_as_the_velocity_and_follows_itself_through_a_hole() -> None:
-    rng, place = np.random.default_rng(3), -np.cos(np.pi * GRID) / np.pi
+    rng, q = np.random.default_rng(3), -np.cos(np.pi * GRID) / np.pi
     valid = (GRID < 40.0) | (GRID > 41.0)
     dq, ddq = np.where(valid, TRUE + 1e-3 * rng.standard_normal(len(GRID)), 0.0), np.pi * np.cos(np.pi * GRID)
-    error = position_of(place + 1e-4 * rng.standard_normal(len(GRID)), dq, ddq, valid, GRID_S, 0.0) - place
+    error = position_of(q + 1e-4 * rng.standard_normal(len(GRID)), dq, ddq, valid, GRID_S, 0.0) - q
     assert np.std(error[valid]) < 3e-5
     assert np.abs(error).max() < 4e-4

@@ -21,11 +21,11 @@ def strokes(count: int, rate: float, rng: np.random.Generator) -> tuple[Float, F
     """Return q, dq, ddq of minimum-jerk strokes of 0.9 rad back and forth, of varied speed."""
     pieces = []
     for row in range(count):
-        way, duration = -0.9 if row % 2 else 0.9, rng.uniform(1.0, 2.4)
+        displacement, duration = -0.9 if row % 2 else 0.9, rng.uniform(1.0, 2.4)
         s = np.arange(round(duration * rate)) / (duration * rate)
-        q = way * (10 * s**3 - 15 * s**4 + 6 * s**5) + (0.9 if row % 2 else 0.0)
-        dq = way * (30 * s**2 - 60 * s**3 + 30 * s**4) / duration
-        pieces.append(np.stack([q, dq, way * (60 * s - 180 * s**2 + 120 * s**3) / duration**2]))
+        q = displacement * (10 * s**3 - 15 * s**4 + 6 * s**5) + (0.9 if row % 2 else 0.0)
+        dq = displacement * (30 * s**2 - 60 * s**3 + 30 * s**4) / duration
+        pieces.append(np.stack([q, dq, displacement * (60 * s - 180 * s**2 + 120 * s**3) / duration**2]))
     q, dq, ddq = np.concatenate(pieces, axis=1)
     return q, dq, ddq
 

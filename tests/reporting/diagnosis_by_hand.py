@@ -59,13 +59,13 @@ def moving_traces() -> r.Traces:
     place = np.arange(CYCLES * ROWS)
     place = place[place % ROWS >= LEFT_OUT]
     cycle, t = place // ROWS, np.asarray(STEP_S * place, np.float64)
-    way = np.where(cycle % 2, -1.0, 1.0)
+    sign = np.where(cycle % 2, -1.0, 1.0)
     speed: Float = 0.05 + 0.3 * np.sin(np.pi * (place % ROWS) / ROWS)
-    after = way * (0.4 + speed)
+    after = sign * (0.4 + speed)
     return traces(
-        CYCLES, t=t, q=way * speed, dq=way * speed, displacement=speed, cycle=cycle, held_out=cycle % 3 == 1,
+        CYCLES, t=t, q=sign * speed, dq=sign * speed, displacement=speed, cycle=cycle, held_out=cycle % 3 == 1,
         measured=after + NOISE_NM * np.random.default_rng(0).standard_normal(len(place)),
-        before=after - MISSING_NM * way, after=after, along={"speed": speed, "time": t},
+        before=after - MISSING_NM * sign, after=after, along={"speed": speed, "time": t},
     )  # fmt: skip
 
 

@@ -104,9 +104,9 @@ def test_gravity_is_inverse_dynamics_at_rest_whatever_the_axes(tmp_path: Path) -
 
 def test_the_flange_is_where_the_published_lengths_put_it() -> None:
     # Franka's own ready pose: end effector at 0.3069, 0, 0.4869 with the hand, whose length is 0.1034; pointing down.
-    place, orientation = flange_at(READY)
+    position, orientation = flange_at(READY)
     assert orientation[2, 2] == pytest.approx(-1)
-    assert place == pytest.approx([0.3069, 0.0, 0.5903], abs=2e-4)
+    assert position == pytest.approx([0.3069, 0.0, 0.5903], abs=2e-4)
     assert flange_at(np.zeros(7))[0] == pytest.approx([0.088, 0, 0.333 + 0.316 + 0.384 - 0.107])
 
 

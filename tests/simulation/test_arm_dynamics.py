@@ -100,16 +100,16 @@ def intended(settings: ArmSettings, seed: int, ticks: int) -> HandMotion:
 
 
 def flange_poses(arm: Arm, q: Float) -> tuple[Float, Float, Float]:
-    """Return places of the flange, shape (n, 3), orientations, shape (n, 3, 3), and Jacobians, shape (n, 6, j)."""
+    """Return positions of the flange, shape (n, 3), orientations, shape (n, 3, 3), and Jacobians, shape (n, 6, j)."""
     data = mujoco.MjData(arm.model)
     flange = arm.model.body(arm.flange).id
-    place, turned, jacobian = np.empty((len(q), 3)), np.empty((len(q), 3, 3)), np.empty((len(q), 6, q.shape[1]))
+    position, turned, jacobian = np.empty((len(q), 3)), np.empty((len(q), 3, 3)), np.empty((len(q), 6, q.shape[1]))
     for k, data.qpos[:] in enumerate(q):
         mujoco.mj_kinematics(arm.model, data)
         mujoco.mj_comPos(arm.model, data)
         mujoco.mj_jacBody(arm.model, data, jacobian[k, :3], jacobian[k, 3:], flange)
-        place[k], turned[k] = data.xpos[flange], data.xmat[flange].reshape(3, 3)
-    return place, turned, jacobian
+        position[k], turned[k] = data.xpos[flange], data.xmat[flange].reshape(3, 3)
+    return position, turned, jacobian
 
 
 def pull(settings: ArmSettings, seed: int, motion: TrueMotion) -> Pull:
@@ -117,9 +117,9 @@ def pull(settings: ArmSettings, seed: int, motion: TrueMotion) -> Pull:
     path = intended(settings, seed, len(motion.t) - 1)
     n = len(motion.q)
     flange, turned, jacobian = flange_poses(arm, motion.q)
-    place, upright = flange[0], Rotation.from_matrix(turned[0])
+    position, upright = flange[0], Rotation.from_matrix(turned[0])
     twist = np.einsum("kij,kj->ki", jacobian, motion.dq)
-    off = place + path.position[:n] - flange
+    off = position + path.position[:n] - flange
     # All rotations at a time: one by one they would take most of the time of the tests.
     turn = Rotation.from_rotvec(path.rotation[:n]) * upright * Rotation.from_matrix(turned).inv()
     force = hand.stiffness_n_per_m * off + hand.damping_ns_per_m * (path.velocity[:n] - twist[:, :3])

@@ -225,8 +225,8 @@ def test_the_model_says_of_the_motion_the_torque_that_was_simulated(name: str, v
     motion = Motion(t=t, q=q, dq=dq, ddq=np.gradient(dq, t))
     without = model_of({})
     # Samples with 20 ms of motion in one direction on either side.
-    way = np.sign(np.where(np.abs(dq) > 1e-3, dq, 0.0))
-    read, far = log.channels()["tau_interaction"][:, 0], np.abs(np.convolve(way, np.ones(41), "same")) == 41.0
+    direction = np.sign(np.where(np.abs(dq) > 1e-3, dq, 0.0))
+    read, far = log.channels()["tau_interaction"][:, 0], np.abs(np.convolve(direction, np.ones(41), "same")) == 41.0
     left = [np.sqrt(np.mean((read - one.torque(motion))[far] ** 2)) for one in (without, model)]
     assert left[1] < 0.15 * left[0]
 

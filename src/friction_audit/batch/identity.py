@@ -50,22 +50,22 @@ class FailedLog(NamedTuple):
 _DATE = r"(?P<year>(?:19|20)\d\d)(?P<s>[-_.]?)(?P<month>0[1-9]|1[0-2])(?P=s)(?P<day>0[1-9]|[12]\d|3[01])"
 _CLOCK = r"(?P<hour>[01]\d|2[0-3])(?P<c>[-_.:]?)(?P<minute>[0-5]\d)(?:(?P=c)(?P<second>[0-5]\d)(?:[.,](?P<part>\d+))?)?"
 _ZONE = r"(?P<zone>Z|[+-]\d\d:?\d\d)?"
-_MOMENT = re.compile(rf"(?<!\d){_DATE}(?:[T _.-]+{_CLOCK}{_ZONE})?(?!\d)", re.IGNORECASE)
+_TIME = re.compile(rf"(?<!\d){_DATE}(?:[T _.-]+{_CLOCK}{_ZONE})?(?!\d)", re.IGNORECASE)
 # Seconds since 1970, from 2001 to 2033, as they are or in thousandths, millionths or billionths.
 _EPOCH = re.compile(r"(?<!\d)(1\d{9})(?:(\d{3}|\d{6}|\d{9})|\.(\d+))?(?!\d)")
 
 
 def parse_time(text: str) -> float | None:
     """Return the Unix time of a cell: a date, a date and time (UTC if no zone is stated), or seconds; else None."""
-    if found := _MOMENT.fullmatch(text) or _EPOCH.fullmatch(text):
+    if found := _TIME.fullmatch(text) or _EPOCH.fullmatch(text):
         return _unix_time(found)
     return float(text) if re.fullmatch(r"\d{9,}(?:\.\d+)?", text) else None
 
 
 def time_in_name(names: Iterable[str]) -> float | None:
     """Return the Unix time in the first of the names that holds one, taken as UTC without a zone. [s]"""
-    written = (found for name in names for form in (_MOMENT, _EPOCH) if (found := form.search(name)))
-    return next((moment for one in written if (moment := _unix_time(one)) is not None), None)
+    written = (found for name in names for form in (_TIME, _EPOCH) if (found := form.search(name)))
+    return next((time for one in written if (time := _unix_time(one)) is not None), None)
 
 
 def _unix_time(found: re.Match[str]) -> float | None:
@@ -75,10 +75,10 @@ def _unix_time(found: re.Match[str]) -> float | None:
     date = f"{found['year']}-{found['month']}-{found['day']}"
     clock = f"{found['hour'] or '00'}:{found['minute'] or '00'}:{found['second'] or '00'}"
     try:
-        moment = datetime.fromisoformat(f"{date}T{clock}{(found['zone'] or 'Z').upper()}")
+        time = datetime.fromisoformat(f"{date}T{clock}{(found['zone'] or 'Z').upper()}")
     except ValueError:  # 30 February
         return None
-    return moment.timestamp() + float(f"0.{found['part'] or 0}")
+    return time.timestamp() + float(f"0.{found['part'] or 0}")
 
 
 def identify(found: Sequence[tuple[LogFile, Session]]) -> tuple[tuple[Session, ...], tuple[str, ...]]:
@@ -130,7 +130,7 @@ def name_of(file: LogFile, topic: str) -> str:
 def robot_folder(folders: Sequence[str]) -> str:
     """Return the name of the nearest folder that is not called after a day."""
     names = [name for name in folders if name]
-    others = (name for name in names if not (_MOMENT.search(name) or _EPOCH.search(name)))
+    others = (name for name in names if not (_TIME.search(name) or _EPOCH.search(name)))
     return next(others, names[-1] if names else "robot")
 
 

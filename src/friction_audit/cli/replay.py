@@ -30,7 +30,7 @@ EXAMPLES = """Examples:
   friction-audit replay run.mcap -o results --export mcap"""
 
 DOCUMENT, HISTORY = "replay.json", "replay.csv"
-MOMENTS = ("friction_step", "torque_drift")  # effects that hold for moments of the recording they were found on
+TIMED = ("friction_step", "torque_drift")  # effects that hold for times of the recording they were found on
 
 
 @group(TUNING)
@@ -140,7 +140,7 @@ def command(
         joints, json = found.replay.joints, shared.general.json
         if not json:
             chain.warn_about(recorded, replay_notices(found), stages, marked=not all(one.reason for one in joints))
-            _warn_of_moments(settings.joint_model, recorded, stages)
+            _warn_of_times(settings.joint_model, recorded, stages)
         chain.require_one(recorded, joints, "no joint can be replayed")
         document = partial(replay_document, found, chain.reading_settings(reading))
         text = out.write_document(DOCUMENT, document, json=json)
@@ -151,12 +151,12 @@ def command(
     chain.conclude(recorded, replay_notices(found), strict=strict)
 
 
-def _warn_of_moments(given: "ModelFile | None", log: "JointLog", voice: Voice) -> None:
-    """Warn of effects of a model that hold for moments of another recording."""
+def _warn_of_times(given: "ModelFile | None", log: "JointLog", voice: Voice) -> None:
+    """Warn of effects of a model that hold for times of another recording."""
     for number, joint in enumerate(() if given is None else given.model.joints, start=1):
         if joint is None or joint.provenance.sha256 in ("", log.source.sha256):
             continue
-        if names := ", ".join(term.name for term in joint.terms if term.name in MOMENTS):
+        if names := ", ".join(term.name for term in joint.terms if term.name in TIMED):
             held = f"holds for moments of {joint.provenance.log}, not of this log"
             voice.warn([f"joint {number}: {names} of the model {held}"])
 

@@ -291,8 +291,8 @@ def move(
         q, v, sign = advance(q, v, sign, Step(h, push - near, push + rise - far, begin, end), bent, loop.tables)
         moved = q - before
         if moved != 0.0:
-            place, speed, moment, mean = 0.5 * (before + q), abs(moved) / h, 0.5 * (begin + end), 0.5 * (held + bent)
-            both = taken(1.0, place, speed, moment, tables) - taken(-1.0, place, speed, moment, tables)
+            position, speed, sample, mean = 0.5 * (before + q), abs(moved) / h, 0.5 * (begin + end), 0.5 * (held + bent)
+            both = taken(1.0, position, speed, sample, tables) - taken(-1.0, position, speed, sample, tables)
             level = 0.5 * both - loop.damping_nms_per_rad * speed
             damping = bristle_damping(mean, math.copysign(1.0, moved), tables)
             lost += level * abs(moved) + (bristle_nm(mean, 0.0, tables) + damping * moved / h) * moved

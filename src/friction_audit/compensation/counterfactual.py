@@ -263,9 +263,9 @@ def fit_operator(recorded: Recorded, q: Float) -> FittedOperator:
         numbers = {"found": len(turns), "fewest": FEWEST_REVERSALS}
         raise AnalysisError((Caution("few_quick_reversals", numbers=numbers),))
     rows = turns[:, None] + np.arange(-before, after)
-    torque, place = (np.interp(t, recorded.t, one) for one in (recorded.torque, q))
+    torque, position = (np.interp(t, recorded.t, one) for one in (recorded.torque, q))
     band = butter(ORDER, BAND_HZ, "band", fs=1.0 / step, output="sos")
-    signals = (np.gradient(dq, step), dq, place, -torque)
+    signals = (np.gradient(dq, step), dq, position, -torque)
     windows = np.stack([sosfiltfilt(band, signal)[rows] * direction[:, None] for signal in signals], axis=2)
     return _solve(windows)
 

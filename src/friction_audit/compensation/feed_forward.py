@@ -50,7 +50,7 @@ def straighten(tables: Tables, *, damping_nms_per_rad: float = 0.0) -> Tables:
     slope = (tables.speed[:, -1] - tables.speed[:, -2]) / tables.speed_step
     damped = slope + damping_nms_per_rad * np.array([1.0, -1.0])
     return tables._replace(
-        speed=tables.speed - slope[:, None] * speeds, place_per_speed=tables.place_per_speed + damped[:, None]
+        speed=tables.speed - slope[:, None] * speeds, position_per_speed=tables.position_per_speed + damped[:, None]
     )
 
 

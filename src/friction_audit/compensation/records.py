@@ -69,7 +69,7 @@ MEMORY = np.dtype(
         ("filtered_interaction_nm", "f8"),
         ("usable_coulomb_nm", "f8"),  # 0 before there is one; never negative
         ("usable_viscous_nms_per_rad", "f8"),
-        ("q_rad", "f8"),  # place of the tick for which the next two hold, friction by a joint's model
+        ("q_rad", "f8"),  # position at the tick for which the next two hold, friction by a joint's model
         ("modelled_nm", "f8"),
         ("bristle_nm", "f8"),
         ("rows", "f8", (LONGEST_WINDOW, 3)),

@@ -109,7 +109,7 @@ def simulate_cycles(
     lightest = LEAST_S * rms(drive) / max(rms(data.dq), 1e-300)
     if not len(pieces) or any(model.inertia_kg_m2 < lightest for model in models):
         return None
-    motion = replace(data.motion(), way=None)  # what is simulated has its own direction
+    motion = replace(data.motion(), smooth_direction=None)  # what is simulated has its own direction
     load = None if data.load is None else data.load - known_inertia_kg_m2 * data.ddq
     before = simulate_along(models[0], motion, drive, pieces, load)
     after = before if models[1] == models[0] else simulate_along(models[1], motion, drive, pieces, load)

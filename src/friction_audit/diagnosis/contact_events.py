@@ -93,7 +93,7 @@ class Reference:
     def __init__(self, problem: RegressionProblem, slot: Index) -> None:
         q, dq, ddq = (one / max(float(np.std(one)), 1e-12) for one in problem.kinematics)
         self.states = np.column_stack([q, dq]), np.column_stack([dq, ddq])
-        self.way, self.cycle, self.slot = np.sign(dq), problem.samples.cycle, slot
+        self.direction, self.cycle, self.slot = np.sign(dq), problem.samples.cycle, slot
 
     def compare(self, output: Float, at: int, wide: int, near: int) -> tuple[float, int, float, bool]:
         """Local scale of a filter's outputs, shape (s,), at a push, its degrees of freedom, what the motion repeats.
@@ -103,7 +103,7 @@ class Reference:
         from scipy.ndimage import maximum_filter1d
 
         i = min(int(np.searchsorted(self.slot, at + wide // 2)), len(self.slot) - 1)
-        others = (self.cycle != self.cycle[i]) & (self.way == self.way[i]) & (self.slot >= wide // 2)
+        others = (self.cycle != self.cycle[i]) & (self.direction == self.direction[i]) & (self.slot >= wide // 2)
         place = np.flatnonzero(others)
         scale, cells, cycles, again = 1.0, 1, 0, []
         for state in self.states:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from friction_audit.effects.joint_data import SIGMA_PER_MEDIAN, JointData
 from friction_audit.joint_log import DERIVATIVE, Float, JointLog, median_step, step_places
-from friction_audit.preprocessing.even_grid import belated_samples, fresh_samples, gaps, moments_of_samples
+from friction_audit.preprocessing.even_grid import belated_samples, fresh_samples, gaps, times_of_samples
 from friction_audit.preprocessing.interaction import Caution, Interaction
 from friction_audit.preprocessing.sign import SIGNIFICANT
 from friction_audit.preprocessing.torque_source import CHANNELS
@@ -91,7 +91,7 @@ def audit_clock(log: JointLog) -> tuple[DataFinding, ...]:
     """Look for faults of a log's stamps and for repeated samples."""
     fresh = fresh_samples(log)
     t, steps = log.t[fresh], (np.diff(log.t), np.diff(log.t[fresh]))
-    # Of a motion that is held in a faster log, the moments at which it changes are the clock.
+    # Of a motion that is held in a faster log, the times at which it changes are the clock.
     jitter = min(float(np.median(np.abs(step / np.median(step) - 1.0))) for step in steps)
     return (
         judged("batched_stamps", float(sum(one.code == "batched_stamps" for one in log.source.findings))),
@@ -107,7 +107,7 @@ def timely_samples(log: JointLog) -> tuple[slice | NDArray[np.bool_], Float]:
     # those and stranger_time_delay_1 and stranger_joint_elasticity_1.
     new = fresh_samples(log)
     fresh = slice(None) if new.all() else new  # views, no copies
-    t = moments_of_samples(log.t[fresh], log.q[fresh], log.dq[fresh])
+    t = times_of_samples(log.t[fresh], log.q[fresh], log.dq[fresh])
     if np.any(belated := belated_samples(t, log.q[fresh], log.dq[fresh])):
         new[new] = ~belated
         return new, t[~belated]
@@ -130,9 +130,9 @@ def own_velocity(log: JointLog) -> JointLog:
             return log
     # Where no position changes, the sample is a repeated one unless all move by less than two of their smallest steps.
     before, after = np.maximum(np.arange(1, n) - NEAR, 0), np.minimum(np.arange(1, n) + NEAR, n - 1)
-    way = np.abs(log.q[after] - log.q[before]) * step / (log.t[after] - log.t[before])[:, None]
+    displacement = np.abs(log.q[after] - log.q[before]) * step / (log.t[after] - log.t[before])[:, None]
     size = np.min(np.abs(slope * step), axis=0, where=slope != 0, initial=np.inf)
-    new = np.append(True, np.any(slope != 0, axis=1) | np.all(way < 2.0 * size, axis=1))
+    new = np.append(True, np.any(slope != 0, axis=1) | np.all(displacement < 2.0 * size, axis=1))
     dq = np.gradient(log.q[new], log.t[new], axis=0)[np.cumsum(new) - 1]
     return replace(log, dq=dq, source=replace(log.source, channels={**log.source.channels, "dq": DERIVATIVE}))
 

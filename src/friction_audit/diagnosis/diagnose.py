@@ -202,7 +202,7 @@ def _effects(
     """Effects that count, and those too small to, the largest first, each with what held-out cycles leave with it."""
     gram, problem, active = state.gram, state.problem, state.active
     data, baseline = problem.data, nominal(state.search.training, active)
-    friction = np.abs(baseline.coulomb_nm * data.way + baseline.viscous_nms_per_rad * data.dq)[data.used]
+    friction = np.abs(baseline.coulomb_nm * data.direction + baseline.viscous_nms_per_rad * data.dq)[data.used]
     friction_nm = max(float(np.sqrt(np.mean(friction**2))), 1e-12)
     left, nominal_nm = residual_of(gram, active), held_out(gram, (), replaced=active).rms
     each = zip(fitted(gram, active), gains(gram, active), sizes(gram, active).tolist(), *estimates[1:], strict=True)

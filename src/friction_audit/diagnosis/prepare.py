@@ -35,7 +35,7 @@ from friction_audit.preprocessing.torque_source import CHANNELS
 from friction_audit.preprocessing.velocity import complementary_mean, crossover_of, find_lag, noise_of_both, position_of
 from friction_audit.robot import Arm
 
-# Parts of a long recording, the way from each to the next, and the time in which springs and bristles forget that.
+# Parts of a long recording, the bridge from each to the next, and the time in which springs and bristles forget that.
 PART_S, BRIDGE_S, FORGOTTEN_S = 60.0, 2.0, 3.0
 SHARED = ("t", "others_dq", "others_ddq", "others_torque")  # of all joints of a log
 Index = NDArray[np.int64]
@@ -179,8 +179,8 @@ def spread_parts(data: JointData, most_s: float, known: dict[str, Any]) -> Joint
         model = {name: getattr(rigid, name) for name in ("t", "weight", "tilt", "inertial", "tip")}
         model = {name: None if own is None else joined(own, every) for name, own in model.items()}
         changed["rigid"] = replace(rigid, **model)
-    for name, way in zip(("q", "dq", "ddq"), _cubics(data, starts[:-1] + length - 1, starts[1:], gap), strict=True):
-        changed[name] = joined(getattr(data, name), 1, way)
+    for name, bridge in zip(("q", "dq", "ddq"), _cubics(data, starts[:-1] + length - 1, starts[1:], gap), strict=True):
+        changed[name] = joined(getattr(data, name), 1, bridge)
     return replace(
         data,
         cycle=np.where(counts, joined(whole), -1),
@@ -194,8 +194,8 @@ def spread_parts(data: JointData, most_s: float, known: dict[str, Any]) -> Joint
 def _cubics(data: JointData, end: Index, begin: Index, samples: int) -> tuple[Float, Float, Float]:
     """Position, velocity and acceleration at samples between the ends of parts and the next begins, (k, samples)."""
     x, time_s = np.linspace(0.0, 1.0, samples + 2)[1:-1], (samples + 1) * data.step_s
-    way, first, last = data.q[begin] - data.q[end], time_s * data.dq[end], time_s * data.dq[begin]
-    three, two, one = (np.array([each]).T for each in (first + last - 2.0 * way, 3.0 * way - 2.0 * first - last, first))
+    rise, first, last = data.q[begin] - data.q[end], time_s * data.dq[end], time_s * data.dq[begin]
+    three, two, one = (each[:, None] for each in (first + last - 2.0 * rise, 3.0 * rise - 2.0 * first - last, first))
     q = ((three * x + two) * x + one) * x + data.q[end][:, None]
     return q, ((3.0 * three * x + 2.0 * two) * x + one) / time_s, (6.0 * three * x + 2.0 * two) / time_s**2
 

@@ -222,7 +222,7 @@ class RegressionProblem:
     def _smoothed_sign(self) -> list[Float]:
         """What a smoothed sign differs from the sign by, at the width that fits best, and its change with the width."""
         (_, near, seen), inside = self.near, np.linalg.qr(self.X.T)[0].T
-        signs = seen(np.stack([np.tanh(near.dq / width) - near.way for width in SIGN_WIDTHS_RAD_S]).T)
+        signs = seen(np.stack([np.tanh(near.dq / width) - near.direction for width in SIGN_WIDTHS_RAD_S]).T)
         free = signs - (signs @ inside.T) @ inside
         gain = (free @ self.y) ** 2 / np.maximum(np.sum(free**2, axis=1), 1e-300)
         k = int(np.clip(np.argmax(gain), 1, len(gain) - 2))
@@ -230,11 +230,11 @@ class RegressionProblem:
 
     def model_error(self, baseline: Nominal) -> Float:
         """Standard deviation of what any formula gets wrong: at reversals and in proportion to the inertia, (m,)."""
-        moments = self.data.t[np.flatnonzero(np.diff(np.sign(self.data.dq)) != 0)]
-        moments = np.concatenate([[-np.inf], moments, [np.inf]])
+        turns = self.data.t[np.flatnonzero(np.diff(np.sign(self.data.dq)) != 0)]
+        turns = np.concatenate([[-np.inf], turns, [np.inf]])
         t, dq, ddq = self.samples.t, *self.kinematics[1:]
-        k = np.searchsorted(moments, t)
-        nearest = np.minimum(t - moments[k - 1], moments[k] - t)
+        k = np.searchsorted(turns, t)
+        nearest = np.minimum(t - turns[k - 1], turns[k] - t)
         near = np.maximum(np.exp(-nearest / REVERSAL_S), np.exp(-np.abs(dq) / SLOW_RAD_S))
         reversal = MODEL_ERROR["reversal"] * abs(baseline.coulomb_nm) * near
         return np.hypot(reversal, MODEL_ERROR["inertia"] * abs(baseline.inertia_kg_m2) * np.abs(ddq))

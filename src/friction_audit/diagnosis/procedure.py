@@ -100,28 +100,28 @@ def _selected(problem: RegressionProblem, effects: Sequence[Effect]) -> State:
 
 
 def _change_point(state: State) -> list[Block]:
-    """A step of friction at the best of all moments (R. E. Quandt, J. Am. Stat. Assoc. 55 (1960) 324).
+    """A step of friction at the best time of all (R. E. Quandt, J. Am. Stat. Assoc. 55 (1960) 324).
 
     The likelihood falls within a few samples of the change, so that no descent from a grid ends there
     (effects_friction_step_70004: a ramp, and a contact in its place).
     """
     steps = [b for b in state.dictionary.blocks if b.name == "friction_step"]
     data, samples, gram = state.problem.data, state.problem.samples, state.gram
-    moments = [b.shape["step_time_s"] for b in steps]
-    inside = (samples.t >= min(moments, default=np.inf)) & (samples.t <= max(moments, default=-np.inf))
+    times = [b.shape["step_time_s"] for b in steps]
+    inside = (samples.t >= min(times, default=np.inf)) & (samples.t <= max(times, default=-np.inf))
     if not inside.any():
         return []
     given = selection.Projected(state.search.training, [b for b in state.active if b.name != "friction_step"])
-    white = gram.whiten(state.problem.columns(np.column_stack([data.way, data.dq])))
+    white = gram.whiten(state.problem.columns(np.column_stack([data.direction, data.dq])))
     rows = np.vstack([given.left, given.basis, white])[:, np.argsort(gram.order)]
-    # Products of the part of each column from a moment on: rows are innovations in the order of time.
+    # Products of the part of each column from a time on: rows are innovations in the order of time.
     later = np.cumsum((rows[-2:, None] * rows)[..., ::-1], axis=-1)[..., ::-1]
     right, along, own = later[:, 0], later[:, 1:-2], later[:, -2:]
     free = (own - np.einsum("ibm,jbm->ijm", along, along)).transpose(2, 0, 1)[inside]
     gain = np.einsum("im,mij,jm->m", right[:, inside], np.linalg.pinv(free, hermitian=True), right[:, inside])
-    moment = float(samples.t[inside][np.argmax(gain)])
+    time = float(samples.t[inside][np.argmax(gain)])
     at_once = min(b.shape["step_length_s"] for b in steps)
-    found = state.dictionary.build_blocks(steps[0].effect, [{"step_time_s": moment, "step_length_s": at_once}])
+    found = state.dictionary.build_blocks(steps[0].effect, [{"step_time_s": time, "step_length_s": at_once}])
     for block in found:
         block.log_prior, block.numbers = -float(np.log(len(np.unique(samples.cycle)))), steps[0].numbers
     return found

@@ -198,7 +198,7 @@ def nominal_model(data: JointData, samples: Samples, model: JointModel | None) -
     Raises:
         AnalysisError: If everything is stated, so that nothing is left to fit.
     """
-    fine = {"coulomb_nm": data.way, "viscous_nms_per_rad": data.dq}
+    fine = {"coulomb_nm": data.direction, "viscous_nms_per_rad": data.dq}
     stated = np.zeros(len(data.t))
     if model is None:
         fine[INERTIA] = data.ddq
@@ -230,7 +230,7 @@ def _motion_of(term: FittedTerm, model: JointModel, data: JointData, samples: Sa
     """The motion as measured or low-passed: the one with which the term explains more."""
     every = [data.motion(), motion_below(data, MOTION_BELOW_HZ)]
     motions = [replace(motion, rest=model.rest(motion)) for motion in every]
-    simple = (data.way, data.dq, data.ddq)
+    simple = (data.direction, data.dq, data.ddq)
     left = []
     for motion in motions:
         columns = samples.of(np.column_stack([*simple, *_columns(term, motion).values()]))

@@ -16,7 +16,7 @@ from friction_audit.joint_log import Bool, Float, Int
 
 MOST_CHANGES = 6
 SESSIONS_PER_CHANGE = 5
-MOMENT_95 = 7.35  # likelihood ratio of the moment of a step, 95 % (Hansen 2000, -2 log(1 - sqrt(0.95)))
+STEP_TIME_95 = 7.35  # likelihood ratio of the time of a step, 95 % (Hansen 2000, -2 log(1 - sqrt(0.95)))
 
 REACH = 2  # sessions on each side that an isolated one is compared with
 FAR = 5.0  # standard deviations of a difference of two sessions
@@ -118,7 +118,7 @@ def _judge(y: Float, weight: Float, first: int, last: int, *, settings: DriftSet
     best = float(np.max(along))
     freedom = max(directions.freedom, 1)  # of few sessions the variance is uncertain: a bound as of a t-test
     variance = max(float(np.sum(directions.residual**2)) - best, 0.0) / freedom
-    bound = float(f.ppf(float(chi2.cdf(MOMENT_95, 1)), 1, freedom)) * growth**2
+    bound = float(f.ppf(float(chi2.cdf(STEP_TIME_95, 1)), 1, freedom)) * growth**2
     possible: Int = first + directions.split[best - along <= bound * variance]
     return Step(
         place=first + int(directions.split[np.argmax(real)]),

@@ -91,15 +91,15 @@ def _reversal(term: Term, speed: float) -> tuple[float, Float]:
 
 
 @compiled()
-def bend(held: float, way: float, path: Float, torque: Float) -> float:
+def bend(held: float, displacement: float, path: Float, torque: Float) -> float:
     """Return the torque of bristles of a curve, shape (k,), after a signed displacement. [N m]"""
-    if len(path) == 0 or way == 0.0:
+    if len(path) == 0 or displacement == 0.0:
         return held
-    sign = -1.0 if way > 0.0 else 1.0
+    sign = -1.0 if displacement > 0.0 else 1.0
     low, high = _around(sign * held, torque)
     drop = torque[low] - torque[high]
     share = min(1.0, max(0.0, (torque[low] - sign * held) / drop)) if drop > 0.0 else 1.0
-    on = path[low] + share * (path[high] - path[low]) + abs(way)
+    on = path[low] + share * (path[high] - path[low]) + abs(displacement)
     if on <= path[0] or on >= path[-1]:
         return float(sign * (torque[0] if on <= path[0] else torque[-1]))
     low = np.searchsorted(path, on) - 1
@@ -117,9 +117,9 @@ def slope(held: float, sign: float, path: Float, torque: Float) -> float:
 
 
 @compiled(inline=True)
-def stretch(deflection: float, way: float, reach: float) -> float:
+def stretch(deflection: float, displacement: float, reach: float) -> float:
     """Return the deflection of a spring after a displacement, beyond whose reach it slips. [rad]"""
-    return min(reach, max(-reach, deflection + way))
+    return min(reach, max(-reach, deflection + displacement))
 
 
 @compiled(inline=True)
@@ -134,8 +134,8 @@ def _around(value: float, torque: Float) -> tuple[int, int]:
 def _follow(q: Float, path: Float, torque: Float, reach: Float) -> Float:
     out = np.zeros((len(q), 1 + len(reach)))
     for i in range(1, len(q)):
-        way = q[i] - q[i - 1]
-        out[i, 0] = bend(out[i - 1, 0], way, path, torque)
+        displacement = q[i] - q[i - 1]
+        out[i, 0] = bend(out[i - 1, 0], displacement, path, torque)
         for k in range(len(reach)):
-            out[i, 1 + k] = stretch(out[i - 1, 1 + k], way, reach[k])
+            out[i, 1 + k] = stretch(out[i - 1, 1 + k], displacement, reach[k])
     return out

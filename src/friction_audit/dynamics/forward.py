@@ -122,21 +122,21 @@ def _one_side(recording: _Recording, ahead: Float, tables: Tables) -> tuple[Floa
     step_s, rate = recording.step_s, np.gradient(ahead, recording.step_s)
     q, dq = recording.motion.q - ahead, recording.motion.dq - rate
     bent, steps = tables.bristles.states_along(q), steps_per_sample(step_s, tables)
-    place, speed = run_pieces(step_s, steps, recording.drive, q, dq, recording.pieces, bent, tables)
-    return place, speed, speed + rate
+    position, speed = run_pieces(step_s, steps, recording.drive, q, dq, recording.pieces, bent, tables)
+    return position, speed, speed + rate
 
 
-def _by_direction(torque: Float, way: Float, t: Float) -> Float:
+def _by_direction(torque: Float, direction: Float, t: Float) -> Float:
     """Torque forwards and backwards, shape (2, n): against the motion or independent of it, what jumps less.
 
     Friction jumps where the direction turns; its level against the motion does not. It is interpolated where no
     direction is certain.
     """
-    sure = way != 0.0
+    sure = direction != 0.0
     if not sure.any():
         return np.stack([torque, torque])
-    level = np.interp(t, t[sure], (torque * way)[sure])
-    turns = np.abs(np.diff(torque[sure])).sum() > np.abs(np.diff((torque * way)[sure])).sum()
+    level = np.interp(t, t[sure], (torque * direction)[sure])
+    turns = np.abs(np.diff(torque[sure])).sum() > np.abs(np.diff((torque * direction)[sure])).sum()
     return np.stack([level, -level] if turns else [torque, torque])
 
 

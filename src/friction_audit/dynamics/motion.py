@@ -76,12 +76,12 @@ class Motion:
     rest: Float | None = None
     rigid: RigidBody | None = None  # torques of the rigid-body model of the arm; None where no model is known
     # mean sign of the velocity over the cell of each sample; None where the sign at the sample is meant
-    way: Float | None = None
+    smooth_direction: Float | None = None
 
     @property
     def direction(self) -> Float:
         """Sign of the velocity, shape (n,)."""
-        return np.sign(self.dq) if self.way is None else self.way
+        return np.sign(self.dq) if self.smooth_direction is None else self.smooth_direction
 
 
 # How a term takes part in a forward simulation:

@@ -66,8 +66,8 @@ def slide(q: float, v: float, sign: float, step: Step, bent: Float, tables: Tabl
     torque = taken(sign, q, abs(v), step.begin, tables) + bristle_nm(bent, 0.0, tables) + damping * v
     middle = v + 0.5 * step.h * (step.drive0 - torque) / tables.inertia_kg_m2
     speed, ahead = max(0.0, middle * sign), 0.5 * step.h * v
-    moment, drive = 0.5 * (step.begin + step.end), 0.5 * (step.drive0 + step.drive1)
-    torque = taken(sign, q + ahead, speed, moment, tables) + bristle_nm(bent, ahead, tables) + damping * speed * sign
+    sample, drive = 0.5 * (step.begin + step.end), 0.5 * (step.drive0 + step.drive1)
+    torque = taken(sign, q + ahead, speed, sample, tables) + bristle_nm(bent, ahead, tables) + damping * speed * sign
     return v + step.h * (drive - torque) / tables.inertia_kg_m2
 
 
@@ -93,13 +93,13 @@ def advance(q: float, v: float, sign: float, step: Step, bent: Float, tables: Ta
             step = rest_of(step, share)
         after = slide(q, v, sign, step, bent, tables)
         if after * sign >= 0.0:
-            way = 0.5 * step.h * (v + after)
-            bend_on(bent, way, tables)
-            return q + way, after, sign
+            displacement = 0.5 * step.h * (v + after)
+            bend_on(bent, displacement, tables)
+            return q + displacement, after, sign
         share = v / (v - after)
-        way = 0.5 * share * step.h * v
-        bend_on(bent, way, tables)
-        q, v, sign = q + way, 0.0, 0.0
+        displacement = 0.5 * share * step.h * v
+        bend_on(bent, displacement, tables)
+        q, v, sign = q + displacement, 0.0, 0.0
         step = rest_of(step, share)
     return q, 0.0, 0.0
 
@@ -117,16 +117,16 @@ def run_pieces(
     out = np.full((2, len(drive)), np.nan)
     for p in range(len(pieces)):
         first, last = pieces[p]
-        place, v, now = q[first], dq[first], bent[first].copy()
+        position, v, now = q[first], dq[first], bent[first].copy()
         sign = np.sign(v)
-        out[0, first], out[1, first] = place, v
+        out[0, first], out[1, first] = position, v
         for i in range(first, last):
             rise = (drive[i + 1] - drive[i]) / steps
             for k in range(steps):
                 push = drive[i] + k * rise
                 step = Step(step_s / steps, push, push + rise, i + k / steps, i + (k + 1.0) / steps)
-                place, v, sign = advance(place, v, sign, step, now, tables)
-            out[0, i + 1], out[1, i + 1] = place, v
+                position, v, sign = advance(position, v, sign, step, now, tables)
+            out[0, i + 1], out[1, i + 1] = position, v
     return out
 
 
@@ -223,10 +223,10 @@ def _move(
         for k in range(steps):
             at = (k + 0.5) / steps
             borne = load[i] + at * (load[i + 1] - load[i])
-            place, speed = q + 0.5 * h * v, v
+            position, speed = q + 0.5 * h * v, v
             if link.near_kg_m2 == inf:
-                place, speed = amid(between[k], out[i, 0], out[i + 1, 0] - out[i, 0], out[i, 1], out[i + 1, 1])
-            pull = _transmit(place - theta - 0.5 * h * omega, speed - omega, loss, link)
+                position, speed = amid(between[k], out[i, 0], out[i + 1, 0] - out[i, 0], out[i, 1], out[i + 1, 1])
+            pull = _transmit(position - theta - 0.5 * h * omega, speed - omega, loss, link)
             step = Step(h, pull - borne, pull - borne, i + k / steps, i + (k + 1.0) / steps)
             theta, omega, sign = advance(theta, omega, sign, step, bent, far)
             after = v + h / link.near_kg_m2 * (drive[i] + at * (drive[i + 1] - drive[i]) + borne - pull)

@@ -36,16 +36,16 @@ class Tables(NamedTuple):
     inertia_kg_m2: float  # inertia
     speed_step: float  # spacing of the table over speed, which begins at rest [rad/s]
     speed: Float  # torque over speed, shape (2, n) [N m]
-    place_start: float  # first position of the tables over it [rad]
-    place_step: float  # their spacing [rad]
-    place: Float  # torque over position, shape (2, n) [N m]
-    place_per_speed: Float  # shape (2, n) [N m s/rad]
+    position_start: float  # first position of the tables over it [rad]
+    position_step: float  # their spacing [rad]
+    position: Float  # torque over position, shape (2, n) [N m]
+    position_per_speed: Float  # shape (2, n) [N m s/rad]
     time: Float  # torque at the stamps of the recording, shape (2, n) [N m]
     time_per_speed: Float  # shape (2, n) [N m s/rad]
     bristles: Bristles
 
 
-ADDED = ("inertia_kg_m2", "speed", "place", "place_per_speed", "time", "time_per_speed")
+ADDED = ("inertia_kg_m2", "speed", "position", "position_per_speed", "time", "time_per_speed")
 
 
 def tabulate(inertia_kg_m2: float, terms: Iterable[Term], motion: Motion) -> tuple[Tables, tuple[Term, ...]]:
@@ -54,9 +54,9 @@ def tabulate(inertia_kg_m2: float, terms: Iterable[Term], motion: Motion) -> tup
     top = HEADROOM * max(float(np.max(np.abs(motion.dq), initial=0.0)), CRAWL_RAD_S)
     low, high = float(motion.q.min()), float(motion.q.max())
     margin = max(MARGIN * (high - low), LEAST_MARGIN_RAD)
-    steps: dict[str, Any] = {"speed_step": top / (n - 1), "place_step": (high - low + 2.0 * margin) / (n - 1)}
+    steps: dict[str, Any] = {"speed_step": top / (n - 1), "position_step": (high - low + 2.0 * margin) / (n - 1)}
     torques: dict[str, Any] = dict.fromkeys(ADDED[2:], nothing) | {"speed": np.zeros((2, n)), "bristles": NO_BRISTLES}
-    empty = Tables(inertia_kg_m2=0.0, place_start=low - margin, **steps, **torques)
+    empty = Tables(inertia_kg_m2=0.0, position_start=low - margin, **steps, **torques)
     tables, past = empty._replace(inertia_kg_m2=inertia_kg_m2), []
     for term in terms:
         # The fewer a recorded quantity is needed for, the better: speed, then position, then time.
@@ -106,9 +106,9 @@ def _forms(term: Term, motion: Motion, empty: Tables) -> Iterable[Tables]:
     n = len(motion.t)
     still, top = np.zeros(n), empty.speed_step * (n - 1)
 
-    def ask(ways: float | Float, motion: Motion) -> Float:
+    def ask(speed: float | Float, motion: Motion) -> Float:
         with np.errstate(all="ignore"):
-            return np.stack([term.torque(replace(motion, dq=sign * ways + still)) for sign in (1.0, -1.0)])
+            return np.stack([term.torque(replace(motion, dq=sign * speed + still)) for sign in (1.0, -1.0)])
 
     with np.errstate(all="ignore"):
         more = term.torque(replace(motion, ddq=motion.ddq + 1.0))
@@ -117,32 +117,32 @@ def _forms(term: Term, motion: Motion, empty: Tables) -> Iterable[Tables]:
     speeds[0] = min(CRAWL_RAD_S, 0.5 * empty.speed_step)
     unmoved = replace(motion, ddq=still)
     yield empty._replace(speed=ask(speeds, replace(unmoved, q=np.full(n, float(np.median(motion.q))))))
-    places = np.asarray(empty.place_start + empty.place_step * np.arange(n), np.float64)
-    for over, along in (("place", replace(unmoved, q=places)), ("time", unmoved)):
+    positions = np.asarray(empty.position_start + empty.position_step * np.arange(n), np.float64)
+    for over, along in (("position", replace(unmoved, q=positions)), ("time", unmoved)):
         level, moving = ask(CRAWL_RAD_S, along), ask(0.5 * top, along)
         shares: dict[str, Any] = {over: level, f"{over}_per_speed": (moving - level) / (0.5 * top)}
         yield empty._replace(**shares)
 
 
 @compiled(inline=True)
-def read(table: Float, way: int, place: float) -> float:
+def read(table: Float, row: int, entry: float) -> float:
     """Read a row of a table between its entries; level beyond its ends. (A row by itself costs as much as reading.)"""
     last = table.shape[1] - 1
     if last == 0:
-        return float(table[way, 0])
-    place = min(max(place, 0.0), float(last))
-    low = min(int(place), last - 1)
-    return float(table[way, low] + (place - low) * (table[way, low + 1] - table[way, low]))
+        return float(table[row, 0])
+    entry = min(max(entry, 0.0), float(last))
+    low = min(int(entry), last - 1)
+    return float(table[row, low] + (entry - low) * (table[row, low + 1] - table[row, low]))
 
 
 @compiled()
-def taken(sign: float, q: float, speed: float, moment: float, tables: Tables) -> float:
+def taken(sign: float, q: float, speed: float, sample: float, tables: Tables) -> float:
     """Return what a joint takes without its bristles, forwards (1.0) or backwards, at a sample of the recording."""
-    way = 0 if sign > 0.0 else 1
-    place = (q - tables.place_start) / tables.place_step
-    per_speed = read(tables.place_per_speed, way, place) + read(tables.time_per_speed, way, moment)
-    torque = read(tables.speed, way, speed / tables.speed_step) + read(tables.place, way, place)
-    return torque + read(tables.time, way, moment) + per_speed * speed
+    row = 0 if sign > 0.0 else 1
+    entry = (q - tables.position_start) / tables.position_step
+    per_speed = read(tables.position_per_speed, row, entry) + read(tables.time_per_speed, row, sample)
+    torque = read(tables.speed, row, speed / tables.speed_step) + read(tables.position, row, entry)
+    return torque + read(tables.time, row, sample) + per_speed * speed
 
 
 @compiled()
@@ -155,20 +155,20 @@ def taken_along(q: Float, dq: Float, tables: Tables) -> Float:
 
 
 @compiled(inline=True)
-def bristle_nm(bent: Float, way: float, tables: Tables) -> float:
+def bristle_nm(bent: Float, displacement: float, tables: Tables) -> float:
     """Return the torque of the bristles a displacement ahead, without damping. [N m]"""
-    torque = bend(bent[0], way, tables.bristles.path, tables.bristles.torque)
+    torque = bend(bent[0], displacement, tables.bristles.path, tables.bristles.torque)
     for k in range(len(tables.bristles.reach)):
-        torque += tables.bristles.stiffness[k] * stretch(bent[1 + k], way, tables.bristles.reach[k])
+        torque += tables.bristles.stiffness[k] * stretch(bent[1 + k], displacement, tables.bristles.reach[k])
     return torque
 
 
 @compiled(inline=True)
-def bend_on(bent: Float, way: float, tables: Tables) -> None:
+def bend_on(bent: Float, displacement: float, tables: Tables) -> None:
     """Let the bristles follow a displacement, in place."""
-    bent[0] = bend(bent[0], way, tables.bristles.path, tables.bristles.torque)
+    bent[0] = bend(bent[0], displacement, tables.bristles.path, tables.bristles.torque)
     for k in range(len(tables.bristles.reach)):
-        bent[1 + k] = stretch(bent[1 + k], way, tables.bristles.reach[k])
+        bent[1 + k] = stretch(bent[1 + k], displacement, tables.bristles.reach[k])
 
 
 @compiled(inline=True)
@@ -187,7 +187,7 @@ def steps_per_sample(step_s: float, tables: Tables) -> int:
     """Return how many steps a sample of the recording takes, so that no spring is too stiff for them."""
     drops = -np.diff(tables.bristles.torque) / np.diff(tables.bristles.path)
     stiffness = np.max(drops, initial=np.sum(tables.bristles.stiffness))
-    steepest = np.max(np.abs(np.diff(tables.place)) / tables.place_step, initial=0.0)
+    steepest = np.max(np.abs(np.diff(tables.position)) / tables.position_step, initial=0.0)
     swing = np.sqrt((stiffness + steepest) / tables.inertia_kg_m2)
     longest = min(LONGEST_STEP_S, SHARE_OF_SWING / max(swing, 1e-9))
     return max(1, min(MOST_STEPS, int(np.ceil(step_s / longest - 1e-6))))

@@ -121,7 +121,7 @@ def added_torques(
     """
     step = float(motion.t[1] - motion.t[0])
     load = np.zeros(len(motion.t)) if motion.load is None else motion.load
-    q, dq, ddq, way, load = map(read_only, (motion.q, motion.dq, motion.ddq, motion.direction, load))
+    q, dq, ddq, sign, load = map(read_only, (motion.q, motion.dq, motion.ddq, motion.direction, load))
     alike: dict[tuple[int, bool], list[int]] = {}  # those that take as many steps and are of one kind
     numbers: dict[int, tuple[float, ...]] = {}  # of each far side, then of each transmission
     for place, (own, link) in enumerate(zip(far, links, strict=True)):
@@ -141,23 +141,23 @@ def added_torques(
             places = those[first : first + LANES]
             # One or LANES side by side; the last one stands in for those that are lacking.
             filled = places + places[-1:] * (LANES - len(places) if len(places) > 1 else 0)
-            table = np.ascontiguousarray(np.array([numbers[k] for k in filled]).T)
+            rows = np.ascontiguousarray(np.array([numbers[k] for k in filled]).T)
             lanes, weights = (0.0,) * len(filled), between_samples(step, steps)
-            yield places, _follow(q, dq, ddq, way, load, step, weights, table[:3], table[3:], gap, lanes)[: len(places)]
+            yield places, _follow(q, dq, ddq, sign, load, step, weights, rows[:3], rows[3:], gap, lanes)[: len(places)]
 
 
 def between_samples(step: float, steps: int) -> Float:
     """Weights of the rise and of both slopes in Hermite's cubic and its slope, amid every step, shape (steps, 6)."""
     x = (np.arange(steps) + 0.5) / steps
     rest = 1.0 - x
-    place = (x**2 * (3.0 - 2.0 * x), step * x * rest**2, -step * x**2 * rest)
+    position = (x**2 * (3.0 - 2.0 * x), step * x * rest**2, -step * x**2 * rest)
     speed = (6.0 * x * rest / step, rest * (1.0 - 3.0 * x), x * (3.0 * x - 2.0))
-    return np.stack([*place, *speed], axis=1)
+    return np.stack([*position, *speed], axis=1)
 
 
 @compiled(inline=True)
 def amid(w: Float, q: float, rise: float, dq: float, next_dq: float) -> tuple[float, float]:
-    """Return place and speed between two samples, on the cubic through both, by the weights of a step."""
+    """Return position and speed between two samples, on the cubic through both, by the weights of a step."""
     return q + w[0] * rise + w[1] * dq + w[2] * next_dq, w[3] * rise + w[4] * dq + w[5] * next_dq
 
 
@@ -166,7 +166,7 @@ def _follow(  # noqa: PLR0913
     q: Float,
     dq: Float,
     ddq: Float,
-    way: Float,
+    direction: Float,
     load: Float,
     step: float,
     between: Float,
@@ -186,7 +186,7 @@ def _follow(  # noqa: PLR0913
     table, bent = np.zeros((15, len(lanes))), links[3].any()
     stiffness, damping, half, bend, curve = table[0], table[1], table[2], table[3], table[4]
     keep_apart, gain_apart, held_apart, keep, gain, held = table[5], table[6], table[7], table[8], table[9], table[10]
-    middle, omega = table[11], table[12]  # place amid the next step, last velocity
+    middle, omega = table[11], table[12]  # position amid the next step, last velocity
     torque, block = np.empty((many, len(q))), np.empty((BLOCK, len(lanes)))
     # About the last sample and about the next one, from half a sample before to half a sample after.
     last, next_one = 13, 14
@@ -194,13 +194,13 @@ def _follow(  # noqa: PLR0913
     for k in range(len(q) - 1):
         rise, more = q[k + 1] - q[k], load[k + 1] - load[k]
         for i in range(steps):
-            place, speed = amid(between[i], q[k], rise, dq[k], dq[k + 1])
+            position, speed = amid(between[i], q[k], rise, dq[k], dq[k + 1])
             borne = load[k] + (i + 0.5) / steps * more
             felt = last if 2 * i < steps else next_one
             # Damping at the mean of both velocities, then what Coulomb friction takes of the new one.
             if gap:
                 for j in range(many):
-                    twist = place - middle[j]
+                    twist = position - middle[j]
                     engaged = twist - min(max(twist, -half[j]), half[j])
                     push = _pushed(stiffness[j] * engaged, bend[j], curve[j], bent) + damping[j] * speed
                     # Neither spring nor damping within the gap and where flanks would pull. As a factor, for what is
@@ -214,7 +214,7 @@ def _follow(  # noqa: PLR0913
                     omega[j] = after
             else:
                 for j in range(many):
-                    push = _pushed(stiffness[j] * (place - middle[j]), bend[j], curve[j], bent)
+                    push = _pushed(stiffness[j] * (position - middle[j]), bend[j], curve[j], bent)
                     push += damping[j] * speed - borne
                     free = keep[j] * omega[j] + gain[j] * push
                     after = free - min(max(free, -held[j]), held[j])
@@ -223,12 +223,12 @@ def _follow(  # noqa: PLR0913
                     omega[j] = after
         share = 2.0 / steps if k == 0 else 1.0 / steps  # both ends have half a sample each
         for j in range(many):
-            rigid = far[0, j] * ddq[k] + (far[1, j] * way[k] + far[2, j] * dq[k])
+            rigid = far[0, j] * ddq[k] + (far[1, j] * direction[k] + far[2, j] * dq[k])
             block[k % BLOCK, j] = share * table[last, j] - rigid
             table[last, j], table[next_one, j] = table[next_one, j], 0.0
         _write(torque, block, k, k == len(q) - 2)
     for j in range(many):
-        rigid = far[0, j] * ddq[-1] + (far[1, j] * way[-1] + far[2, j] * dq[-1])
+        rigid = far[0, j] * ddq[-1] + (far[1, j] * direction[-1] + far[2, j] * dq[-1])
         torque[j, -1] = 2.0 / steps * table[last, j] - rigid
     return torque
 
@@ -256,9 +256,9 @@ def _start(  # noqa: PLR0913
     for j in range(len(lanes)):
         for i in range(5):
             table[i, j] = links[i, j]
-        table[8, j], table[9, j], table[10, j] = _pace(far[:, j], links[1, j], h)
+        table[8, j], table[9, j], table[10, j] = _of_step(far[:, j], links[1, j], h)
         if gap:
-            table[5, j], table[6, j], table[7, j] = _pace(far[:, j], 0.0, h)
+            table[5, j], table[6, j], table[7, j] = _of_step(far[:, j], 0.0, h)
             for i in range(8, 11):
                 table[i, j] -= table[i - 3, j]
         theta = q - twisted(load, links[0, j], links[2, j], links[3, j])
@@ -266,7 +266,7 @@ def _start(  # noqa: PLR0913
 
 
 @compiled(inline=True)
-def _pace(far: Float, drag: float, h: float) -> tuple[float, float, float]:
+def _of_step(far: Float, drag: float, h: float) -> tuple[float, float, float]:
     """Return for a step what is left of a velocity, what a torque gives to it, and what Coulomb friction takes."""
     loss = 0.5 * h * (drag + far[2])
     gain = h / (far[0] + loss)

@@ -171,10 +171,10 @@ class Stiction(Effect):
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield the excess after every onset per unit of that after a long rest, each as a column."""
         slow = REST_SHARE * float(np.sqrt(np.mean(motion.dq**2)))
-        way = np.sign(motion.dq)
+        direction = np.sign(motion.dq)
         q, step = np.ascontiguousarray(motion.q), float(motion.t[1] - motion.t[0])
-        rest, slid = since_onset(q, way, np.abs(motion.dq) > slow, step)
-        aged = {ageing: way * -np.expm1(-rest / ageing) for ageing in {ageing for ageing, _ in many}}
+        rest, slid = since_onset(q, direction, np.abs(motion.dq) > slow, step)
+        aged = {ageing: direction * -np.expm1(-rest / ageing) for ageing in {ageing for ageing, _ in many}}
         for path in dict.fromkeys(path for _, path in many):
             left = np.exp(-slid / path)
             yield from ((k, (aged[age] * left)[:, None]) for k, (age, own) in enumerate(many) if own == path)
@@ -203,10 +203,10 @@ def _starts(data: JointData) -> tuple[int, int]:
 
 
 @compiled()
-def since_onset(q: Float, way: Float, moving: Bool, step_s: float) -> tuple[Float, Float]:
+def since_onset(q: Float, direction: Float, moving: Bool, step_s: float) -> tuple[Float, Float]:
     """Return how long the latest rest was and the path since, shape (n,) each. [s], [rad]
 
-    Both are 0 before and during a rest; in its last samples whose velocity already has the ``way``, the sign, of the
+    Both are 0 before and during a rest; in its last samples whose velocity already has the ``direction`` of the
     onset, the rest counts and the path is 0.
     """
     rest, slid = np.zeros(len(q)), np.zeros(len(q))
@@ -216,7 +216,7 @@ def since_onset(q: Float, way: Float, moving: Bool, step_s: float) -> tuple[Floa
             if still >= SHORTEST_REST_S:
                 latest, path = still, 0.0
                 back = k - 1
-                while back >= 0 and not moving[back] and way[back] == way[k]:
+                while back >= 0 and not moving[back] and direction[back] == direction[k]:
                     rest[back] = latest
                     back -= 1
             still = 0.0

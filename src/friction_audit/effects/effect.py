@@ -146,8 +146,8 @@ class SpeedFriction(Effect):
 
     axis: str = "speed"
     friction: bool = True
-    # Its torque in C++, from the parameters by their places, the velocity ``dq``, its size ``pace`` and its sign
-    # ``way``, which is smooth at standstill.
+    # Its torque in C++, from the parameters by their places, the velocity ``dq``, its size ``speed`` and its sign
+    # ``direction``, which is smooth at standstill.
     cpp: str = ""
 
     def in_cpp(self, values: Sequence[float], table: str) -> tuple[str, Float | None]:

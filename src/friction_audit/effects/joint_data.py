@@ -88,7 +88,7 @@ class JointData:
         return float(self.t[1] - self.t[0])
 
     @cached_property
-    def way(self) -> Float:
+    def direction(self) -> Float:
         """Mean sign of the velocity over the cell of each sample, shape (n,)."""
         return mean_sign(self.t, self.dq, self.ddq)
 
@@ -114,7 +114,7 @@ class JointData:
             others=others if self.others_dq.shape[1] > 1 else None,
             rest=rest,
             rigid=self.rigid,
-            way=self.way,
+            smooth_direction=self.direction,
         )
 
 

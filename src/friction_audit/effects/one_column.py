@@ -56,7 +56,7 @@ NOMINAL = (
         label="Coulomb friction",
         coefficients=(Parameter("coulomb_nm", "N m", "friction at any speed", lower=0.0),),
         of=lambda motion: motion.direction,  # 0 at rest, where friction is what holds the joint
-        cpp="{0!r} * way",
+        cpp="{0!r} * direction",
     ),
     SimpleFriction(
         name="viscous",

@@ -26,7 +26,7 @@ DECAYS = (0.3, 1.5, 5.0)  # how far friction fades over the range of the tempera
 LEAST_K = 0.5  # least range of a temperature
 
 FEWEST_CYCLES = 8
-MOMENTS = 32
+STEPS = 32
 AT_ONCE = 1e-5  # length of a step, as a share of the log's: less than a sample
 RAMPS = 16  # neighbours overlap by half, for from a step there is no way downhill to a ramp that lies between two
 LENGTH = 0.12  # how long a ramp takes, as a share of the log's length; a ramp of the whole log would be a warm-up
@@ -145,19 +145,19 @@ class FrictionStep(Effect):
     """Friction that changes once, at a moment of the recording, at once or within some seconds."""
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
-        """Return sgn(dq) and dq times a ramp from 0 to 1 about a moment, as columns; a step where its length is 0."""
-        moment, length = values
-        first, stop = np.searchsorted(motion.t, (moment - 0.5 * length, moment + 0.5 * length)).tolist()
+        """Return sgn(dq) and dq times a ramp from 0 to 1 about a time, as columns; a step where its length is 0."""
+        time, length = values
+        first, stop = np.searchsorted(motion.t, (time - 0.5 * length, time + 0.5 * length)).tolist()
         columns = np.zeros((2, len(motion.t)))
         columns[:, first:] = motion.direction[first:], motion.dq[first:]
         if stop > first:
-            columns[:, first:stop] *= np.clip(0.5 + (motion.t[first:stop] - moment) / length, 0.0, 1.0)
+            columns[:, first:stop] *= np.clip(0.5 + (motion.t[first:stop] - time) / length, 0.0, 1.0)
         return columns.T
 
     def tries(self, data: JointData) -> list[Sequence[float]]:
-        """Return steps at many moments, and ramps at some."""
+        """Return steps at many times, and ramps at some."""
         start, length = float(data.t[0]), float(np.ptp(data.t))
-        steps = [(k / MOMENTS, AT_ONCE) for k in range(2, MOMENTS - 1)]
+        steps = [(k / STEPS, AT_ONCE) for k in range(2, STEPS - 1)]
         ramps = [(k / RAMPS, LENGTH) for k in range(1, RAMPS)]
         return [(start + share * length, part * length) for share, part in (*steps, *ramps)]
 

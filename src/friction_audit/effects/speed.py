@@ -62,7 +62,7 @@ STRIBECK = Stribeck(
         Parameter("stribeck_speed_rad_s", "rad/s", "Stribeck velocity", lower=SLOWEST, upper=FASTEST),
         Parameter("stribeck_exponent", "1", "Stribeck exponent", lower=0.2, upper=5.0),
     ),
-    cpp="{0!r} * way * std::exp(-std::pow(pace / {1!r}, {2!r}))",
+    cpp="{0!r} * direction * std::exp(-std::pow(speed / {1!r}, {2!r}))",
     requires=partial(speed_range, ratio=8.0),
     record="move steadily at speeds that differ by a factor of 8, very slow to fast",
     separate={
@@ -91,23 +91,23 @@ class NonlinearViscous(SpeedFriction):
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return sgn(dq) S(|dq| / v_0) (v_0^2 + dq^2)^(n / 2), S the bend, over its value at 1 rad/s."""
-        exponent, speed, sharpness = values
-        pace = np.append(np.abs(motion.dq), 1.0)
+        exponent, v_0, sharpness = values
+        speed = np.append(np.abs(motion.dq), 1.0)
         if sharpness == 0.0:
-            friction = pace * ((speed**2 + pace**2) / (speed**2 + 1.0)) ** ((exponent - 1.0) / 2.0)
+            friction = speed * ((v_0**2 + speed**2) / (v_0**2 + 1.0)) ** ((exponent - 1.0) / 2.0)
         else:
-            friction = bend(pace / speed, CARREAU * np.exp(sharpness))
-            friction = friction * ((speed**2 + pace**2) / (speed**2 + 1.0)) ** (exponent / 2.0)
+            friction = bend(speed / v_0, CARREAU * np.exp(sharpness))
+            friction = friction * ((v_0**2 + speed**2) / (v_0**2 + 1.0)) ** (exponent / 2.0)
         return np.asarray(motion.direction * friction[:-1] / friction[-1])[:, None]
 
     def in_cpp(self, values: Sequence[float], table: str) -> tuple[str, Float | None]:
-        torque, exponent, speed, sharpness = values
-        squares = f"({speed * speed!r} + pace * pace) / {speed * speed + 1.0!r}"
+        torque, exponent, v_0, sharpness = values
+        squares = f"({v_0 * v_0!r} + speed * speed) / {v_0 * v_0 + 1.0!r}"
         if sharpness == 0.0:
-            return f"{torque!r} * way * pace * std::pow({squares}, {(exponent - 1.0) / 2.0!r})", None
-        steep, per_angle = float(np.exp(-0.5 * sharpness)) / speed, (TABLE - 1) / (np.pi / 2.0)
-        here, at_one = (f"between({table}, std::atan({x} * {steep!r}) * {per_angle!r})" for x in ("pace", "1.0"))
-        formula = f"{torque!r} * way * {here} / {at_one} * std::pow({squares}, {exponent / 2.0!r})"
+            return f"{torque!r} * direction * speed * std::pow({squares}, {(exponent - 1.0) / 2.0!r})", None
+        steep, per_angle = float(np.exp(-0.5 * sharpness)) / v_0, (TABLE - 1) / (np.pi / 2.0)
+        here, at_one = (f"between({table}, std::atan({x} * {steep!r}) * {per_angle!r})" for x in ("speed", "1.0"))
+        formula = f"{torque!r} * direction * {here} / {at_one} * std::pow({squares}, {exponent / 2.0!r})"
         return formula, bend_table(CARREAU * np.exp(sharpness))
 
     def tries(self, data: JointData) -> list[Sequence[float]]:
@@ -120,9 +120,9 @@ class NonlinearViscous(SpeedFriction):
         return (coefficients[0] > 0) | (at["curved_viscous_exponent"] > 1.0)
 
 
-def bend(pace: Float, freedom: float) -> Float:
-    """Return the distribution of Student's t, from 0 at 0 to 1, at sqrt(2) times a pace >= 0; from a fast table."""
-    place = np.arctan(pace * np.sqrt(CARREAU / freedom)) * ((TABLE - 1) / (np.pi / 2.0))
+def bend(x: Float, freedom: float) -> Float:
+    """Return the distribution of Student's t, from 0 at 0 to 1, at sqrt(2) times x >= 0; from a fast table."""
+    place = np.arctan(x * np.sqrt(CARREAU / freedom)) * ((TABLE - 1) / (np.pi / 2.0))
     return np.asarray(np.interp(place, np.arange(TABLE), bend_table(freedom)))
 
 

@@ -118,7 +118,7 @@ def motion_below(data: JointData, below_hz: float) -> Motion:
     """Return the motion below a frequency, without a torque."""
     if below_hz not in data.smooth:
         q, dq, ddq = (_low_passed(signal, below_hz, data.step_s) for signal in (data.q, data.dq, data.ddq))
-        data.smooth[below_hz] = replace(data.motion(), q=q, dq=dq, ddq=ddq, way=mean_sign(data.t, dq, ddq))
+        data.smooth[below_hz] = replace(data.motion(), q=q, dq=dq, ddq=ddq, smooth_direction=mean_sign(data.t, dq, ddq))
     return data.smooth[below_hz]
 
 

@@ -55,9 +55,9 @@ class FrictionLaw:
 
     def torque(self, dq: Float, sign_width: float = 0.0) -> Float:
         """Return the friction torque at velocities, shape (n,): what a drive pays for it, 0 at rest. [N m]"""
-        way = np.clip(dq / sign_width, -1.0, 1.0) if sign_width > 0.0 else None
+        direction = np.clip(dq / sign_width, -1.0, 1.0) if sign_width > 0.0 else None
         still = np.zeros_like(dq)
-        motion = Motion(t=still, q=still, dq=dq, ddq=still, way=way)
+        motion = Motion(t=still, q=still, dq=dq, ddq=still, smooth_direction=direction)
         return np.asarray(np.sum([term.torque(motion) for term in self.terms], axis=0))
 
     def fit(self, highest_power: int | None) -> FittedFriction:
@@ -109,8 +109,8 @@ def even_speeds(low: float, high: float) -> Float:
 
 def moving_speeds(dq: Float) -> Float:
     """Return speeds of a log that each stand for an equal share of its moving time, shape (n,). [rad/s]"""
-    pace = np.abs(dq[np.isfinite(dq)])
-    moving = pace[pace > SPEEDS[0]]
+    speed = np.abs(dq[np.isfinite(dq)])
+    moving = speed[speed > SPEEDS[0]]
     return np.quantile(moving, (np.arange(POINTS) + 0.5) / POINTS) if len(moving) else even_speeds(*SPEEDS)
 
 

@@ -220,13 +220,13 @@ class RegressionRows:
         view = {"strides": (8 * self._spacing, 8), "offset": 8 * (index[0] - around)}
         signals = (np.ascontiguousarray(one) for one in (part.t, part.q[:, column]))
         windows = (np.ndarray((len(index), 2 * around + 1), buffer=one, **view) for one in signals)
-        times, places = (one - one[:, around, None] for one in windows)
+        times, positions = (one - one[:, around, None] for one in windows)
         # The mean direction around each row, of fewer samples where the log ends; a zero more, at which one may end.
         begin, end = np.maximum(index - self._turn, 0), np.minimum(index + self._turn + 1, len(velocity))
         signs = np.zeros(len(velocity) + 1)
         np.sign(velocity, out=signs[:-1])
         turning = np.add.reduceat(signs, np.stack([begin, end], axis=1).ravel())[::2] / (end - begin)
-        by_position = differences(*((signal @ self._blocks).T for signal in (times, places)))
+        by_position = differences(*((signal @ self._blocks).T for signal in (times, positions)))
         found = {
             "lasting": part.t[index + around] - part.t[index - around],
             "velocity": velocity[index],

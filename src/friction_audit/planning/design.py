@@ -116,7 +116,7 @@ def limits_of(
 BEND = 10.0 / np.sqrt(3.0)  # largest second derivative of the velocity of ``strokes.min_jerk``
 REST_S = 0.4  # after an excursion: its cycles end there
 LONGEST_S = 3.0  # of a slow ramp one way: slower ones go less far
-# What it is, places to go to, speeds, rest after each stroke, and whether strokes have no constant speed.
+# What it is, positions to go to, speeds, rest after each stroke, and whether strokes have no constant speed.
 Excursion = tuple[str, Sequence[float], ArrayLike, float, bool]
 ROUNDING_RAD = 1e-6  # of a side without room
 SHARP_S = 0.15  # a person or a motor without overshoot takes at least so long to reach a speed
@@ -140,12 +140,12 @@ def candidates_of(limits: Limits) -> list[Candidate]:
         found = f"the fastest motion over {high - low:.3g} rad has {fast:.2g} rad/s; expected at least {4 * slowest:g}"
         raise UsageError(f"limits: {found}; widen --range or raise --speed, --acceleration or --jerk")
     candidates = []
-    for words, places, speeds, rest_s, smooth in _excursions(low, high, fast, limits):
-        ways = np.diff([0.0, *np.clip(places, low, high)])
-        pairs = zip(ways.tolist(), np.broadcast_to(np.asarray(speeds, float), ways.shape).tolist(), strict=True)
+    for words, positions, speeds, rest_s, smooth in _excursions(low, high, fast, limits):
+        moved = np.diff([0.0, *np.clip(positions, low, high)])
+        pairs = zip(moved.tolist(), np.broadcast_to(np.asarray(speeds, float), moved.shape).tolist(), strict=True)
         strokes = [_stroke(*one, limits, rest_s=rest_s, smooth=smooth) for one in pairs if abs(one[0]) > ROUNDING_RAD]
         strokes[-1] = strokes[-1]._replace(rest_s=max(REST_S, rest_s))
-        reached = np.cumsum([0.0, *(one.way_rad for one in strokes)])
+        reached = np.cumsum([0.0, *(one.displacement_rad for one in strokes)])
         span, duration_s = (float(reached.min()), float(reached.max())), sum(one.duration_s for one in strokes)
         candidates.append(Candidate(words, tuple(strokes), duration_s, span))
     return candidates
@@ -161,37 +161,37 @@ def _excursions(low: float, high: float, fast: float, limits: Limits) -> Iterato
     for speed in (0.25 * fast, 0.5 * fast, fast):
         yield f"swing from end to end without rest, peak {speed:.2g} rad/s", ends, speed, 0.0, True
     for reach, share in product((0.1, 0.3), (0.4, 1.0)):
-        place = reach * (high - low) / 2.0
-        speed = share * _stroke(2.0 * place, np.inf, limits).speed_rad_s
-        places = [*(min(place, inner) * (-1) ** np.arange(10)), 0.0]
-        words = f"10 quick reversals over {2 * abs(places[0]):.2g} rad, peak {speed:.2g} rad/s"
-        yield words, places, speed, 0.0, True
-    places = [*np.linspace(0.0, high, 4)[1:], *np.linspace(high, low, 7)[1:], *np.linspace(low, 0.0, 4)[1:]]
+        position = reach * (high - low) / 2.0
+        speed = share * _stroke(2.0 * position, np.inf, limits).speed_rad_s
+        positions = [*(min(position, inner) * (-1) ** np.arange(10)), 0.0]
+        words = f"10 quick reversals over {2 * abs(positions[0]):.2g} rad, peak {speed:.2g} rad/s"
+        yield words, positions, speed, 0.0, True
+    positions = [*np.linspace(0.0, high, 4)[1:], *np.linspace(high, low, 7)[1:], *np.linspace(low, 0.0, 4)[1:]]
     speed = max(0.15 * fast, 2.0 * slowest)
     for rest_s in (0.15, 0.6, 2.0):
         words = f"12 steps through the range with rests of {rest_s:g} s, peak {speed:.2g} rad/s"
-        yield words, places, speed, rest_s, True
+        yield words, positions, speed, rest_s, True
     for up, down in ((0.15 * fast, 0.8 * fast), (0.8 * fast, 0.15 * fast)):
         words = f"up at {up:.2g} rad/s and down at {down:.2g} rad/s"
         yield words, ends, [up, down, up, down, up], 0.0, False
-    ways = np.geomspace(0.02, 0.2, 8) if slowest > 0.02 else np.geomspace(1e-3, 0.03, 12)  # noqa: PLR2004 - by hand
-    ways = ways[ways < min(high - low, 1.0)] / 2.0
-    if len(ways) > 2 and -low > ways[-1] < high:  # noqa: PLR2004 - some
-        places = [*(ways * (-1.0) ** np.arange(len(ways))), 0.0]
-        words = f"{len(ways)} small reversals of growing way, {2 * ways[0]:.2g} to {2 * ways[-1]:.2g} rad"
-        yield words, places, 2.0 * np.abs(np.diff([0.0, *np.clip(places, low, high)])), 0.05, True
+    lengths = np.geomspace(0.02, 0.2, 8) if slowest > 0.02 else np.geomspace(1e-3, 0.03, 12)  # noqa: PLR2004 - by hand
+    lengths = lengths[lengths < min(high - low, 1.0)] / 2.0
+    if len(lengths) > 2 and -low > lengths[-1] < high:  # noqa: PLR2004 - some
+        positions = [*(lengths * (-1.0) ** np.arange(len(lengths))), 0.0]
+        words = f"{len(lengths)} small reversals of growing length, {2 * lengths[0]:.2g} to {2 * lengths[-1]:.2g} rad"
+        yield words, positions, 2.0 * np.abs(np.diff([0.0, *np.clip(positions, low, high)])), 0.05, True
     sides = np.linspace(0.2, 1.0, 6) * (-1.0) ** np.arange(6)
-    places = [*(min(abs(side), inner) * np.sign(side) for side in sides * (high - low) / 2.0), 0.0]
-    yield "chirp: swings of growing width and speed", places, np.linspace(0.2, 1.0, 7) * fast, 0.0, True
+    positions = [*(min(abs(side), inner) * np.sign(side) for side in sides * (high - low) / 2.0), 0.0]
+    yield "chirp: swings of growing width and speed", positions, np.linspace(0.2, 1.0, 7) * fast, 0.0, True
 
 
-def _stroke(way: float, speed: float, limits: Limits, *, rest_s: float = 0.0, smooth: bool = False) -> Stroke:
+def _stroke(displacement: float, speed: float, limits: Limits, *, rest_s: float = 0.0, smooth: bool = False) -> Stroke:
     """Return a stroke at a speed, or as fast as the limits allow; smooth ones have no constant speed."""
-    length = abs(way)
+    length = abs(displacement)
     bell = ((limits.acceleration_rad_s2 * length / PEAK) ** 0.5, (limits.jerk_rad_s3 * length**2 / BEND) ** (1 / 3))
     speed = min(speed, limits.speed_rad_s, length / SHARP_S, *bell)
     needed = max(PEAK * speed / limits.acceleration_rad_s2, (BEND * speed / limits.jerk_rad_s3) ** 0.5, SHARP_S)
-    return Stroke(way, speed, min(length / speed if smooth else needed, length / speed), rest_s)
+    return Stroke(displacement, speed, min(length / speed if smooth else needed, length / speed), rest_s)
 
 
 # The design.
@@ -316,5 +316,5 @@ def exchange(about: Information, criterion: Criterion, duration_s: float) -> Int
 
 def in_order(candidates: Sequence[Candidate], counts: Int) -> tuple[Candidate, ...]:
     """Return the runs spread over the time, so that neither warming up nor drift goes with one of them."""
-    moments = [((k + 0.5) / count, n) for n, count in enumerate(counts) for k in range(count)]
-    return tuple(candidates[n] for _, n in sorted(moments))
+    times = [((k + 0.5) / count, n) for n, count in enumerate(counts) for k in range(count)]
+    return tuple(candidates[n] for _, n in sorted(times))

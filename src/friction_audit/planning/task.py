@@ -70,7 +70,7 @@ class Joint:
     def nominal(self, data: JointData) -> Nominal:
         """Return the nominal model along a motion."""
         own = {name: getattr(self.parameters, name) for name in COEFFICIENTS}
-        return Nominal(**own, torque=np.array([*own.values()]) @ np.stack([data.ddq, data.way, data.dq]))
+        return Nominal(**own, torque=np.array([*own.values()]) @ np.stack([data.ddq, data.direction, data.dq]))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -98,12 +98,12 @@ def arm_of(robot: str, joints: int, start: Sequence[float] | None, names: Mappin
     """Return an arm by the names of its joints that are known; it starts in the Panda's ready pose, or at zero."""
     preset = PRESETS.get(robot)
     usual = READY_RAD if robot in FRANKA and joints == len(READY_RAD) else (0.0,) * joints
-    place = usual if start is None else tuple(map(float, start))
-    if len(place) != joints or not np.isfinite(place).all():
-        raise UsageError(f"--start: {len(place)} positions; expected {joints}, one per joint [rad]")
+    start_rad = usual if start is None else tuple(map(float, start))
+    if len(start_rad) != joints or not np.isfinite(start_rad).all():
+        raise UsageError(f"--start: {len(start_rad)} positions; expected {joints}, one per joint [rad]")
     others = preset.joints if preset and len(preset.joints) == joints else [f"joint{k}" for k in range(1, joints + 1)]
     known = (names.get(k, name) for k, name in enumerate(others, 1))
-    return Arm(tuple(known), place, robot, known_start=start is not None)
+    return Arm(tuple(known), start_rad, robot, known_start=start is not None)
 
 
 def tasks_of(

@@ -100,16 +100,16 @@ def _left(
     coarse: CoarseLog, torque: Float, direction: Float | None, column: int
 ) -> tuple[float, float, float, float, bool] | None:
     """Return mean and rms of what is left, range moved, Coulomb friction, and whether gravity shows; None if little."""
-    moving, way, stroke = strokes_of(coarse, column)
+    moving, sign, stroke = strokes_of(coarse, column)
     if not stroke.size or stroke[-1] + 1 < LEAST_STROKES:
         return None
     rows = np.flatnonzero(moving)
     thin = slice(None, None, max(len(rows) // ENOUGH, 1))
-    rows, way = rows[thin], way[thin]
+    rows, sign = rows[thin], sign[thin]
     q, dq = coarse.q[rows, column], coarse.dq[rows, column]
     ddq = np.gradient(coarse.dq[:, column], coarse.t)[rows]
     across = np.column_stack([np.sin(q), np.cos(q)]) if direction is None else direction[rows]
-    plain = np.column_stack([way, dq, ddq, np.ones(len(q))])
+    plain = np.column_stack([sign, dq, ddq, np.ones(len(q))])
     coefficients, square, square_plain = _fit(plain, across, torque[rows])
     at_rest = coefficients[3] + across @ coefficients[4:]
     wide = np.ptp(q) >= LEAST_RANGE_RAD and float(np.hypot(*across.T).max()) >= LEAST_ACROSS

@@ -251,10 +251,10 @@ def fresh_samples(log: JointLog) -> Bool:
     A velocity that mostly stays the same while the position changes is read in coarse steps. It says nothing then, and
     a joint moves where it passes a step of its position between two samples.
     """
-    way, dq = np.abs(np.diff(log.q, axis=0)), np.abs(log.dq[1:])
-    changed, same = way > 0, np.diff(log.dq, axis=0) == 0
+    moved, dq = np.abs(np.diff(log.q, axis=0)), np.abs(log.dq[1:])
+    changed, same = moved > 0, np.diff(log.dq, axis=0) == 0
     coarse = np.sum(same & changed, axis=0) > 0.5 * np.sum(changed, axis=0)
-    step = np.where(coarse, np.min(way, axis=0, where=changed, initial=np.inf), 0.0)
+    step = np.where(coarse, np.min(moved, axis=0, where=changed, initial=np.inf), 0.0)
     moving = np.any((dq > 0) & (dq * np.diff(log.t)[:, None] >= step), axis=1)
     fresh = np.append(True, ~(np.all(same & ~changed, axis=1) & moving))
     if fresh.sum() < MINIMUM_SAMPLES:
@@ -290,7 +290,7 @@ def steady_clock(t: Float) -> Float:
     return np.asarray((own + phase) * period) if np.mean(own < tick) <= MOST_MOVED else t
 
 
-def moments_of_samples(t: Float, q: Float, dq: Float) -> Float:
+def times_of_samples(t: Float, q: Float, dq: Float) -> Float:
     """Return when the samples of positions and velocities, shape (n, j), were taken, shape (n,). [s]
 
     On the ticks of a steady clock whose stamps are late; at the stamps where the samples are late with them. Then the
@@ -325,11 +325,11 @@ def belated_samples(t: Float, q: Float, dq: Float) -> Bool:
     """
     belated, span, tiny = np.zeros(len(t), bool), t[2:] - t[:-2], np.finfo(float).tiny
     x, along, squared = (t[1:-1] - t[:-2]) / span, np.zeros(len(span)), np.zeros(len(span))
-    for place, speed in zip(q.T, dq.T, strict=True):  # one by one: a long log takes little memory
+    for position, speed in zip(q.T, dq.T, strict=True):  # one by one: a long log takes little memory
         moves = np.abs(v := speed[1:-1]) > MOVING_RAD_S
         if not moves.any():
             continue
-        lag = place[:-2] * (1.0 + 2.0 * x) * (1.0 - x) ** 2 + place[2:] * x**2 * (3.0 - 2.0 * x) - place[1:-1]
+        lag = position[:-2] * (1.0 + 2.0 * x) * (1.0 - x) ** 2 + position[2:] * x**2 * (3.0 - 2.0 * x) - position[1:-1]
         lag += span * x * (1.0 - x) * (speed[:-2] * (1.0 - x) - speed[2:] * x)
         variance = max(float(np.median(np.abs(lag[moves]))) ** 2, tiny)  # each joint counts by its own
         along += np.where(moves, lag * v, 0.0) / variance

@@ -76,11 +76,11 @@ def motion_on(grids: Sequence[Grid], log: JointLog) -> list[tuple[Float, Float, 
     own, fine = [grid.t for grid in grids], [grid.rows.stop - grid.rows.start >= 2 * len(grid.t) for grid in grids]
     edges = (np.concatenate([t[:1], (t[1:] + t[:-1]) / 2, t[-1:]]) for t in own)
     times = [edge if one else t for edge, one, t in zip(edges, fine, own, strict=True)]
-    places, found = _along(log, grids, "q", own), _along(log, grids, "dq", times, fine)
+    positions, found = _along(log, grids, "q", own), _along(log, grids, "dq", times, fine)
     means = (
         np.diff(a, axis=0) / np.diff(t)[:, None] if one else a for a, t, one in zip(found, times, fine, strict=True)
     )
-    return [(place, *_smooth(grid, mean)) for grid, place, mean in zip(grids, places, means, strict=True)]
+    return [(position, *_smooth(grid, mean)) for grid, position, mean in zip(grids, positions, means, strict=True)]
 
 
 def _smooth(grid: Grid, mean: Float) -> tuple[Float, Float]:

@@ -128,8 +128,8 @@ class CycleSearch:
             self._go_on(int(borders[0]), moving=False)
             borders, self._at_border = borders - borders[0], True
         if part.choice.gravity == "in-torque" and len(borders):
-            place = self._place(part)[borders + (self.first - part.first)]
-            borders = borders[self._close_runs(borders, place, more=more)]
+            position = self._position(part)[borders + (self.first - part.first)]
+            borders = borders[self._close_runs(borders, position, more=more)]
         if len(borders) > 1:
             self._found.append(self._cycles_between(part, borders))
             if len(self._found) > MOST_PIECES + self._joined:
@@ -142,20 +142,20 @@ class CycleSearch:
         if more and len(self._signal) > 2 * self._longest:
             self._shorten(part)
 
-    def _place(self, part: Interaction) -> Float:
+    def _position(self, part: Interaction) -> Float:
         """Return the positions that a cycle has to return to; gravity in the torque depends on every joint."""
         if part.choice.gravity != "in-torque":
             return part.q[:, self._column, None]
         return part.q if part.posture is None else part.posture
 
-    def _close_runs(self, borders: Int, place: Float, *, more: bool) -> list[int]:
+    def _close_runs(self, borders: Int, position: Float, *, more: bool) -> list[int]:
         """Join strokes into the shortest runs at whose end all joints are back; one that never is stays alone."""
-        kept = [0] if self._begun is None else [0, 1][: len(place)]
-        while (s := kept[-1]) < len(place) - 1:
+        kept = [0] if self._begun is None else [0, 1][: len(position)]
+        while (s := kept[-1]) < len(position) - 1:
             run = slice(s + 1, s + 1 + LONGEST_RUN)
-            closed = np.abs(place[run] - place[s]).max(axis=1) <= self._settings.closure_rad
+            closed = np.abs(position[run] - position[s]).max(axis=1) <= self._settings.closure_rad
             closed &= borders[run] - borders[s] <= self._longest
-            may_close = s + LONGEST_RUN >= len(place) and len(self._signal) - borders[s] <= self._longest
+            may_close = s + LONGEST_RUN >= len(position) and len(self._signal) - borders[s] <= self._longest
             if more and may_close and not closed.any():
                 break
             kept.append(s + int(np.argmax(closed)) + 1 if closed.any() else s + 1)
@@ -176,13 +176,13 @@ class CycleSearch:
         parts = self._sums(part, edges)
         sums = EnergySums(**{one.name: getattr(parts, one.name).sum(axis=-1) for one in fields(parts)})
         start, stop = borders[:-1] + self.first, borders[1:] + self.first
-        start_s, place = t[borders[:-1]], self._place(part)[borders + shift]
+        start_s, position = t[borders[:-1]], self._position(part)[borders + shift]
         if self._begun is not None and len(start):
-            begun, place[0] = self._begun
+            begun, position[0] = self._begun
             start[0], start_s[0], peak[0] = begun.start[0], begun.start_s[0], max(peak[0], begun.peak_speed_rad_s[0])
             for one in fields(sums):
                 getattr(sums, one.name)[0] += getattr(begun.sums, one.name)[0]
-        is_open = np.abs(np.diff(place, axis=0)).max(axis=1) > settings.closure_rad
+        is_open = np.abs(np.diff(position, axis=0)).max(axis=1) > settings.closure_rad
         reason = np.where(stop - start > self._longest, LONG, KEPT)
         reason[is_open & inside] = OPEN
         reason[np.searchsorted(holes, borders[:-1] - near) < np.searchsorted(holes, borders[1:] + near)] = GAP
@@ -222,7 +222,7 @@ class CycleSearch:
         self._at_border = not moving if self._at_border is None else self._at_border
         if self._at_border:
             now = self._cycles_between(part, np.array([0, self._longest]))
-            self._begun = now, self._place(part)[shift] if self._begun is None else self._begun[1]
+            self._begun = now, self._position(part)[shift] if self._begun is None else self._begun[1]
         stops, starts, _ = cycle_sums.events(self._signal[: self._longest + 1], *thresholds, moving=moving)
         self._go_on(self._longest, moving=moving == (len(stops) == len(starts)))
 

@@ -131,5 +131,5 @@ def _coefficient(column: Float, others: Float, torque: Float, stroke: Int) -> tu
     value = float(own @ left) / square
     scores = np.bincount(stroke, weights=own * (left - value * own))
     strokes = len(scores)
-    # Few strokes fit the column, the offset and the place by themselves: three of them do not count.
+    # Few strokes fit the column, the offset and the position by themselves: three of them do not count.
     return value, float(np.sqrt(scores @ scores * strokes / (strokes - 3)) / square)

@@ -282,6 +282,6 @@ def position_of(q: Float, dq: Float, ddq: Float, valid: Bool, step_s: float, cro
 
     Next to the noise of a position alone gaps and springs are presliding (resampled: backlash 140003).
     """
-    way = 0.5 * step_s * (dq[1:] + dq[:-1]) - step_s**2 / 12.0 * np.diff(ddq)  # Euler-Maclaurin
-    along = q[0] + np.append(0.0, np.cumsum(np.where(valid[1:] & valid[:-1], way, np.diff(q))))
+    steps = 0.5 * step_s * (dq[1:] + dq[:-1]) - step_s**2 / 12.0 * np.diff(ddq)  # Euler-Maclaurin
+    along = q[0] + np.append(0.0, np.cumsum(np.where(valid[1:] & valid[:-1], steps, np.diff(q))))
     return complementary_mean(q, along, np.ones(len(q), bool), step_s, max(crossover_hz, LOWEST_CROSSOVER_HZ))

@@ -34,7 +34,7 @@ def _answer(answer: Answer) -> str:
 
 
 STROKE = Record(
-    Column("way", float, "signed", "way_rad", unit="rad"),
+    Column("way", float, "signed", "displacement_rad", unit="rad"),
     Column("speed", float, "highest", "speed_rad_s", unit="rad/s"),
     Column("ease", float, "time of the rise of the velocity, and of its fall", "ease_s", unit="s"),
     Column("rest", float, "rest afterwards", "rest_s", unit="s"),

@@ -192,7 +192,7 @@ def last_period(simulation: Simulation) -> Course:
 def plateau_nm(course: Course) -> float:
     """Return half the distance of the plateaus at velocity zero: inertia has the same sign on both and cancels."""
     slow = np.abs(course.dq) < NEAR_ZERO * np.abs(course.dq).max()
-    forth, back = (course.interaction_nm[slow & way].mean() for way in (course.dq > 0.0, course.dq < 0.0))
+    forth, back = (course.interaction_nm[slow & sign].mean() for sign in (course.dq > 0.0, course.dq < 0.0))
     return float(0.5 * (forth - back))
 
 

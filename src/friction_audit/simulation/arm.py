@@ -39,7 +39,7 @@ class Hand(Checked):
     """
 
     mass_kg: float = within(1.0)  # mass of the hand [kg]
-    stiffness_n_per_m: float = within(1500.0)  # spring between intended and actual place [N/m]
+    stiffness_n_per_m: float = within(1500.0)  # spring between intended and actual position [N/m]
     damping_ns_per_m: float = within(250.0)  # damper between them [N s/m]
     turning_stiffness_nm_per_rad: float = within(25.0)  # spring between intended and actual orientation [N m/rad]
     turning_damping_nms_per_rad: float = within(5.0)  # damper between them [N m s/rad]
@@ -211,8 +211,8 @@ class ServoedArm(RigidBody):
     def pull(self, k: int, _: Float, mass: Float, bias: Float, gravity: Float) -> None:
         """Let the motors pull, likewise."""
         body, servo, n = self.mechanism.body, self._servo, self._joints
-        place, speed = self._command.position[k] + self.settings.pose_rad, self._command.velocity[k]
-        body.push[:n] = gravity + servo.stiffness_nm_per_rad * place + servo.damping_nms_per_rad * speed
+        position, speed = self._command.position[k] + self.settings.pose_rad, self._command.velocity[k]
+        body.push[:n] = gravity + servo.stiffness_nm_per_rad * position + servo.damping_nms_per_rad * speed
         body.push_rate[:n] = servo.stiffness_nm_per_rad * speed
         body.support[:n] = -bias
         load_masses(body, self.rotor, mass)

@@ -91,8 +91,8 @@ def move(settings: BenchSettings, streams: Streams, progress: Progress | None, *
     """Let the operator move the joint from rest at the start; return the mechanism with the truth written down."""
     ticks, hand = count_ticks(settings.duration_s, settings.rate_hz), settings.operator
     intended = hand.motion.intend(ticks, 1.0 / CONTROL_RATE_HZ, streams.person)
-    place = start_rad + intended.position
-    push = hand.stiffness_nm_per_rad * place + hand.damping_nms_per_rad * intended.velocity
+    position = start_rad + intended.position
+    push = hand.stiffness_nm_per_rad * position + hand.damping_nms_per_rad * intended.velocity
     mechanism = assemble(settings, ticks, np.array([start_rad]), streams)
     body, rotor = mechanism.body, rotor_mass(settings.joints, settings.hidden)
     body.inner_mass[0, 0] = rotor[0, 0]

@@ -22,19 +22,19 @@ class Sinusoid(Checked):
     # largest relative change of the amplitude; each end of the travel after the first draws its own, evenly
     # distributed, and the amplitude passes smoothly from one to the next
     spread: float = within(0.0, 0.0, WIDEST)
-    # time in which the sinusoid picks up its pace; 0 for at once. It comes late by half of that [s]
+    # time in which the sinusoid picks up its speed; 0 for at once. It comes late by half of that [s]
     ease_s: float = within(0.0)
 
     def intend(self, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
         """Return the whole half-periods that fit, then rest; at rest throughout if not one fits."""
         t, half_period = np.arange(ticks + 1, dtype=np.float64) * dt, self.period_s / 2
         # How many half-periods have passed, and how many pass in a second.
-        halves, pace = t / half_period, np.full_like(t, 1 / half_period)
+        halves, halves_per_s = t / half_period, np.full_like(t, 1 / half_period)
         if self.ease_s > 0:
             eased = t / self.ease_s
-            halves, pace = self.ease_s * area(eased) / half_period, min_jerk(eased)[0] / half_period
+            halves, halves_per_s = self.ease_s * area(eased) / half_period, min_jerk(eased)[0] / half_period
         fitting = int(halves[-1] + ROUNDING)
-        pace[halves >= fitting] = 0.0
+        halves_per_s[halves >= fitting] = 0.0
         halves = np.minimum(halves, fitting)
         # The amplitude passes from one end of the travel to the next.
         ends = self.amplitude_rad * (1.0 + self.spread * rng.uniform(-1.0, 1.0, fitting + 2))
@@ -47,7 +47,7 @@ class Sinusoid(Checked):
         x, side = halves - half, np.where(half % 2 == 0, 1.0, -1.0)
         rate = pi * amplitude * np.sin(pi * x) - change * np.cos(pi * x)
         position = self.amplitude_rad - side * amplitude * np.cos(pi * x)
-        return Intention(position, side * rate * pace)
+        return Intention(position, side * rate * halves_per_s)
 
 
 STRIDE = 7  # a joint takes every seventh frequency; arms with more joints take as many as they have joints

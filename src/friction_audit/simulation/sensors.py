@@ -116,10 +116,10 @@ def _sense(settings: SomeSettings, moved: Moved, error: Float) -> tuple[Float, F
     port = crosstalk_mixed([inside.torque_crosstalk for inside in hidden], port)
     ripple = _by_joint(ripple_reading_nm, [inside.torque_ripple for inside in hidden], motion.q)
     torque = port + ripple + loop.torque_noise + error
-    place = _by_joint(delayed, motion_late, motion.q) + loop.position_noise
+    position = _by_joint(delayed, motion_late, motion.q) + loop.position_noise
     velocity = _by_joint(delayed, motion_late, motion.dq) + loop.velocity_noise
     return (
-        _by_joint(quantise, [one.position_step_rad for one in sensors], place),
+        _by_joint(quantise, [one.position_step_rad for one in sensors], position),
         _by_joint(quantise, [one.velocity_step_rad_s for one in sensors], velocity),
         _by_joint(quantise, [one.torque_step_nm for one in sensors], torque),
     )

@@ -25,7 +25,7 @@ class Intention(NamedTuple):
 
 
 def min_jerk(x: Float) -> tuple[Float, Float]:
-    """Return the share of the way covered at the share x of the time, and its derivative; level outside of [0, 1]."""
+    """Return the share of a stroke covered at the share x of the time, and its derivative; level outside of [0, 1]."""
     x = np.clip(x, 0.0, 1.0)
     covered = x * x * x * (10.0 + x * (6.0 * x - 15.0))
     return covered, 30.0 * x * x * (1.0 - x) * (1.0 - x)
@@ -42,14 +42,14 @@ def latest(start_s: Float, t: Float) -> np.ndarray[tuple[int, ...], np.dtype[np.
     return np.maximum(np.searchsorted(start_s, t, side="right") - 1, 0)
 
 
-def at_constant_speed(t: Float, start_s: Float, way: Float, speed: Float, ease_s: Float) -> Intention:
+def at_constant_speed(t: Float, start_s: Float, displacement: Float, speed: Float, ease_s: Float) -> Intention:
     """Return strokes of a constant speed, each with a smooth rise of the velocity and a fall; arrays one per stroke."""
     if not len(start_s):
         return Intention(np.zeros_like(t), np.zeros_like(t))
     stroke = latest(start_s, t)
     rise = (t - start_s[stroke]) / ease_s[stroke]
-    fall = rise - (np.abs(way) / speed / ease_s)[stroke]
-    signed, origin = np.copysign(speed, way)[stroke], (np.cumsum(way) - way)[stroke]
+    fall = rise - (np.abs(displacement) / speed / ease_s)[stroke]
+    signed, origin = np.copysign(speed, displacement)[stroke], (np.cumsum(displacement) - displacement)[stroke]
     position = origin + signed * ease_s[stroke] * (area(rise) - area(fall))
     return Intention(position, signed * (min_jerk(rise)[0] - min_jerk(fall)[0]))
 
@@ -79,7 +79,7 @@ class StopAndGo(Checked):
     def intend(self, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
         """Return the strokes that fit between two rests at the ticks of the controller; at rest if not one fits."""
         rows, speeds = [(0.0, REST_S, 0.0, 0.0)], list[float]()  # start, duration [s], origin, signed length [rad]
-        begin, place, direction = REST_S, 0.0, 1.0
+        begin, position, direction = REST_S, 0.0, 1.0
         sigma = np.sqrt(np.log1p(self.speed_spread**2))
         while True:
             if not speeds:  # those of the next strokes: log-normal, stratified, within the limits
@@ -88,31 +88,31 @@ class StopAndGo(Checked):
                 drawn = self.speed_rad_s * np.exp(sigma * deviates - sigma**2 / 2)
                 speeds = np.clip(drawn, *self.speed_limits_rad_s).tolist()
             speed = speeds.pop()
-            way = _draw_length(self, speed, place, direction, rng)
-            needed = PEAK * abs(way) / speed
+            displacement = _draw_length(self, speed, position, direction, rng)
+            needed = PEAK * abs(displacement) / speed
             if begin + needed > ticks * dt - REST_S:
                 break
-            rows.append((begin, needed, place, way))
+            rows.append((begin, needed, position, displacement))
             begin += needed + rng.uniform(*self.pause_s)
-            place, direction = place + way, float(np.sign(way))
+            position, direction = position + displacement, float(np.sign(displacement))
         strokes, t = np.array(rows), np.arange(ticks + 1, dtype=np.float64) * dt
         start, lasts, origin, length = strokes[latest(strokes[:, 0], t)].T
         covered, slope = min_jerk((t - start) / lasts)
         return Intention(origin + length * covered, length / lasts * slope)
 
 
-def _draw_length(settings: StopAndGo, speed: float, place: float, direction: float, rng: np.random.Generator) -> float:
+def _draw_length(settings: StopAndGo, speed: float, q: float, direction: float, rng: np.random.Generator) -> float:
     """Draw the signed length of the next stroke; it mostly turns back and always stays in the range."""
     low, high = settings.range_rad
     length = speed * rng.uniform(*settings.stroke_s) / PEAK
     turned = -direction if rng.random() < settings.reversing else direction
-    for way in (turned, -turned):
-        if low <= place + way * length <= high:
-            return way * length
-    return (high - place) if high - place > place - low else (low - place)
+    for sign in (turned, -turned):
+        if low <= q + sign * length <= high:
+            return sign * length
+    return (high - q) if high - q > q - low else (low - q)
 
 
-Target = tuple[float, float]  # a place to go to [rad] and the speed to go with [rad/s]
+Target = tuple[float, float]  # a position to go to [rad] and the speed to go with [rad/s]
 MOST = 1000  # speeds or small reversals of a pass: more would outlast every recording
 
 
@@ -126,9 +126,9 @@ class SlowSweep(Checked):
     dwell_s: float = within(0.3)  # rest after every stroke [s]
     ease_s: float = positive(0.2)  # time in which a stroke reaches its speed, and in which it loses it [s]
     reversals: int = within(0, 0, MOST)  # number of small reversals at the start of every pass
-    # smallest and largest way of a small reversal, drawn evenly on a logarithmic scale [rad]
+    # smallest and largest length of a small reversal, drawn evenly on a logarithmic scale [rad]
     reversal_rad: tuple[float, float] = positive((1e-3, 3e-2))
-    reversal_s: float = positive(0.5)  # way divided by speed of a small reversal [s]
+    reversal_s: float = positive(0.5)  # length divided by speed of a small reversal [s]
 
     def __post_init__(self) -> None:
         Checked.__post_init__(self)
@@ -146,16 +146,16 @@ class SlowSweep(Checked):
         """Return the strokes that fit, ending at 0; at rest throughout if the first there and back does not fit."""
         now, rows = REST_S, [np.zeros((3, 0))]
         for targets in _excursions(self, rng):
-            places, speeds = np.array(targets).T
-            ways = np.diff(places, prepend=0.0)
-            lasts = np.abs(ways) / speeds + self.ease_s + self.dwell_s
+            positions, speeds = np.array(targets).T
+            displacements = np.diff(positions, prepend=0.0)
+            lasts = np.abs(displacements) / speeds + self.ease_s + self.dwell_s
             if now + lasts.sum() - self.dwell_s > ticks * dt - REST_S:
                 break
-            rows.append(np.stack([now + np.cumsum(lasts) - lasts, ways, speeds]))
+            rows.append(np.stack([now + np.cumsum(lasts) - lasts, displacements, speeds]))
             now += float(lasts.sum())
-        start, way, speed = np.hstack(rows)
+        start, displacement, speed = np.hstack(rows)
         t = np.arange(ticks + 1, dtype=np.float64) * dt
-        return at_constant_speed(t, start, way, speed, np.full(len(start), self.ease_s))
+        return at_constant_speed(t, start, displacement, speed, np.full(len(start), self.ease_s))
 
 
 def _excursions(settings: SlowSweep, rng: np.random.Generator) -> Iterator[list[Target]]:
@@ -170,21 +170,21 @@ def _excursions(settings: SlowSweep, rng: np.random.Generator) -> Iterator[list[
 
 
 def _reversals(settings: SlowSweep, rng: np.random.Generator) -> list[Target]:
-    """Draw small reversals to and fro about 0; a way, but for the first and the last, is within the limits."""
+    """Draw small reversals to and fro about 0; a stroke, but for the first and the last, is within the limits."""
     smallest, largest = np.log(settings.reversal_rad)
     half = np.exp(rng.uniform(smallest, largest, settings.reversals)) / 2
-    places = [*(half * (-1.0) ** np.arange(settings.reversals)), 0.0]
-    ways = np.abs(np.diff(places, prepend=0.0))
-    return [(float(place), float(way / settings.reversal_s)) for place, way in zip(places, ways, strict=True)]
+    positions = [*(half * (-1.0) ** np.arange(settings.reversals)), 0.0]
+    lengths = np.abs(np.diff(positions, prepend=0.0))
+    return [(float(q), float(length / settings.reversal_s)) for q, length in zip(positions, lengths, strict=True)]
 
 
-TOO_SHORT = 1e-9  # rounding of a way that is all rise and fall
+TOO_SHORT = 1e-9  # rounding of a stroke that is all rise and fall
 
 
 class Stroke(NamedTuple):
     """A stroke and the rest after it."""
 
-    way_rad: float  # signed; at least the speed times the ease [rad]
+    displacement_rad: float  # signed; at least the speed times the ease [rad]
     speed_rad_s: float  # highest speed [rad/s]
     ease_s: float  # time of the rise of the velocity, and of its fall [s]
     rest_s: float  # rest afterwards [s]
@@ -192,13 +192,13 @@ class Stroke(NamedTuple):
     @property
     def duration_s(self) -> float:
         """How long it takes with the rest. [s]"""
-        return abs(self.way_rad) / self.speed_rad_s + self.ease_s + self.rest_s
+        return abs(self.displacement_rad) / self.speed_rad_s + self.ease_s + self.rest_s
 
 
 class Prescribed(Checked):
     """Strokes one after the other."""
 
-    # in order: way [rad], highest speed [rad/s], ease [s], rest afterwards [s]
+    # in order: displacement [rad], highest speed [rad/s], ease [s], rest afterwards [s]
     strokes: tuple[Stroke, ...] = (Stroke(0.5, 0.5, 0.3, 0.5), Stroke(-0.5, 0.5, 0.3, 0.5)) * 4
     start_s: float = within(0.5)  # rest before the first one [s]
 
@@ -206,15 +206,15 @@ class Prescribed(Checked):
         Checked.__post_init__(self)
         for one in self.strokes:
             least = one.speed_rad_s * one.ease_s * (1.0 - TOO_SHORT)
-            if not (min(one[1:3]) > 0.0 <= one.rest_s and least <= abs(one.way_rad) and all(map(isfinite, one))):
+            if not (min(one[1:3]) > 0.0 <= one.rest_s and least <= abs(one[0]) and all(map(isfinite, one))):
                 found = ", ".join(f"{number:g}" for number in one)
-                expected = "a way of at least speed times ease, speed and ease above zero, and a rest of zero or more"
+                expected = "a length of at least speed times ease, both above zero, and a rest of zero or more"
                 raise UsageError(f"prescribed: {found}: expected {expected}")
 
     def intend(self, ticks: int, dt: float, _: np.random.Generator) -> Intention:
         """Return the strokes; those that do not fit are cut off, after the last one there is rest."""
-        way, speed, ease, _rest = np.array(self.strokes).reshape(-1, 4).T
-        return at_constant_speed(np.arange(ticks + 1, dtype=np.float64) * dt, starts_of(self)[:-1], way, speed, ease)
+        length, speed, ease, _rest = np.array(self.strokes).reshape(-1, 4).T
+        return at_constant_speed(np.arange(ticks + 1, dtype=np.float64) * dt, starts_of(self)[:-1], length, speed, ease)
 
 
 def starts_of(settings: Prescribed) -> Float:
@@ -282,10 +282,10 @@ def plan_hand(settings: HandPath, ticks: int, dt: float, rng: np.random.Generato
 def _draw_stroke(settings: HandPath, pose: Float, rng: np.random.Generator) -> tuple[float, Float]:
     """Draw duration [s] and change, shape (6,) [m, rad], of a stroke towards a via point half the reach off or more."""
     while True:
-        place = settings.reach_m * _draw_in_ball(rng) * (1.0, settings.sideways, 1.0)
-        if np.linalg.norm(place - pose[:3]) >= settings.reach_m / 2:
+        position = settings.reach_m * _draw_in_ball(rng) * (1.0, settings.sideways, 1.0)
+        if np.linalg.norm(position - pose[:3]) >= settings.reach_m / 2:
             break
-    change = np.concatenate((place, settings.rotation_rad * _draw_in_ball(rng))) - pose
+    change = np.concatenate((position, settings.rotation_rad * _draw_in_ball(rng))) - pose
     distance = float(np.linalg.norm(change[:3]))
     speed = float(np.exp(rng.uniform(*np.log(settings.speed_m_s))))
     length = min(distance, speed * rng.uniform(*settings.stroke_s) / PEAK)

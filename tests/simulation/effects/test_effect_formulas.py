@@ -63,10 +63,10 @@ BY_HAND: list[tuple[str, str, str, dict[str, float], tuple[float, ...], float]] 
     ("load_dependent_friction", "load_friction_nm", "backdrive", {"share": 0.1}, (-5.0, 1.0), 0.75),
     ("load_dependent_friction", "load_friction_nm", "backdrive", {"share": 0.1}, (-5.0, -1.0), 0.25),
     ("load_dependent_friction", "load_friction_nm", "backdrive", {"share": 0.1}, (-5.0, 0.0), 0.5),
-    ("position_dependent_friction", "place_factor", "patch", P, (math.pi,), 1.4),
-    ("position_dependent_friction", "place_factor", "patch", P, (math.acos(1 - math.log(2) / 8) / 2,), 1.2),
+    ("position_dependent_friction", "position_factor", "patch", P, (math.pi,), 1.4),
+    ("position_dependent_friction", "position_factor", "patch", P, (math.acos(1 - math.log(2) / 8) / 2,), 1.2),
     (
-        "position_dependent_friction", "place_factor", "harmonics", P, (math.pi / 4,),
+        "position_dependent_friction", "position_factor", "harmonics", P, (math.pi / 4,),
         1.2 + 0.12 * math.sin(math.sqrt(3) * math.pi / 2) + 0.08 * math.sin(math.sqrt(7) * math.pi / 2),
     ),
     ("torque_ripple", "cogging_nm", "cogging", {"torque_nm": 0.1, "second_share": 0.3}, (math.pi / 400,), 0.07),
@@ -113,15 +113,15 @@ LAWS += [("warm_up", "warm_up_coulomb_factor", HEAT, -1), ("warm_up", "warm_up_v
 
 
 @pytest.mark.parametrize(
-    ("name", "function", "numbers", "way", "form"),
-    [(name, function, numbers, way, form) for name, function, numbers, way in LAWS for form in CLASSES[name].forms],
+    ("name", "function", "numbers", "sign", "form"),
+    [(name, function, numbers, sign, form) for name, function, numbers, sign in LAWS for form in CLASSES[name].forms],
 )
 @given(one=st.floats(0.0, 5.0), other=st.floats(0.0, 5.0))
 def test_friction_grows_or_falls_and_never_drives(
-    name: str, function: str, numbers: dict[str, float], way: int, form: str, one: float, other: float
+    name: str, function: str, numbers: dict[str, float], sign: int, form: str, one: float, other: float
 ) -> None:
     low, high = (value(name, function, form, numbers, at) for at in sorted((one, other)))
-    assert way * (high - low) >= 0.0
+    assert sign * (high - low) >= 0.0
     assert min(low, high) >= 0.0
 
 

@@ -70,7 +70,7 @@ def pushed(push: Float, hidden: Hidden | None = None, speed: float = 0.0) -> Tru
     return release(bench(JOINT, hidden), duration, tick_s=TICK_S, push=push, dq=(speed, speed))
 
 
-@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize("direction", [1.0, -1.0])
 @pytest.mark.parametrize(
     ("hidden", "level"),
     [
@@ -79,26 +79,26 @@ def pushed(push: Float, hidden: Hidden | None = None, speed: float = 0.0) -> Tru
         (Hidden(asymmetric_coulomb=velocity.AsymmetricCoulomb(half_difference_nm=0.1)), {1.0: 0.4, -1.0: 0.2}),
     ],
 )
-def test_break_away_at_the_level_and_not_before(hidden: Hidden, level: dict[float, float], way: float) -> None:
+def test_break_away_at_the_level_and_not_before(hidden: Hidden, level: dict[float, float], direction: float) -> None:
     t = np.arange(2001, dtype=np.float64) * TICK_S
-    motion = pushed(0.5 * way * t, hidden)
+    motion = pushed(0.5 * direction * t, hidden)
     moving = motion.dq[:, 0] != 0.0
-    assert_allclose(motion.t[moving][0], level[way] / 0.5, atol=1.01 * TICK_S)
+    assert_allclose(motion.t[moving][0], level[direction] / 0.5, atol=1.01 * TICK_S)
     assert moving[np.flatnonzero(moving)[0] :].all()
     assert_array_equal(motion.q[~moving], 0.0)
-    assert_allclose(motion.friction_nm[~moving, 0], 0.5 * way * motion.t[~moving], atol=1e-15)
+    assert_allclose(motion.friction_nm[~moving, 0], 0.5 * direction * motion.t[~moving], atol=1e-15)
 
 
 def test_coasting_stops_for_good_where_it_must() -> None:
     """M dv = -(Fc + Fv v) dt: at rest after M/Fv ln(1 + Fv v/Fc), exactly, and without having turned."""
     motion = pushed(np.zeros(2001), speed=0.5)
     stop = 0.6 / 0.07 * np.log1p(0.07 * 0.5 / 0.3)
-    place = 0.6 / 0.07 * (0.5 - 0.3 / 0.07 * np.log1p(0.07 * 0.5 / 0.3))
+    q = 0.6 / 0.07 * (0.5 - 0.3 / 0.07 * np.log1p(0.07 * 0.5 / 0.3))
     rest = motion.t > stop + TICK_S
     assert_array_equal(motion.dq[rest], 0.0)
     assert_array_equal(np.diff(motion.q[rest], axis=0), 0.0)
     assert (motion.dq >= 0.0).all()
-    assert_allclose(motion.q[-1, 0], place, rtol=1e-7)
+    assert_allclose(motion.q[-1, 0], q, rtol=1e-7)
     assert_allclose(motion.dissipated_j[-1, 0], 0.5 * 0.6 * 0.25, rtol=1e-12)
 
 
@@ -148,10 +148,10 @@ def coulomb_swing(t: Float) -> Float:
     """Return the position of a swing with Coulomb friction: half-turns about centres that change sides."""
     shift = DRY.coulomb_nm / SPRING
     half = np.floor(t * PULSATION / np.pi).astype(int)
-    turns, way = [REACH], 1.0
+    turns, direction = [REACH], 1.0
     while abs(turns[-1]) > shift:
-        turns.append(2.0 * way * shift - turns[-1])
-        way = -way
+        turns.append(2.0 * direction * shift - turns[-1])
+        direction = -direction
     last = len(turns) - 1
     start = np.array(turns)[np.minimum(half, last)]
     centre = np.where(half < last, np.where(half % 2 == 0, shift, -shift), start)
@@ -225,9 +225,9 @@ def test_closed_loops_take_energy_and_run_clockwise_about_the_spring(form: int, 
 
     Of Maxwell-slip the area is known: every element that yields takes four times its torque times the way it slips.
     """
-    pace = np.pi
+    omega = np.pi
     t = np.arange(12001) * TICK_S
-    motion = guided(form, reach * (1.0 - np.cos(pace * t)), reach * pace * np.sin(pace * t))
+    motion = guided(form, reach * (1.0 - np.cos(omega * t)), reach * omega * np.sin(omega * t))
     loop = slice(10000, 12001)
     moved = np.diff(motion.q[loop, 0])
     dry = (motion.friction_nm - 0.07 * motion.dq)[loop, 0]

@@ -115,15 +115,15 @@ def test_torque_rests_at_nothing_while_the_hand_crosses_the_gap() -> None:
     """Friction stops the motor sooner than the hand turns round; the hand then crosses the gap without a torque."""
     stiff = {"stiffness_nm_per_rad": 2000.0, "damping_nms_per_rad": 60.0}
     settings = bench(JointParameters(), Hidden(backlash=Backlash(gap_rad=GAP)), **stiff)
-    tick, reach, pace = 1e-3, 0.1, np.pi / 2.0
+    tick, reach, omega = 1e-3, 0.1, np.pi / 2.0
     t = np.arange(4001) * tick
-    push = 2000.0 * reach * (1.0 - np.cos(pace * t)) + 60.0 * reach * pace * np.sin(pace * t)
+    push = 2000.0 * reach * (1.0 - np.cos(omega * t)) + 60.0 * reach * omega * np.sin(omega * t)
     motion = release(settings, 4.0, tick_s=tick, push=push)
     crossing = (motion.t > 1.5) & (motion.t < 3.0) & (beyond(motion) == 0.0)
     assert_allclose(motion.port_nm[crossing], 0.0, atol=1e-12)
     assert_array_equal(motion.inner_dq[crossing], 0.0)
     assert_allclose(np.ptp(motion.q[crossing]), GAP, atol=4e-4)
-    assert_allclose(crossing.sum() * tick, np.arccos(1.0 - GAP / reach) / pace, rtol=0.05)
+    assert_allclose(crossing.sum() * tick, np.arccos(1.0 - GAP / reach) / omega, rtol=0.05)
     pulling = (motion.t > 3.2) & (motion.t < 3.6)
     assert_allclose(motion.port_nm[pulling], (0.3 * motion.inner_ddq - 0.30 + 0.07 * motion.inner_dq)[pulling])
 

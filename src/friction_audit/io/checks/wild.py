@@ -30,7 +30,7 @@ _CALM = 3.0  # a velocity that changes by more than so many usual steps may be t
 _MOST_JUMPS = 0.01  # where more rows jump, the jumps are the channel's nature
 TO_ZERO = {"q": 0.1, "dq": _LEAST["dq"]}  # jump to or from zero that no noise of a joint at rest makes [rad, rad/s]
 _NEAR_STEPS = 3.5  # a longer step is a gap, in which a joint may go anywhere
-_STILL_RAD = 1e-9  # way in a row below which a joint stands still
+_STILL_RAD = 1e-9  # displacement in a row below which a joint stands still
 _SHOWN = 3
 _AROUND = 2 * _REACH  # rows on both sides of a jump that decide about it
 
@@ -97,7 +97,7 @@ class _Wild:
         self._jumping = [name for name, scale in self._scales.items() if columns[name].jump[joint] > scale]
         self._zeroed = [name for name in TO_ZERO if columns[name].zeroed[joint]]
         self.suspected = bool(self._jumping or self._zeroed)  # of more than what this pass shows
-        self._way = _way_per_integral(columns, joint, step_s)
+        self._per_integral = _displacement_per_integral(columns, joint, step_s)
         self._most = max(_MOST_JUMPS * rows, 2 * _LONGEST_RUN)
         self._jumps = dict.fromkeys(self._jumping, 0)
         self._found: dict[str, list[_Run]] = {name: [] for name in self._jumping}
@@ -125,7 +125,7 @@ class _Wild:
             rows = np.append(rows, np.arange(first, first + len(t)))
             values = np.concatenate([values, np.column_stack([t, columns["q"], columns["dq"]])])
             more = int(rows[-1]) + 1 < self._rows
-            runs, keep = _zeroed(name, rows, values, self._step_s, self._way, more=more)
+            runs, keep = _zeroed(name, rows, values, self._step_s, self._per_integral, more=more)
             self._zeros[name] += runs
             self._open[name] = rows[keep], values[keep]
 
@@ -193,13 +193,13 @@ def _too_far(t: Float, q: Float, dq: Float, steps: Sequence[Pair], step_s: float
     """Return where one of some steps of the position, between neighbouring rows, is more than its velocity allows."""
     found = np.zeros(len(steps[0][0]), np.bool_)
     for one, other in steps:
-        way = np.maximum(np.abs(dq[one]), np.abs(dq[other])) * (t[other] - t[one])
+        most = np.maximum(np.abs(dq[one]), np.abs(dq[other])) * (t[other] - t[one])
         jump, near = np.abs(q[other] - q[one]), t[other] - t[one] < _NEAR_STEPS * step_s
-        found |= (jump > TO_ZERO["q"]) & near & (scale > 0.0) & (scale * way < 0.5 * jump)
+        found |= (jump > TO_ZERO["q"]) & near & (scale > 0.0) & (scale * most < 0.5 * jump)
     return found
 
 
-def _way_per_integral(columns: Mapping[str, Column], joint: int, step_s: float) -> float:
+def _displacement_per_integral(columns: Mapping[str, Column], joint: int, step_s: float) -> float:
     """Return what q usually changes by per integral of dq: 1, or 57 where q is in degrees; 0 if it never moves."""
     change = np.abs(columns["q"].changes(joint))
     integral = np.abs(columns["dq"].changed[:, joint]) * LAG * step_s

@@ -151,8 +151,8 @@ def _messages(table: TidyTable, rows: JointRows, log: JointLog, place: int) -> I
         part = slice(first, first + _BLOCK)
         cells = [rows.columns[name][part] for name in table.types]
         last = np.full(len(cells[0]), log.duration_s)
-        moments = last if table.time is None else np.asarray(rows.columns[table.time][part], dtype=np.float64)
-        stamps = start_ns + np.rint(np.clip(moments, 0.0, log.duration_s) * NANOSECONDS).astype(np.int64)
+        times = last if table.time is None else np.asarray(rows.columns[table.time][part], dtype=np.float64)
+        stamps = start_ns + np.rint(np.clip(times, 0.0, log.duration_s) * NANOSECONDS).astype(np.int64)
         for stamp, row in zip(stamps.tolist(), zip(*cells, strict=True), strict=True):
             named = {
                 name: kind(value)
@@ -175,16 +175,16 @@ def write_trajectory(trajectory: Trajectory, path: Path) -> None:
     store = ros.load_types(_TRAJECTORY)
     types: Any = store.types
     time, duration = types["builtin_interfaces/msg/Time"], types["builtin_interfaces/msg/Duration"]
-    none, moments = np.zeros(0), np.rint(trajectory.t * NANOSECONDS).astype(np.int64)
+    none, stamps = np.zeros(0), np.rint(trajectory.t * NANOSECONDS).astype(np.int64)
     points = [
         types["trajectory_msgs/msg/JointTrajectoryPoint"](
             positions=q,
             velocities=dq,
             accelerations=ddq,
             effort=none,
-            time_from_start=duration(*map(int, divmod(moment, NANOSECONDS))),
+            time_from_start=duration(*map(int, divmod(stamp, NANOSECONDS))),
         )
-        for moment, q, dq, ddq in zip(moments, *trajectory[2:], strict=True)
+        for stamp, q, dq, ddq in zip(stamps, *trajectory[2:], strict=True)
     ]
     header = types["std_msgs/msg/Header"](stamp=time(sec=0, nanosec=0), frame_id="")
     message = types[_TRAJECTORY.name](header=header, joint_names=list(trajectory.names), points=points)

@@ -300,8 +300,8 @@ def draw_arrows(axes: Axes, dq: Float, torque: Float) -> None:
     for fastest in (int(np.nanargmax(dq)), int(np.nanargmin(dq))):
         slow = ~(np.sign(dq[fastest]) * dq >= ARROWS_AT * abs(dq[fastest]))
         for tail in (fastest - int(np.argmax(slow[fastest::-1])), fastest + int(np.argmax(slow[fastest:]))):
-            way = np.hypot((dq - dq[tail]) / across, (torque - torque[tail]) / up)
-            head = tail + int(np.argmax(way[tail:] > ARROW_LENGTH))
+            distance = np.hypot((dq - dq[tail]) / across, (torque - torque[tail]) / up)
+            head = tail + int(np.argmax(distance[tail:] > ARROW_LENGTH))
             axes.annotate("", (dq[head], torque[head]), (dq[tail], torque[tail]), arrowprops=look, zorder=5)
 
 

@@ -87,7 +87,7 @@ class PositionDependentFriction(HiddenEffect):
 
 
 @compiled(inline=True)
-def place_factor(group: Record, q: float) -> float:
+def position_factor(group: Record, q: float) -> float:
     """Return the factor of the Coulomb level at a position: 1 on average, never below 0, so passive.
 
     Periodic after Armstrong-Helouvry, Control of Machines with Friction (1991), who found several spatial frequencies

@@ -61,15 +61,15 @@ class FrictionStep(HiddenEffect):
 
     @classmethod
     def from_parameters(cls, values: Values, setting: Setting) -> Given:
-        coulomb, viscous, moment, length = values.values()
+        coulomb, viscous, time, length = values.values()
         joint = setting.joint
         must(coulomb != 0.0 and joint.coulomb_nm > 0.0, "its step is a share of the Coulomb friction")
         change = coulomb / joint.coulomb_nm
         by_viscous = viscous / joint.viscous_nms_per_rad if joint.viscous_nms_per_rad > 0.0 else 0.0
         given: Given = {"change": change, "viscous_ratio": by_viscous / change}
         if length == 0.0:
-            return {**given, "at_share": moment / setting.duration_s, "form": "abrupt"}
-        begin = (moment - 0.5 * length) / setting.duration_s
+            return {**given, "at_share": time / setting.duration_s, "form": "abrupt"}
+        begin = (time - 0.5 * length) / setting.duration_s
         return {**given, "at_share": begin, "length_s": length, "form": "ramp"}
 
 

@@ -111,7 +111,7 @@ def pack(settings: Sequence[Any]) -> np.ndarray[Any, Any]:
     return np.array([astuple(item) for item in settings], record_type(type(settings[0])))
 
 
-# What ``tick.keep`` keeps of every tick and joint: place and speed of the outer side, the others as in ``TrueMotion``.
+# What ``tick.keep`` keeps of every tick and joint: position and speed of the outer side, the rest as in ``TrueMotion``.
 KEPT = (
     *("outer_q", "outer_dq", "inner_q", "inner_dq", "inner_ddq", "port_nm", "support_nm", "friction_nm"),
     *("compensation_nm", "passivity_nm", "unlogged_nm", "dissipated_j", "warmth"),

@@ -24,10 +24,10 @@ def viscous_now(joint: Record, state: Record, t: float, duration: float) -> floa
 
 @compiled()
 def coulomb_factor(joint: Record, state: Record, q: float, t: float, duration: float) -> float:
-    """Return what place, warmth and time make of the Coulomb level."""
+    """Return what position, warmth and time make of the Coulomb level."""
     hidden, factor = joint.hidden, 1.0
     if hidden.position_dependent_friction.share != 0.0:
-        factor *= load_and_place.place_factor(hidden.position_dependent_friction, q)
+        factor *= load_and_place.position_factor(hidden.position_dependent_friction, q)
     if hidden.warm_up.reduction != 0.0:
         factor *= slow_and_events.warm_up_coulomb_factor(hidden.warm_up, state.warmth)
     if hidden.friction_step.change != 0.0:
@@ -133,9 +133,9 @@ def load_friction(joint: Record, state: Record, body: Record, j: int, ahead: flo
         body.level[c] = velocity.presliding_force_nm(joint.hidden.presliding, bent, joint.coulomb_nm, level, dq)
     elif mode == 0.0:
         extra = velocity.stiction_nm(joint.hidden.stiction, state.rest_s) * coulomb_factor(joint, state, q, t, duration)
-        for way in range(2):
-            body.slip[c, way] = sliding_level(joint, state, q, 0.0, 2.0 * way - 1.0, t, duration)
-            body.hold[c, way] = body.slip[c, way] + extra
+        for row in range(2):
+            body.slip[c, row] = sliding_level(joint, state, q, 0.0, 2.0 * row - 1.0, t, duration)
+            body.hold[c, row] = body.slip[c, row] + extra
     else:
         body.level[c] = sliding_level(joint, state, q, max(0.0, dq * mode), mode, t, duration)
 
@@ -217,7 +217,7 @@ def _move_the_active(body: Record, h: float) -> None:
 @compiled()
 def _release(body: Record, h: float) -> bool:
     """Free the stuck coordinate that is pulled most beyond what friction can bear; return whether there is one."""
-    worst, excess, way = -1, 0.0, 0.0
+    worst, excess, direction = -1, 0.0, 0.0
     for c in range(body.count):
         if body.mode[c] == 0.0:
             pull = body.force[c]
@@ -226,11 +226,11 @@ def _release(body: Record, h: float) -> bool:
             body.reaction[c] = pull
             over = max(pull - body.hold[c, 1], -pull - body.hold[c, 0])
             if over > excess:
-                worst, excess, way = c, over, math.copysign(1.0, pull)
+                worst, excess, direction = c, over, math.copysign(1.0, pull)
     if worst < 0:
         return False
-    body.mode[worst] = way
-    body.level[worst] = body.slip[worst, 1 if way > 0.0 else 0]
+    body.mode[worst] = direction
+    body.level[worst] = body.slip[worst, 1 if direction > 0.0 else 0]
     return True
 
 
@@ -291,17 +291,17 @@ def _drift(states: Record, body: Record, h: float) -> None:
         return
     for c in range(body.count):
         after = body.v[c] + h * body.a[c]
-        way = 0.5 * h * (body.v[c] + after)
+        moved = 0.5 * h * (body.v[c] + after)
         if body.joint[c] >= 0:
-            # The time at rest, or the work of friction over this piece of the way.
+            # The time at rest, or the work of friction over this displacement.
             state, mode = states[body.joint[c]], body.mode[c]
             if mode == 0.0:
                 state.rest_s += h
             else:
                 state.rest_s = 0.0
                 sign = 1.0 if mode == FREE else mode
-                state.dissipated_j += sign * body.level[c] * way + body.viscous[body.joint[c]] * way * way / h
-        body.y[c] += way
+                state.dissipated_j += sign * body.level[c] * moved + body.viscous[body.joint[c]] * moved * moved / h
+        body.y[c] += moved
         body.v[c] = after
 
 

@@ -168,8 +168,8 @@ def push_bench(mechanism: Record, push: Float, gravity: Float, k: int) -> None:
     """Set what drives the one joint of a bench at tick k, and the weight of its load."""
     body, dt, driven = mechanism.body, mechanism.clock.dt, mechanism.states[0].driven
     link = body.inner[0] if driven else 0
-    place = body.y[link] + (0.5 * dt * body.v[link] if k > 0 else 0.0)
-    weight = gravity[0] * np.sin(place + gravity[1])
+    position = body.y[link] + (0.5 * dt * body.v[link] if k > 0 else 0.0)
+    weight = gravity[0] * np.sin(position + gravity[1])
     body.support[0] = -weight if driven else weight
     body.push[0] = push[k] - body.support[0]
     before, after = push[k] - push[max(k - 1, 0)], push[min(k + 1, len(push) - 1)] - push[k]
