@@ -18,7 +18,7 @@ from tests.effects.joint_data_by_hand import STEP_S, baseline, joint_data, share
 
 DATA = two_sines()
 SHORT = two_sines(30.0)
-Q, SIGN = SHORT.q, np.sign(SHORT.dq)
+Q_S, SIGN_S = SHORT.q, np.sign(SHORT.dq)
 COLD = replace(DATA, temperature=None)
 HEAT = np.sin(DATA.t / 9.0)
 HEATED = replace(DATA, temperature=25.0 + 10.0 * HEAT)
@@ -90,12 +90,12 @@ ROWS: list[Row] = [
     ("joint_limit_stop", DATA, 100.0 * np.maximum(Q - 0.8, 0.0) ** 2, 0.95, {}),  # a tether that hardens is one too
     ("joint_limit_stop", DATA, (20.0 * (Q - 0.85) + 0.4 * V) * (Q > 0.85), 0.95, {"cable_spring": 1.0}),
     *(
-        ("position_dependent_friction", SHORT, SIGN * np.cos(order * Q + phase), 0.85, {"torque_ripple": 0.05})
+        ("position_dependent_friction", SHORT, SIGN_S * np.cos(order * Q_S + phase), 0.85, {"torque_ripple": 0.05})
         for order in (1.5, 4.4, 11.0)
         for phase in (0.0, 1.0)
     ),
     *(
-        ("position_dependent_friction", SHORT, SIGN * np.maximum(1.0 - np.abs(Q - centre) / width, 0.0), 0.7, {})
+        ("position_dependent_friction", SHORT, SIGN_S * np.maximum(1.0 - np.abs(Q_S - centre) / width, 0.0), 0.7, {})
         for centre in (-0.6, -0.11, 0.23, 0.5)
         for width in (0.1, 0.2, 0.4)
     ),

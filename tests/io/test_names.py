@@ -149,7 +149,7 @@ def mapped(names: str | Sequence[str], **mapping: str) -> ColumnMap:
 def test_the_joint_comes_before_its_motor_and_the_degree_sign_is_read() -> None:
     both = [f"{side}_{c}_1" for side in ("motor", "link") for c in ("position", "velocity", "torque")]
     assert {name.split("_")[0] for name in mapped(["t", *both]).mapping.values()} == {"link"}
-    assert mapped(["t", "q1 [°]", "dq1 [°/s]", "tau1 [Nm]"]).degrees == {"q", "dq"}
+    assert mapped(["t", "q1 [°]", "dq1 [°/s]", "tau1 [Nm]"]).per_turn == {"q": 360.0, "dq": 360.0}
 
 
 def test_a_torque_from_elsewhere_than_the_position_is_doubted() -> None:
