@@ -187,12 +187,13 @@ class _JointPass:
 
     def __init__(self, log: JointLog, settings: AuditSettings, column: int, own: "Thresholds") -> None:
         from friction_audit.friction.estimate import Gathered
-        from friction_audit.friction.torque_regression import CUTOFF_HZ
+        from friction_audit.friction.reasons import Extremes
+        from friction_audit.friction.torque_regression import CUTOFF_HZ, RegressionRows
         from friction_audit.preprocessing.segmentation import CycleSearch
 
         rate_hz = log.rate_hz
         self.search = CycleSearch(settings.cycles, column, rate_hz, own)
-        self.gathered = Gathered(column, log.samples, rate_hz)
+        self.gathered = Gathered(Extremes(column, log.samples), RegressionRows(column, log.samples, rate_hz))
         self._column = column
         self._filters = [
             partial(filter_velocity, rate_hz=rate_hz, cutoff_hz=hz) for hz in (settings.cycles.cutoff_hz, CUTOFF_HZ)

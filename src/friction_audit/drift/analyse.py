@@ -205,7 +205,9 @@ def _describe_drift(
     weakest = int(np.argmax(of_steps))
     if len(steps) > 1 and of_steps[weakest] > alpha:  # a step whose interval holds zero is none
         return _describe_drift(series, steps[:weakest] + steps[weakest + 1 :], reference, alpha, inflation)
-    ramp = regression.ramp_model(series, reference)
+    shares = regression.ramp_columns(series).T  # of the change: over the sessions, over the days
+    ramps = [regression.make_model(series, np.column_stack([1.0 - one, one]), reference, free=1) for one in shares]
+    ramp = min(ramps, key=lambda model: regression.criterion(series, model))
     better = regression.criterion(series, stepped) - regression.criterion(series, ramp)  # of the ramp than of the steps
     shape = "ramp" if better > 0.0 else "step" if len(steps) == 1 else "steps"
     if not abs(better) >= regression.STRONG_EVIDENCE:

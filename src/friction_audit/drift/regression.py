@@ -134,12 +134,6 @@ def ends_model(series: Series, reference: Collection[int]) -> Model:
     return make_model(series, (segment[:, None] == np.unique(segment)).astype(float), reference, free=0)
 
 
-def ramp_model(series: Series, reference: Collection[int]) -> Model:
-    """Return a straight change, over the sessions or over the days, whichever describes better."""
-    models = [make_model(series, np.column_stack([1.0 - r, r]), reference, 1) for r in ramp_columns(series).T]
-    return min(models, key=lambda model: criterion(series, model))
-
-
 def make_model(series: Series, columns: Float, reference: Collection[int], free: int) -> Model:
     """Return the model of some columns, such as a level per segment, with the temperature last where it is used."""
     inside = np.isin(series.session, list(reference))
