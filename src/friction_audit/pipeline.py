@@ -73,7 +73,7 @@ class Estimate(Shown):
 
     log: JointLog
     interaction: Interaction
-    cycles: EnergyCycles
+    cycles: tuple[EnergyCycles, ...]  # of each joint of the interaction
     friction: FrictionHistory
     settings: AuditSettings
     port: PortTorque | None = None  # of a log that is read in blocks, whose ``interaction`` has no samples
@@ -86,7 +86,7 @@ class Estimate(Shown):
 def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
     """Estimate the friction of the joints of a log; InputError if it lacks a channel that the settings ask for."""
     from friction_audit.friction.estimate import estimate_friction, friction_of
-    from friction_audit.preprocessing.segmentation import join_cycles, segment_cycles
+    from friction_audit.preprocessing.segmentation import segment_cycles
 
     log = log.take_window(settings.t_start_s, settings.t_stop_s)
     dead_torque = log.source.dead_torque
@@ -121,7 +121,7 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
 
     friction = friction_of(part, [one.gathered for one in joints], cycles_of, settings.friction, dead_torque)
     interaction = part.rows(part.first, part.first) if in_blocks else part
-    cycles = join_cycles([found[column] for column in range(len(joints))])
+    cycles = tuple(found[column] for column in range(len(joints)))
     return Estimate(log, interaction, cycles, friction, settings, port if in_blocks else None)
 
 

@@ -426,7 +426,7 @@ def test_rows_that_repeat_a_slow_state_are_kept_and_make_no_holes() -> None:
     log = vetted(rec)
     assert codes(log) == ["slow_state"]
     assert finding(log, "slow_state").amount == pytest.approx(0.07)
-    cycles = segment_cycles(extract_interaction(log, TorqueSettings()), CycleSettings())
+    cycles, *_ = segment_cycles(extract_interaction(log, TorqueSettings()), CycleSettings())
     assert len(cycles.reason) > 15
     assert (cycles.reason == 0).mean() > 0.9
 

@@ -231,9 +231,9 @@ def test_a_current_gets_no_gravity_of_a_model() -> None:
 def test_the_cycles_of_a_joint_do_not_depend_on_which_joints_are_kept() -> None:
     """With gravity in the torque a cycle ends where every joint of the arm is back, also those not asked for."""
     log = robot_log("unknown")
-    every, alone = (segment_cycles(extract(log, kept, drive="robot"), CycleSettings()) for kept in (None, (4,)))
-    assert alone.start.tolist() == every.of_joint(3).start.tolist()
-    assert alone.reason.tolist() == every.of_joint(3).reason.tolist()
+    every, (alone,) = (segment_cycles(extract(log, kept, drive="robot"), CycleSettings()) for kept in (None, (4,)))
+    assert alone.start.tolist() == every[3].start.tolist()
+    assert alone.reason.tolist() == every[3].reason.tolist()
 
 
 @pytest.mark.parametrize(("robot", "joints"), [("unknown", 1), ("panda", 1), ("panda", 6)])

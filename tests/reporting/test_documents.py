@@ -70,11 +70,11 @@ def test_estimate(seven: Estimate) -> None:
 def test_info(seven: Estimate) -> None:
     topic = Topic(name="/left", type="sensor_msgs/JointState", messages=3, readable=True)
     summary = summarize_log(seven.log, seven.interaction, seven.cycles)
-    part = summarize_log(seven.log, None, None, obstacle="gravity is missing")
+    part = summarize_log(seven.log, None, (), obstacle="gravity is missing")
     failed = InfoEntry(path="b", topics=(topic,), message="two arms")
     document = checked(INFO.json([InfoEntry(path="a", summary=summary), failed, InfoEntry(path="c", summary=part)]))
     log, less = document["logs"]
-    assert log["joints"][0]["cycles"] == len(seven.cycles.of_joint(0).joint)
+    assert log["joints"][0]["cycles"] == len(seven.cycles[0].start)
     assert (log["joints"][0]["rejected_cycles"], log["joints"][2]["cycles"], log["gaps"]) == (0, 0, 0)
     assert document["failed"] == [{"path": "b", "topics": [asdict(topic)], "message": "two arms"}]
     assert less["torque"] is less["joints"][0]["cycles"] is None

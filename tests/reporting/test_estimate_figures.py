@@ -78,8 +78,9 @@ def test_a_long_log_shows_whole_cycles_and_says_how_many(single: Estimate, monke
 
 
 def test_net_energy_is_the_integral_of_power_meets_the_stairs_and_rejected_cycles_are_hatched(single: Estimate) -> None:
-    reason = np.where(np.arange(len(single.cycles.joint)) == 3, 1, 0)
-    axes = ENERGY(replace(single, cycles=replace(single.cycles, reason=reason)), 1).axes[0]
+    (cycles,) = single.cycles
+    reason = np.where(np.arange(len(cycles.start)) == 3, 1, 0)
+    axes = ENERGY(replace(single, cycles=(replace(cycles, reason=reason),)), 1).axes[0]
     t, energy = line(axes, "net energy")
     edges, stairs = line(axes, "dissipated, per cycle")
     assert stairs[0] == 0.0

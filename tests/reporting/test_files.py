@@ -61,7 +61,7 @@ def test_columns_are_the_result_s() -> None:
         assert (rows.joint, rows.name, bool(rows.columns["reason"][0])) == (joint.joint, joint.name, bool(joint.reason))
         assert rows.columns["viscous_high_nms_per_rad"][0] == pytest.approx(joint.viscous.high, nan_ok=True)
     for column, rows in enumerate(every()["cycles"].rows):
-        own = found.estimate.cycles.of_joint(column)
+        own = found.estimate.cycles[column]
         assert np.sum(rows.columns["net_energy_j"]) == pytest.approx(own.sums.work_j.sum())
 
 

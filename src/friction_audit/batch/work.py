@@ -124,7 +124,7 @@ def _summaries(estimate: Estimate, diagnoses: "Sequence[JointDiagnosis]") -> tup
         port = port + interaction.compensation
     found = []
     for column, joint in enumerate(estimate.friction.joints):
-        moving = np.flatnonzero(np.abs(interaction.dq[:, column]) > cycles.standstill_rad_s[column])
+        moving = np.flatnonzero(np.abs(interaction.dq[:, column]) > cycles[column].standstill_rad_s)
         velocity = interaction.dq[moving, column]
         low, median, high = np.quantile(np.abs(velocity), QUARTERS).tolist() if len(moving) else [NAN] * 3
         diagnosed = by_joint.get(joint.joint)
@@ -139,7 +139,7 @@ def _summaries(estimate: Estimate, diagnoses: "Sequence[JointDiagnosis]") -> tup
                 moving_s=joint.moving_s,
                 speed_rad_s=(low, median, high),
                 temperature_c=None if temperature is None else float(temperature[:, joint.joint - 1].mean()),
-                within=_change_within(cycles.of_joint(column), joint),
+                within=_change_within(cycles[column], joint),
                 curve=bin_torque(velocity, port[moving, column]),
                 reason=joint.reason if by_energy else BY_REGRESSION,
                 verdict=None if diagnosed is None else diagnosed.verdict,
@@ -166,7 +166,7 @@ def bin_torque(velocity: Float, torque: Float) -> SpeedCurve:
 def _change_within(own: EnergyCycles, joint: JointFriction) -> dict[str, Coefficient]:
     """Return the relative change of each coefficient from the first third of the cycles to the last one."""
     kept = own.rows(own.reason == KEPT)
-    third, found = len(kept.joint) // 3, dict.fromkeys(COEFFICIENTS, UNDETERMINED)
+    third, found = len(kept.start) // 3, dict.fromkeys(COEFFICIENTS, UNDETERMINED)
     if not joint.reason and third >= FEWEST_CYCLES:
         fit = fit_windows(set_up(kept, joint.model), third)  # apart, for points of the history share cycles
         for key, name in zip(COEFFICIENTS, ("coulomb", "viscous"), strict=True):

@@ -96,7 +96,7 @@ def _summary(log: "JointLog", settings: "AuditSettings") -> "LogSummary":
         hand = settings.cycles.cycles_from == "hand"
         interaction = extract_interaction(log, settings.torque, joints=settings.joints, hand=hand)
     except FrictionAuditError as error:
-        return summarize_log(log, None, None, obstacle=str(error))
+        return summarize_log(log, None, (), obstacle=str(error))
     return summarize_log(log, interaction, segment_cycles(interaction, settings.cycles))
 
 

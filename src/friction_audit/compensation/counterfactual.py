@@ -175,15 +175,15 @@ def make_scene(
     else:
         tables = tables_of_file(model, motion)
     operator = _operator(interaction, settings, recorded, motion)
-    own, restart = cycles.of_joint(column), np.zeros(len(recorded.t), np.bool_)
+    restart = np.zeros(len(recorded.t), np.bool_)
     if operator is None:
-        restart[own.start] = restart[own.stop] = True
+        restart[cycles.start] = restart[cycles.stop] = True
         cuts = restart.astype(np.int64)
     assert model is not None
     left = recorded.total - model.torque(motion)
-    moving = np.abs(motion.dq) > cycles.standstill_rad_s[column]
+    moving = np.abs(motion.dq) > cycles.standstill_rad_s
     lacking = np.full(len(motion.t), float(left[moving].mean()) if moving.any() else 0.0)
-    for start, stop in zip(own.start.tolist(), own.stop.tolist(), strict=True):
+    for start, stop in zip(cycles.start.tolist(), cycles.stop.tolist(), strict=True):
         piece = slice(start, stop)
         if moving[piece].any():
             lacking[piece] = left[piece][moving[piece]].mean()

@@ -1,6 +1,6 @@
 """Interaction, EnergyCycles, FrictionHistory -> Replay."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import fields, replace
 from math import isnan
 from typing import Any
@@ -47,7 +47,7 @@ def replay(
     log: Recording,
     interaction: Interaction,
     parts: Iterable[Interaction],
-    cycles: EnergyCycles,
+    cycles: Sequence[EnergyCycles],
     friction: FrictionHistory,
     settings: ReplaySettings,
     *,
@@ -66,7 +66,7 @@ def replay(
         energy = settings.compensator
         energy = energy if isinstance(energy, EnergyCompensator) else EnergyCompensator()
         t, hand, dq = map(read_only, (interaction.t, hand_speed, interaction.dq))
-        thresholds = (float(cycles.initiation[0]), float(cycles.termination[0]))
+        thresholds = cycles[0].initiation, cycles[0].termination
         cuts = hand_cuts(t, hand, dq, thresholds, energy.dead_band_rad_s, energy.minimum_path_rad)
     chosen = [one for one in friction.joints if joints is None or one.joint in joints]
     runs = [_JointRun(log, interaction, cycles, one, settings) for one in chosen]
@@ -77,7 +77,7 @@ def replay(
     if interaction.choice.gravity == "in-torque":
         warnings.append(Caution(code="gravity_in_replay"))
     for run in runs:
-        found = seems_compensated(interaction, cycles, run.friction, log.source.robot, run.square)
+        found = seems_compensated(interaction, run.cycles, run.friction, log.source.robot, run.square)
         if found:
             warnings.append(Caution("seems_compensated", run.friction.joint, found))
     warnings += [caution for joint in replays for caution in _cautions(joint)]
@@ -93,14 +93,15 @@ class _JointRun:
         self,
         log: Recording,
         interaction: Interaction,
-        cycles: EnergyCycles,
+        cycles: Sequence[EnergyCycles],
         friction: JointFriction,
         settings: ReplaySettings,
     ) -> None:
         step_s, robot = 1.0 / log.rate_hz, log.source.robot
         self.friction, self._kept = friction, len(interaction.t) > 0
         self.square = 0.0  # sum of the squared torque over the samples of all cycles
-        self._cycles, self._settings, self._column = cycles, settings, interaction.joint_numbers.index(friction.joint)
+        self._settings, self._column = settings, interaction.joint_numbers.index(friction.joint)
+        self.cycles = cycles[self._column]
         recorded = recording_of(interaction, self._column)
         limits = settings.limits(limits_of(robot, friction.joint))
         model = None if settings.joint_model is None else settings.joint_model.joint(friction.joint)
@@ -119,26 +120,23 @@ class _JointRun:
         except AnalysisError as reason:
             self._joint = replace(self._joint, reason=reason_of(reason))
             return
-        chosen = _in_force(wanted, cycles, self._column, limits, step_s)
+        chosen = _in_force(wanted, self.cycles, limits, step_s)
         self._joint = replace(self._joint, compensator=chosen)
-        peak_power_w = float(cycles.peak_power_w[self._column])
-        self._run, self._idle = Run(chosen, step_s, peak_power_w), Run(None, step_s, peak_power_w)
+        self._run, self._idle = (Run(one, step_s, self.cycles.peak_power_w) for one in (chosen, None))
         self._recorded, self._total = np.zeros(2, SUMS)
         self._changes: dict[str, Any] = {}  # of the joint, where it was replayed
 
     def take(self, part: Interaction, cuts: NDArray[np.int64]) -> None:
         """Take the samples that follow."""
-        own, torque = self._cycles.joint == self._column, part.torque[:, self._column]
-        borders = np.clip(
-            np.stack([self._cycles.start[own], self._cycles.stop[own]], axis=1) - part.first, 0, len(torque)
-        )
+        torque = part.torque[:, self._column]
+        borders = np.clip(np.stack([self.cycles.start, self.cycles.stop], axis=1) - part.first, 0, len(torque))
         for start, stop in borders[borders[:, 0] < borders[:, 1]].tolist():
             self.square += float(torque[start:stop] @ torque[start:stop])
         if self._joint.reason:
             return
         modelled = isinstance(self._joint.compensator, JointModelCompensation)
         try:
-            scene = make_scene(part, self._cycles, self.friction, self._settings, cuts, modelled=modelled)
+            scene = make_scene(part, self.cycles, self.friction, self._settings, cuts, modelled=modelled)
             found = self._run.take(scene)
         except AnalysisError as reason:
             self._joint = replace(self._joint, reason=reason_of(reason))
@@ -227,9 +225,7 @@ def _feed_back(competitor: Competitor, friction: JointFriction) -> Compensator:
     return TorqueRegulation(inertia_kg_m2=inertia, desired_inertia_kg_m2=0.5 * inertia if desired is None else desired)
 
 
-def _in_force(
-    compensator: Compensator, cycles: EnergyCycles, column: int, limits: Limits, step_s: float
-) -> Compensator:
+def _in_force(compensator: Compensator, cycles: EnergyCycles, limits: Limits, step_s: float) -> Compensator:
     """Return the compensator with the limits, and the thresholds where it finds cycles itself."""
     kept: dict[str, Any] = {
         "max_torque_nm": min(compensator.max_torque_nm, limits.torque_nm),
@@ -237,8 +233,7 @@ def _in_force(
     }
     if isinstance(compensator, EnergyCompensator):
         if cycles.speed_unit == "rad/s" and not compensator.zero_crossings:
-            kept["initiation_rad_s"] = float(cycles.initiation[column])
-            kept["termination_rad_s"] = float(cycles.termination[column])
+            kept |= {"initiation_rad_s": cycles.initiation, "termination_rad_s": cycles.termination}
         kept["maximum_gap_s"] = max(compensator.maximum_gap_s, LONGEST_STEP * step_s)
     return replace(compensator, **kept)
 
@@ -270,7 +265,7 @@ def seems_compensated(
         return {"case": "negative", "names": " and ".join(negative)}
     if interaction.choice.sign_turned and interaction.choice.source == "interaction":
         return {"case": "sign"}
-    if found := _vanishing(interaction, cycles, friction.joint, square):
+    if found := _vanishing(interaction, cycles, square):
         return found
     if robot in FRANKA and friction.joint <= len(PUBLISHED):
         usual = min(PUBLISHED[friction.joint - 1].plateaus_nm)
@@ -279,10 +274,9 @@ def seems_compensated(
     return {}
 
 
-def _vanishing(interaction: Interaction, cycles: EnergyCycles, joint: int, square: float) -> dict[str, object]:
+def _vanishing(interaction: Interaction, cycles: EnergyCycles, square: float) -> dict[str, object]:
     """Return that friction is gone, from the start or after the first cycles; nothing where it is not."""
-    own = cycles.joint == interaction.joint_numbers.index(joint)
-    work, path, samples = cycles.sums.work_j[own], cycles.sums.path_rad[own], (cycles.stop - cycles.start)[own]
+    work, path, samples = cycles.sums.work_j, cycles.sums.path_rad, cycles.stop - cycles.start
     if len(work) < FEWEST_CYCLES or interaction.choice.gravity == "in-torque":
         return {}
     little = NEXT_TO_NOTHING * np.sqrt(square / samples.sum())

@@ -5,6 +5,7 @@ differences of the position after a filter, some milliseconds late. Elsewhere th
 of both. Position and torque were sampled together; a velocity that lags them would look like a delay.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -67,7 +68,7 @@ class Subject:
 
 
 def prepare(
-    interaction: Interaction, cycles: EnergyCycles, log: JointLog, arm: Arm | None = None
+    interaction: Interaction, cycles: Sequence[EnergyCycles], log: JointLog, arm: Arm | None = None
 ) -> tuple[JointData, ...]:
     """Bring every joint of an interaction onto an even grid, in the order of its columns.
 
@@ -118,7 +119,7 @@ def prepare(
             others_dq=all_dq,
             others_ddq=all_ddq,
             others_torque=sensed,
-            cycle=_cycle_of(low_pass.t, cycles, joint),
+            cycle=_cycle_of(low_pass.t, cycles[joint]),
             moving=certain_direction(own_dq, dead, low_pass.step_s),
             valid=valid,
             dead_speed_rad_s=dead,
@@ -244,11 +245,10 @@ def _filtered_motion(
     return moved, per_joint(one, many)
 
 
-def _cycle_of(t: Float, cycles: EnergyCycles, joint: int) -> Index:
+def _cycle_of(t: Float, cycles: EnergyCycles) -> Index:
     """Number of the joint's cycle, half-open in time, -1 outside of any."""
-    own = cycles.joint == joint
-    number = np.searchsorted(cycles.start_s[own], t, side="right") - 1
-    return np.where(t < np.append(cycles.stop_s[own], -np.inf)[number], number, -1)
+    number = np.searchsorted(cycles.start_s, t, side="right") - 1
+    return np.where(t < np.append(cycles.stop_s, -np.inf)[number], number, -1)
 
 
 def certain_direction(dq: Float, dead_speed: float, step_s: float) -> NDArray[np.bool_]:
@@ -296,16 +296,17 @@ def _time_to_zero(velocity: Float, away: Index) -> Float:
     return np.asarray(distance - float(away.mean()))
 
 
-def best_window(cycles: EnergyCycles, duration_s: float, length_s: float) -> tuple[float, float]:
+def best_window(cycles: Sequence[EnergyCycles], duration_s: float, length_s: float) -> tuple[float, float]:
     """Return the window in which the cycles determine both coefficients of all joints best: D-optimality. [s]"""
-    rows = np.column_stack([cycles.sums.path_rad, cycles.sums.square_speed_rad2_s])
-    used = cycles.reason == KEPT
-    kept = [used & (cycles.joint == joint) for joint in np.unique(cycles.joint[used])]
+    kept = [
+        (own.start_s[used], own.stop_s[used], np.column_stack([own.sums.path_rad, own.sums.square_speed_rad2_s])[used])
+        for own in cycles
+        if (used := own.reason == KEPT).any()
+    ]
 
     def information(start: float) -> float:
-        inside = (cycles.start_s >= start) & (cycles.stop_s <= start + length_s)
-        grams = [(rows[own].T @ rows[own], rows[own & inside].T @ rows[own & inside]) for own in kept]
-        return float(sum(np.linalg.slogdet(part + SMALL * whole)[1] for whole, part in grams))
+        inside = ((rows, rows[(begin >= start) & (end <= start + length_s)]) for begin, end, rows in kept)
+        return float(sum(np.linalg.slogdet(part.T @ part + SMALL * (rows.T @ rows))[1] for rows, part in inside))
 
     starts = np.linspace(0.0, duration_s - length_s, int(WINDOWS * duration_s / length_s))
     start = max(starts.tolist(), key=information)
@@ -315,7 +316,7 @@ def best_window(cycles: EnergyCycles, duration_s: float, length_s: float) -> tup
 def subjects_of(
     log: JointLog,
     interaction: Interaction,
-    cycles: EnergyCycles,
+    cycles: Sequence[EnergyCycles],
     friction: FrictionHistory,
     settings: DiagnosisSettings,
     arm: Arm | None = None,

@@ -56,7 +56,7 @@ class Gathered(NamedTuple):
 
 def estimate_friction(
     interaction: Interaction,
-    cycles: EnergyCycles,
+    cycles: Sequence[EnergyCycles],
     settings: FrictionSettings,
     dead_torque: frozenset[int] = frozenset(),
 ) -> FrictionHistory:
@@ -70,7 +70,7 @@ def estimate_friction(
         return found
 
     every = per_joint(gathered, len(interaction.joint_numbers))
-    return friction_of(interaction, every, cycles.alone, settings, dead_torque)
+    return friction_of(interaction, every, lambda column: cycles[column], settings, dead_torque)
 
 
 def friction_of(
@@ -106,11 +106,11 @@ def _estimate_joint(
     alone = bool(reason) and not dead and settings.estimator == "weighted" and settings.model == "combined"
     if not reason and settings.model == "combined":
         reason = one_speed(kept)
-    standstill, regression = float(own.standstill_rad_s[0]), None
+    standstill, regression = own.standstill_rad_s, None
     if settings.compare and (alone or not reason):
         others = {other: rows[k] for k, other in enumerate(port.joint_numbers) if k != column}
         regression = regress_torque(rows[column], standstill, others if alone else None)
-    many = len(kept.joint)
+    many = len(kept.start)
     window = settings.window or max(min(many // PARTS, settings.cycles_per_point), settings.fewest_cycles)
     joint = JointFriction(
         joint=number,
@@ -118,8 +118,8 @@ def _estimate_joint(
         model=settings.model,
         window=window,
         cycles=many,
-        rejected_cycles=len(own.joint) - many,
-        moving_s=float(own.moving_s[0]),
+        rejected_cycles=len(own.start) - many,
+        moving_s=own.moving_s,
         regression=regression,
         reason=reason,
     )
@@ -131,9 +131,9 @@ def _estimate_joint(
 
 def _solve_weighted(own: EnergyCycles, kept: EnergyCycles, model: str, window: int) -> dict[str, Any]:
     equations = set_up(kept, model)
-    whole = fit_windows(equations, len(kept.joint))
+    whole = fit_windows(equations, len(kept.start))
     condition, correlation = equations.conditioning()
-    window = min(window, len(kept.joint))
+    window = min(window, len(kept.start))
     offset, x, y = (whole.coefficient(name).value for name in ("offset", "gravity_x", "gravity_y"))
     moved = fit_windows(equations, window)  # over the first cycles together a change would hide in the mean
     found = ((name, *moved.column(name)) for name in UNITS)

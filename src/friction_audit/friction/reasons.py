@@ -123,7 +123,7 @@ def dead_channel(seen: Extremes, *, dead_torque: bool) -> Reason:
 
 def missing_motion(cycles: EnergyCycles, settings: FrictionSettings, seen: Extremes) -> Reason:
     """Say why all cycles of one joint, with its thresholds alone, allow no estimate; empty if they do."""
-    if not len(cycles.joint):
+    if not len(cycles.start):
         return _no_cycle(cycles, seen.duration_s, float(seen.high[1] - seen.low[1]))
     if not cycles.sums.path_rad.any():
         return (Caution("constant_position"),)
@@ -147,9 +147,7 @@ def one_speed(cycles: EnergyCycles) -> Reason:
 
 
 def _no_cycle(cycles: EnergyCycles, duration_s: float, travel_rad: float) -> Reason:
-    initiation, termination, fastest = (
-        float(values[0]) for values in (cycles.initiation, cycles.termination, cycles.fastest)
-    )
+    initiation, termination, fastest = cycles.initiation, cycles.termination, cycles.fastest
     cases = {
         "did_not_move": fastest < STANDSTILL * initiation,
         "hardly_moved": fastest <= initiation and travel_rad < LEAST_TRAVEL_RAD,

@@ -21,7 +21,6 @@ BALANCE = (
     "dissipated_j",
 )  # fmt: skip
 PAIRS = np.triu_indices(len(BALANCE))
-PER_JOINT = ("initiation", "termination", "fastest", "standstill_rad_s", "moving_s", "peak_power_w")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -49,9 +48,8 @@ class EnergySums:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class EnergyCycles:
-    """Energy cycles of all joints, ordered by joint and then by time; m rows."""
+    """Energy cycles of one joint in the order of time, m rows, and what the search for them found of the joint."""
 
-    joint: Int  # column of the Interaction (0-based), shape (m,)
     start: Int  # first sample, shape (m,)
     stop: Int  # border sample, the next cycle's start, shape (m,)
     start_s: Float  # t[start] [s]
@@ -65,27 +63,19 @@ class EnergyCycles:
     speeds: Float
     open: Bool  # True where a joint does not end where it began, shape (m,)
     reason: Int  # index into REASONS; KEPT where the cycle counts, shape (m,)
-    initiation: Float  # threshold used per joint of the Interaction, shape (j,) [speed_unit]
-    termination: Float  # threshold used per joint, shape (j,) [speed_unit]
-    fastest: Float  # largest filtered speed in the log of what the thresholds are for, shape (j,) [speed_unit]
+    initiation: float  # threshold used [speed_unit]
+    termination: float  # the other one [speed_unit]
     speed_unit: str  # ``"rad/s"``, or ``"m/s"`` where the hand defines the cycles
-    # speed below which a direction means nothing: the joint's own termination threshold in any case, shape (j,) [rad/s]
-    standstill_rad_s: Float
-    moving_s: Float  # time above the initiation threshold per joint of the Interaction, shape (j,) [s]
-    peak_power_w: Float  # largest power of F_m + u in the log per joint, shape (j,) [W]
-
-    def of_joint(self, column: int) -> "EnergyCycles":
-        """Return the rows of one joint."""
-        return self.rows(self.joint == column)
-
-    def alone(self, column: int) -> "EnergyCycles":
-        """Return the rows of one joint, and what is known per joint of it alone."""
-        own = slice(column, column + 1)
-        return replace(self.of_joint(column), **{name: getattr(self, name)[own] for name in PER_JOINT})
+    # speed below which a direction means nothing: the joint's own termination threshold in any case [rad/s]
+    standstill_rad_s: float
+    # Known at the end of the log.
+    fastest: float = 0.0  # largest filtered speed in the log of what the thresholds are for [speed_unit]
+    moving_s: float = 0.0  # time above the initiation threshold [s]
+    peak_power_w: float = 0.0  # largest power of F_m + u in the log [W]
 
     def rows(self, mask: Bool) -> "EnergyCycles":
         """Return the rows selected by a mask of shape (m,)."""
-        per_cycle = "joint", "start", "stop", "start_s", "stop_s", "peak_speed_rad_s", "open", "reason"
+        per_cycle = "start", "stop", "start_s", "stop_s", "peak_speed_rad_s", "open", "reason"
         kept = {name: getattr(self, name)[mask] for name in (*per_cycle, "products", "speeds")}
         sums = EnergySums(**{f.name: getattr(self.sums, f.name)[mask] for f in fields(self.sums)})
         return replace(self, **kept, sums=sums)

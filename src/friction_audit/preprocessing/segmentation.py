@@ -17,7 +17,6 @@ from friction_audit.preprocessing.energy_cycles import (
     ONE_WAY,
     OPEN,
     PAIRS,
-    PER_JOINT,
     SMALL,
     EnergyCycles,
     EnergySums,
@@ -49,7 +48,7 @@ Thresholds = tuple[float, float]
 """Of initiation and termination."""
 
 
-def segment_cycles(interaction: Interaction, settings: CycleSettings) -> EnergyCycles:
+def segment_cycles(interaction: Interaction, settings: CycleSettings) -> tuple[EnergyCycles, ...]:
     """Find all energy cycles of every joint of a log in memory, also those that are rejected."""
     rate_hz, hand, signal = 1.0 / median_step(interaction.t), None, None
     if settings.cycles_from == "hand":
@@ -67,14 +66,12 @@ def segment_cycles(interaction: Interaction, settings: CycleSettings) -> EnergyC
         search.take(interaction, filtered, signal)
         return search.cycles()
 
-    joints = per_joint(work, len(interaction.joint_numbers))
-    cycles = join_cycles(joints)
+    joints = tuple(per_joint(work, len(interaction.joint_numbers)))
     if hand is None:
-        return cycles
+        return joints
     # All joints are updated together or not at all: a cycle in which some joint has hardly moved counts for none.
-    path = cycles.sums.path_rad.reshape(len(joints), -1)
-    small = np.tile((path < settings.minimum_path_rad).any(axis=0), len(joints))
-    return replace(cycles, reason=np.where((cycles.reason == KEPT) & small, SMALL, cycles.reason))
+    small = np.any([own.sums.path_rad < settings.minimum_path_rad for own in joints], axis=0)
+    return tuple(replace(own, reason=np.where((own.reason == KEPT) & small, SMALL, own.reason)) for own in joints)
 
 
 class CycleSearch:
@@ -104,7 +101,7 @@ class CycleSearch:
         """
         self._above += int(np.count_nonzero(np.abs(filtered) > self.own[0]))
         signal = filtered if signal is None else signal
-        self._fastest = max(self._fastest, signal.max(), -signal.min())
+        self._fastest = max(self._fastest, float(signal.max()), -float(signal.min()))
         old = len(self._signal)
         self._filtered = np.concatenate([self._filtered, filtered]) if old else filtered
         self._signal = self._filtered if self._hand is None else np.concatenate([self._signal, signal])
@@ -188,10 +185,9 @@ class CycleSearch:
         reason[np.searchsorted(holes, borders[:-1] - near) < np.searchsorted(holes, borders[1:] + near)] = GAP
         if self._begun is not None and self._begun[0].reason[0] == GAP:
             reason[:1] = GAP
-        later: dict[str, Any] = {name: np.empty(0) for name in PER_JOINT}
         products, speeds = _moments(parts)
+        initiation, termination = self._hand or self.own
         return EnergyCycles(
-            joint=np.full(len(start), self._column),
             start=start,
             stop=stop,
             start_s=start_s,
@@ -202,8 +198,10 @@ class CycleSearch:
             speeds=speeds,
             open=is_open,
             reason=reason,
+            initiation=initiation,
+            termination=termination,
             speed_unit="rad/s" if self._hand is None else "m/s",
-            **later,
+            standstill_rad_s=self.own[1],
         )
 
     def _sums(self, part: Interaction, edges: Int) -> EnergySums:
@@ -237,16 +235,12 @@ class CycleSearch:
         samples = self.first + len(self._signal)
         # The net path of a closed path is short against its length, whether it closes within one cycle or over several.
         one_way = abs(found.sums.displacement_rad.sum()) > ONE_WAY_SHARE * found.sums.path_rad.sum()
-        initiation, termination = self._hand or self.own
         return replace(
             found,
             reason=np.full(len(found.reason), ONE_WAY) if one_way else found.reason,
-            initiation=np.array([initiation]),
-            termination=np.array([termination]),
-            fastest=np.array([self._fastest]),
-            standstill_rad_s=np.array([self.own[1]]),
-            moving_s=np.array([self._above / samples * (self._last_s - self._begin_s)]),
-            peak_power_w=np.array([self._peak_power_w]),
+            fastest=self._fastest,
+            moving_s=self._above / samples * (self._last_s - self._begin_s),
+            peak_power_w=self._peak_power_w,
         )
 
 
@@ -324,9 +318,9 @@ def _moments(parts: EnergySums) -> tuple[Float, Float]:
     return (one * other).sum(axis=-1), speeds
 
 
-def join_cycles(joints: Sequence[Arrays]) -> Arrays:
-    """Return the cycles of all joints, or their sums, each given in order, as one structure."""
-    every = {one.name: [getattr(own, one.name) for own in joints] for one in fields(joints[0])}
+def join_cycles(pieces: Sequence[Arrays]) -> Arrays:
+    """Return the cycles of a joint, or their sums, that were found piece by piece as one structure."""
+    every = {one.name: [getattr(own, one.name) for own in pieces] for one in fields(pieces[0])}
     joined: dict[str, Any] = {n: np.concatenate(some) for n, some in every.items() if isinstance(some[0], np.ndarray)}
     joined |= {name: join_cycles(some) for name, some in every.items() if isinstance(some[0], EnergySums)}
-    return replace(joints[0], **joined)
+    return replace(pieces[0], **joined)

@@ -92,7 +92,7 @@ FRICTION = Record(
     summary="friction coefficients of a joint over the whole log, with 95 % intervals",
 )  # fmt: skip
 CYCLES = Record(
-    Column("cycle", int, get=lambda own: np.arange(1, len(own.joint) + 1)),
+    Column("cycle", int, get=lambda own: np.arange(1, len(own.start) + 1)),
     Column("start", unit="s"),
     Column("stop", unit="s"),
     Column("peak_speed", unit="rad/s"),
@@ -135,7 +135,7 @@ def estimate_tables(estimate: Estimate) -> tuple[TidyTable, ...]:
     return (
         FRICTION.file(joints, lambda one: [one], unit),
         HISTORY.file(joints, "history", unit),
-        CYCLES.file(joints, lambda one: estimate.cycles.of_joint(column(one.joint)), unit),
+        CYCLES.file(joints, lambda one: estimate.cycles[column(one.joint)], unit),
         INTERACTION.file(joints, lambda one: (seen, column(one.joint)), unit, absent),
     )
 

@@ -39,7 +39,7 @@ class LogSummary(NamedTuple):
 
 
 def summarize_log(
-    log: JointLog, interaction: Interaction | None, cycles: EnergyCycles | None, obstacle: str = ""
+    log: JointLog, interaction: Interaction | None, cycles: Sequence[EnergyCycles], obstacle: str = ""
 ) -> LogSummary:
     """Return the summary of a log, with its interaction torque and cycles, or the obstacle to having them."""
     steps = np.diff(log.t)
@@ -56,17 +56,17 @@ def summarize_log(
     )  # fmt: skip
 
 
-def _motions(log: JointLog, seen: Interaction | None, cycles: EnergyCycles | None) -> Iterator[SimpleNamespace]:
+def _motions(log: JointLog, seen: Interaction | None, cycles: Sequence[EnergyCycles]) -> Iterator[SimpleNamespace]:
     """Yield how each joint moved; None of what takes cycles, where none were looked for."""
     logged = enumerate(log.joint_names, start=1)
     named = zip(seen.joint_numbers, seen.joint_names, strict=True) if seen is not None else logged
     motion = log if seen is None else seen
     for k, (joint, name) in enumerate(named):
-        own = None if cycles is None else cycles.of_joint(k)
+        own = cycles[k] if cycles else None
         yield SimpleNamespace(
             joint=joint, name=name, peak_speed_rad_s=float(np.abs(motion.dq[:, k]).max()),
-            range_rad=float(np.ptp(motion.q[:, k])), moving_s=None if cycles is None else float(cycles.moving_s[k]),
-            cycles=own and len(own.joint), open_cycles=own and int(own.open.sum()),
+            range_rad=float(np.ptp(motion.q[:, k])), moving_s=own and own.moving_s,
+            cycles=own and len(own.start), open_cycles=own and int(own.open.sum()),
             rejected_cycles=own and int((own.reason != 0).sum()),
         )  # fmt: skip
 

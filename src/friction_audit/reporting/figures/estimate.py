@@ -32,14 +32,14 @@ def series_of(estimate: Estimate, friction: JointFriction) -> JointSeries:
     seen, column = estimate.interaction, estimate.interaction.joint_numbers.index(friction.joint)
     torque = seen.torque[:, column]
     driving = torque if seen.compensation is None else torque + seen.compensation[:, column]
-    return JointSeries(seen.t, seen.dq[:, column], torque, driving, estimate.cycles.of_joint(column))
+    return JointSeries(seen.t, seen.dq[:, column], torque, driving, estimate.cycles[column])
 
 
 def shade_cycles(axes: Axes, series: JointSeries) -> None:
     """Shade every other cycle of a joint and hatch the rejected ones; end the axis with the signals."""
     cycles = series.cycles
     axes.set_xlim(series.t[0], series.t[-1])
-    if len(cycles.joint) > MOST_SHADED:
+    if len(cycles.start) > MOST_SHADED:
         axes.plot([], [], " ", label=f"more than {MOST_SHADED} cycles are not shaded")
         return
     for row, (start, stop, reason) in enumerate(zip(cycles.start_s, cycles.stop_s, cycles.reason, strict=True)):
@@ -190,7 +190,7 @@ def filtered_loop(series: JointSeries) -> tuple[Float, Float, int]:
     """Return filtered velocity and torque, thinned; of a long log every k-th cycle, gaps between them as NaN; and k."""
     step = max(1, int(1.0 / median_step(series.t) / (POINTS_PER_PERIOD * parts.CUTOFF_HZ)))
     dq, torque = (parts.smooth(series.t, signal)[::step] for signal in (series.dq, series.driving))
-    every = max(-(-len(dq) // parts.MOST_POINTS), -(-len(series.cycles.joint) // MOST_LOOPS))
+    every = max(-(-len(dq) // parts.MOST_POINTS), -(-len(series.cycles.start) // MOST_LOOPS))
     if every <= 1:
         return dq, torque, 1
     every |= 1  # odd, so that strokes there and strokes back are both shown
