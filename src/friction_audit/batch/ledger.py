@@ -126,7 +126,7 @@ class Ledger(AbstractContextManager["Ledger"]):
     def forget_broken(self, hashes: Iterable[str], settings: str) -> set[str]:
         """Remove what is not as it was written; return the hashes of the logs it came of."""
         stored = self._of_logs(hashes, settings)
-        broken = {row["id"]: str(row["sha256"]) for row in stored if row["digest"] != _digest(row["content"])}
+        broken = {row["id"]: str(row["sha256"]) for row in stored if row["digest"] != digest_of(row["content"])}
         if broken:
             keys = [(key,) for key in broken]
             with self._whole():
@@ -218,7 +218,7 @@ class Ledger(AbstractContextManager["Ledger"]):
             else (one.robot, one.start_s, None, False)
         )
         query = "INSERT OR IGNORE INTO arms VALUES (NULL, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"
-        cursor = self._database.execute(query, (*names, *columns, content, _digest(content)))
+        cursor = self._database.execute(query, (*names, *columns, content, digest_of(content)))
         if cursor.rowcount and isinstance(one, Session):  # else another run was faster
             pairs = [(joint.joint, *pair) for joint in one.joints for pair in joint.coefficients.items()]
             rows = [(cursor.lastrowid, joint, name, c.value, c.low, c.high) for joint, name, c in pairs]
@@ -259,7 +259,7 @@ def move_aside(path: Path) -> Path | None:
     return target
 
 
-def _digest(content: object) -> str:
+def digest_of(content: object) -> str:
     """Return the hash by which changed or damaged content is known."""
     return hashlib.sha256(str(content).encode("utf-8", "surrogateescape")).hexdigest()
 

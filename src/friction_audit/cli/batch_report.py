@@ -1,6 +1,5 @@
 """``friction-audit batch-report``."""
 
-import hashlib
 import json
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -179,32 +178,32 @@ class Batch:
 
     def recall(self, request: object) -> BatchAnswer | None:
         """Return the answer to the same request if all that was written with it is still there, else None."""
+        from friction_audit.batch.ledger import digest_of
+
         if (written := self.ledger.note(REPORTED)) is None:
             return None
         digest, _, text = written.partition(" ")
-        if digest != _digest(text):
+        if digest != digest_of(repr(text)):
             why = "the note on the last report is damaged; the report is made again from the sessions"
             self.voice.warn([f"{self.ledger.path}: {why}"])
             return None
         note = json.loads(text)
         files = note.pop("files")
-        if note.pop("request") != _digest(request) or files != self._stamps(files):
+        if note.pop("request") != digest_of(repr(request)) or files != self._stamps(files):
             return None
         return BatchAnswer(**note)
 
     def remember(self, request: object, answer: BatchAnswer, files: Iterable[str]) -> None:
         """Keep the answer to a request, and how the files look that were written with it."""
-        text = json.dumps({"request": _digest(request), "files": self._stamps(files)} | asdict(answer))
-        self.ledger.write_note(REPORTED, f"{_digest(text)} {text}")
+        from friction_audit.batch.ledger import digest_of
+
+        text = json.dumps({"request": digest_of(repr(request)), "files": self._stamps(files)} | asdict(answer))
+        self.ledger.write_note(REPORTED, f"{digest_of(repr(text))} {text}")
 
     def _stamps(self, names: Iterable[str]) -> dict[str, list[int]]:
         """Return size and time of the last change of files, by name; of those that are there."""
         states = {name: (self.folder / name).stat() for name in names if (self.folder / name).exists()}
         return {name: [state.st_size, state.st_mtime_ns] for name, state in states.items()}
-
-
-def _digest(request: object) -> str:
-    return hashlib.sha256(repr(request).encode()).hexdigest()
 
 
 def _settings(sessions: SessionOptions, friction: opt.EstimateOptions, shared: opt.LogOptions) -> "BatchSettings":

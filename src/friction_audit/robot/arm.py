@@ -77,7 +77,7 @@ class Arm:
                     torque[rows, joint] = own[1] * down[body][0] - own[0] * down[body][1]
                     own = _turned(own, cosine[joint], sine[joint])
                 moment[parent] = [*map(add, moment[parent], _times(turns[body].T, own))]
-        return self.from_model(torque)
+        return self.to_model(torque, back=True)
 
     def inverse_dynamics(self, q: Float, dq: Float, ddq: Float) -> Float:
         """Return M(q) ddq + c(q, dq) + g(q), without friction, shape (n, j). [N m]"""
@@ -92,7 +92,7 @@ class Arm:
             mj.mj_comPos(model, data)
             mj.mj_comVel(model, data)
             mj.mj_rne(model, data, 1, row)
-        return self.from_model(torque)
+        return self.to_model(torque, back=True)
 
     def mass_diagonal(self, q: Float) -> Float:
         """Return the diagonal of the mass matrix, shape (n, j). [kg m^2]"""
@@ -121,7 +121,7 @@ class Arm:
             _, _, down = self._down(q[rows], turns)
             for joint, body in enumerate(self.model.jnt_bodyid):
                 direction[rows, joint, 0], direction[rows, joint, 1] = down[body][:2]
-        return self.from_model(direction / np.linalg.norm(self.model.opt.gravity))
+        return self.to_model(direction / np.linalg.norm(self.model.opt.gravity), back=True)
 
     @lru_cache(maxsize=4)  # noqa: B019 - of few arms, and asked for with every block of a log
     def _joint_axes(self) -> tuple[Float, Float, Float, Float]:
@@ -202,13 +202,11 @@ class Arm:
             orientation[joint] = axes[body].T @ bodies[body]
         return origin, orientation, axis
 
-    def to_model(self, array: Float) -> Float:
-        """Arrange the columns of an array of a log, shape (n, j), in the order of the model."""
-        return array if self.columns == tuple(range(len(self.columns))) else array[:, list(self.columns)]
-
-    def from_model(self, array: Float) -> Float:
-        """Arrange what the model gives, shape (n, j, ...), in the order of a log."""
-        return array if self.columns == tuple(range(len(self.columns))) else array[:, np.argsort(self.columns)]
+    def to_model(self, array: Float, *, back: bool = False) -> Float:
+        """Arrange an array of a log, shape (n, j, ...), in the order of the model, or one of the model ``back``."""
+        in_order = self.columns == tuple(range(len(self.columns)))
+        order = np.argsort(self.columns) if back else list(self.columns)
+        return array if in_order else array[:, order]
 
 
 def _turned(vector: Sequence[Float], cosine: Float, sine: Float) -> list[Float]:
