@@ -32,8 +32,7 @@ def test_each_stroke_is_a_cycle_and_its_energies_are_known_by_hand() -> None:
     square = lengths**2 / durations * 10 / 7  # integral of the squared minimum-jerk velocity
     np.testing.assert_allclose(cycles.sums.square_speed_rad2_s, square, rtol=1e-5)
     np.testing.assert_allclose(cycles.sums.work_j, COULOMB * np.abs(lengths) + VISCOUS * square, rtol=1e-4)
-    assert np.all(cycles.reason == KEPT)
-    assert np.all(cycles.open)
+    assert np.all((cycles.reason == KEPT) & cycles.open)
     assert np.all(cycles.start[1:] == cycles.stop[:-1])
 
 
@@ -93,9 +92,8 @@ def test_a_path_is_closed_only_if_every_joint_returns() -> None:
 def test_slow_logs_need_lower_thresholds_and_auto_finds_them_above_the_noise() -> None:
     t, v, torque = rubbed([0.1, -0.1, 0.08, -0.1], [2.0, 2.5, 2.0, 2.2])
     slow = interaction(t, v, torque)
-    assert len(segment_cycles(slow, DEFAULT)[0].start) == 0
-    told = CycleSettings(initiation_rad_s=0.05, termination_rad_s=0.01)
-    assert len(segment_cycles(slow, told)[0].start) == 4
+    lower = CycleSettings(initiation_rad_s=0.05, termination_rad_s=0.01)
+    assert [len(segment_cycles(slow, one)[0].start) for one in (DEFAULT, lower)] == [0, 4]
     (auto,) = segment_cycles(slow, CycleSettings(thresholds="auto"))
     assert len(auto.start) == 4
     assert 0.005 < auto.initiation < 0.06
@@ -136,10 +134,8 @@ def test_two_humps_without_rest_are_one_stroke_with_rest_or_without_a_sign_two()
 
 
 def test_velocity_noise_at_rest_adds_no_path() -> None:
-    rng = np.random.default_rng(1)
     t = np.arange(20_000) / 1000
-    noise = 0.003 * rng.normal(size=len(t))
-    filtered = 1e-4 * rng.normal(size=len(t))
+    noise, filtered = np.random.default_rng(1).normal(size=(2, len(t))) * [[0.003], [1e-4]]
     sums = cycle_sums.add_up(t, np.zeros_like(t), noise, filtered, noise, None, np.array([[0, 19_999]]))
     assert sums["rectified_path_rad"].item() > 0.04  # 0.0024 rad per second of dwell
     assert sums["path_rad"].item() == 0.0
