@@ -251,7 +251,17 @@ def thresholds_of(
     if settings.thresholds != "auto":
         return fixed
     thin = slice(None, None, max(len(measured) // MOST_SAMPLES, 1))
-    return _automatic_thresholds(measured[thin], filtered[thin], 2.0 * settings.cutoff_hz / rate_hz)
+    share = min(2.0 * settings.cutoff_hz / rate_hz, 1.0)  # of white noise that the filter passes
+    # What the filter takes away, as a robust standard deviation, scaled to what it lets through.
+    noise = measured[thin] - filtered[thin]
+    taken = 1.4826 * float(np.median(np.abs(noise, out=noise), overwrite_input=True))
+    del noise
+    floor = NOISE_MULTIPLE * taken * float(np.sqrt(share / max(1.0 - share, share)))
+    moving = np.abs(filtered[thin])
+    moving = moving[moving > floor]
+    brisk = float(np.quantile(moving, BRISK_QUANTILE, overwrite_input=True)) if len(moving) else floor
+    initiation = max(INITIATION_SHARE * brisk, floor / TERMINATION_SHARE, TINY)
+    return initiation, TERMINATION_SHARE * initiation
 
 
 def thresholds_in_blocks(log: JointLog, columns: list[int], settings: CycleSettings) -> list[Thresholds]:
@@ -278,20 +288,6 @@ def thresholds_in_blocks(log: JointLog, columns: list[int], settings: CycleSetti
         done = stop
     joined = ([np.concatenate(one) for one in zip(*own, strict=True)] for own in found)
     return [thresholds_of(settings, rate_hz, fixed, *own) for own in joined]
-
-
-def _automatic_thresholds(measured: Float, filtered: Float, share: float) -> tuple[float, float]:
-    """Choose thresholds for a signal of which the filter passes this share of white noise."""
-    # What the filter takes away, as a robust standard deviation, scaled to what it lets through.
-    noise = measured - filtered
-    taken, share = 1.4826 * float(np.median(np.abs(noise, out=noise), overwrite_input=True)), min(share, 1.0)
-    del noise
-    floor = NOISE_MULTIPLE * taken * float(np.sqrt(share / max(1.0 - share, share)))
-    moving = np.abs(filtered)
-    moving = moving[moving > floor]
-    brisk = float(np.quantile(moving, BRISK_QUANTILE, overwrite_input=True)) if len(moving) else floor
-    initiation = max(INITIATION_SHARE * brisk, floor / TERMINATION_SHARE, TINY)
-    return initiation, TERMINATION_SHARE * initiation
 
 
 def _gravity_work(interaction: Interaction, column: int, edges: Int) -> tuple[Float, Float]:
