@@ -79,8 +79,8 @@ def assert_same_cycles(found: EnergyCycles, expected: EnergyCycles) -> None:
 
 
 def assert_same(found: Estimate, expected: Estimate) -> None:
-    for own, same in zip(found.cycles, expected.cycles, strict=True):
-        assert_same_cycles(own, same)
+    for cycles, expected_cycles in zip(found.cycles, expected.cycles, strict=True):
+        assert_same_cycles(cycles, expected_cycles)
     both = found.friction, expected.friction
     every = ([*of.warnings, *(why for joint in of.joints for why in joint.reason)] for of in both)
     for caution, same in zip(*every, strict=True):
