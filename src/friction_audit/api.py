@@ -183,9 +183,9 @@ def estimate_log(log: JointLog, **options: Unpack[EstimateOptions]) -> Estimate:
 
     Options: ``joints`` by number from 1, ``t_start_s`` and ``t_stop_s``, and the settings of the torque (``drive``,
     ``gravity``, ``payload``, ...), the cycles (``thresholds``, ``cycles_from``, ...) and the estimate (``estimator``,
-    ``model``, ``window``). The result holds that of every step: ``interaction``, ``cycles``, ``friction``. A joint
-    without an estimate is no error: its coefficients are NaN and ``reason`` says why. A log that lacks a channel that
-    the options ask for raises ``InputError``.
+    ``model``, ``window``). The result holds that of every step: ``interaction``, ``cycles`` (joint by joint),
+    ``friction``. A joint without an estimate is no error: its coefficients are NaN and ``reason`` says why. A log that
+    lacks a channel that the options ask for raises ``InputError``.
     """
     if not isinstance(log, JointLog):
         how = "pass its .log" if isinstance(log, Simulation) else "read a file with read_log first"
