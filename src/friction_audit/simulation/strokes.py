@@ -96,9 +96,9 @@ class StopAndGo(Checked):
             begin += needed + rng.uniform(*self.pause_s)
             position, direction = position + displacement, float(np.sign(displacement))
         strokes, t = np.array(rows), np.arange(ticks + 1, dtype=np.float64) * dt
-        start, lasts, origin, length = strokes[latest(strokes[:, 0], t)].T
+        start, lasts, origin, change = strokes[latest(strokes[:, 0], t)].T
         covered, slope = min_jerk((t - start) / lasts)
-        return Intention(origin + length * covered, length / lasts * slope)
+        return Intention(origin + change * covered, change / lasts * slope)
 
 
 def _draw_length(settings: StopAndGo, speed: float, q: float, direction: float, rng: np.random.Generator) -> float:
@@ -205,16 +205,18 @@ class Prescribed(Checked):
     def __post_init__(self) -> None:
         Checked.__post_init__(self)
         for one in self.strokes:
-            least = one.speed_rad_s * one.ease_s * (1.0 - TOO_SHORT)
-            if not (min(one[1:3]) > 0.0 <= one.rest_s and least <= abs(one[0]) and all(map(isfinite, one))):
+            displacement, speed, ease, rest = one
+            least = speed * ease * (1.0 - TOO_SHORT)
+            if not (min(speed, ease) > 0.0 <= rest and least <= abs(displacement) and all(map(isfinite, one))):
                 found = ", ".join(f"{number:g}" for number in one)
                 expected = "a length of at least speed times ease, both above zero, and a rest of zero or more"
                 raise UsageError(f"prescribed: {found}: expected {expected}")
 
     def intend(self, ticks: int, dt: float, _: np.random.Generator) -> Intention:
         """Return the strokes; those that do not fit are cut off, after the last one there is rest."""
-        length, speed, ease, _rest = np.array(self.strokes).reshape(-1, 4).T
-        return at_constant_speed(np.arange(ticks + 1, dtype=np.float64) * dt, starts_of(self)[:-1], length, speed, ease)
+        t = np.arange(ticks + 1, dtype=np.float64) * dt
+        displacement, speed, ease, _rest = np.array(self.strokes).reshape(-1, 4).T
+        return at_constant_speed(t, starts_of(self)[:-1], displacement, speed, ease)
 
 
 def starts_of(settings: Prescribed) -> Float:
