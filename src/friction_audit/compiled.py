@@ -2,12 +2,9 @@
 
 import os
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial, update_wrapper
 from types import ModuleType
 from typing import Any, TypeAlias, TypeVar, cast
-
-from numba import njit
-from numba.core.caching import IndexDataCacheFile
 
 Loop = TypeVar("Loop", bound=Callable[..., Any])
 Record: TypeAlias = Any  # a group of numbers as compiled code sees it: the fields of a dataclass
@@ -19,16 +16,6 @@ OPTIONS: dict[str, Any] = {"nogil": True, "no_cfunc_wrapper": True}
 """No loop is called through a pointer from C: the entry for that would take a fifth of the time of compiling."""
 
 
-class _Index(IndexDataCacheFile):
-    """What is cached of a loop; nothing, where an older version of the program has cached it."""
-
-    def _load_index(self) -> dict[Any, str]:
-        try:
-            return cast("dict[Any, str]", super()._load_index())  # type: ignore[no-untyped-call]
-        except (AttributeError, ImportError):  # it names classes that are gone, or elsewhere now
-            return {}
-
-
 def compiled(signature: str | None = None, *, any_order: bool = False, inline: bool = False) -> Callable[[Loop], Loop]:
     """Compile a loop; it gives the interpreter away while it runs.
 
@@ -38,29 +25,59 @@ def compiled(signature: str | None = None, *, any_order: bool = False, inline: b
     call it and is not compiled by itself; for what is small or is called at one place.
     """
     options = OPTIONS | {"fastmath": ANY_ORDER if any_order else False, "inline": "always" if inline else "never"}
+    return cast("Callable[[Loop], Loop]", partial(_Compiled, signature, options))
 
-    def decorate(loop: Loop) -> Loop:
+
+class _Compiled:
+    """A loop that numba compiles when it is used: to import numba takes 70 MB and a third of a second.
+
+    A compiled loop that calls it finds here what it looks for in a function that numba has compiled.
+    """
+
+    def __init__(self, signature: str | None, options: dict[str, Any], loop: Callable[..., Any]) -> None:
+        update_wrapper(self, loop)
+        self.py_func, self._signature, self._options = loop, signature, options
+        if signature is not None:
+            self.dispatcher = self._made()
+
+    def __call__(self, *given: Any) -> Any:  # noqa: ANN401 - what the loop takes, and returns
+        return self.dispatcher(*given)
+
+    def __getattr__(self, name: str) -> Any:  # noqa: ANN401 - of numba's own
+        if name == "dispatcher":
+            self.dispatcher = self._made()  # two threads at once may make two: both are right
+        return self.dispatcher if name == "dispatcher" else getattr(self.dispatcher, name)
+
+    def _made(self) -> Any:  # noqa: ANN401 - of numba, which has no types
+        from numba import njit
+
         try:
-            made = njit(cache=True, **options)(loop)
+            made = njit(cache=True, **self._options)(self.py_func)
         except RuntimeError as error:
             if "cannot cache" not in str(error):
                 raise
-            return cast("Loop", njit(signature, **options)(loop))
+            return njit(self._signature, **self._options)(self.py_func)
         index = made._cache._cache_file  # noqa: SLF001 - numba itself looks at the file of the loop alone
-        index.__class__, index._version = _Index, f"{index._version} {_age(made)}"  # noqa: SLF001
-        if signature is not None:
-            made.compile(signature)
+        index._load_index, index._version = partial(_known, index._load_index), f"{index._version} {_age(self)}"  # noqa: SLF001
+        if self._signature is not None:
+            made.compile(self._signature)
             made.disable_compile()
-        return cast("Loop", made)
+        return made
 
-    return decorate
+
+def _known(load: Callable[[], dict[Any, str]]) -> dict[Any, str]:
+    """Return what is cached of a loop; nothing, where an older version of the program has cached it."""
+    try:
+        return load()
+    except (AttributeError, ImportError):  # it names classes that are gone, or elsewhere now
+        return {}
 
 
 @cache
-def _age(made: Any) -> int:  # noqa: ANN401 - a loop that numba has compiled
+def _age(made: _Compiled) -> int:
     """Return a number that changes with the file of a loop and with those of all loops that it calls."""
     code, known = made.py_func.__code__, made.py_func.__globals__
     used = [known[name] for name in code.co_names if name in known]
     used += [getattr(one, name, None) for one in used if isinstance(one, ModuleType) for name in code.co_names]
     file = os.stat(code.co_filename)  # noqa: PTH116 - a quarter of the time
-    return hash((file.st_mtime_ns, file.st_size, *(_age(one) for one in used if isinstance(one, type(made)))))
+    return hash((file.st_mtime_ns, file.st_size, *(_age(one) for one in used if isinstance(one, _Compiled))))

@@ -109,7 +109,7 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
             done.take(block)
     assert done.part is not None
     joints, part = done.joints, replace(done.part, choice=port.choice, warnings=port.warnings)
-    done.part = None  # what its joints have found is taken from them once
+    done.joints, done.part = [], None  # what they have found is taken from them once, and not kept by the log
     found: dict[int, EnergyCycles] = {}
 
     def cycles_of(column: int) -> EnergyCycles:

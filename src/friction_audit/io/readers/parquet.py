@@ -140,19 +140,11 @@ class ParquetTable(ColumnTable):
         return self._to_clock(parts, time)
 
     def read_rows(self, columns: ColumnMap, clock: Clock, rows: Bool | None) -> Part:
-        channels, pairs = self._channel_arrays(columns, len(clock.t))
-        self._read_cells(pairs, rows)
+        channels = {c: np.empty((len(clock.t), len(cells)), order="F") for c, cells in columns.channels.items()}
+        each = ((cell, channels[c][:, j]) for c, cells in columns.channels.items() for j, cell in enumerate(cells))
+        self._read_cells(each, rows)
         joint = None if columns.joint is None else self._read_texts(self._cells[columns.joint][0], rows)
         return Part(clock=clock, channels=channels, joint=joint)
-
-    def read_all(self, columns: ColumnMap) -> Part:
-        """Read the clock and the channels in all rows, at once: the memory of one is used again for the other."""
-        number, _ = self._stamps(columns.time)
-        parts = [np.zeros(self._file.metadata.num_rows, number) for _ in columns.time.cells]
-        channels, pairs = self._channel_arrays(columns, len(parts[0]))
-        self._read_cells([*zip(columns.time.cells, parts, strict=True), *pairs], None)
-        joint = None if columns.joint is None else self._read_texts(self._cells[columns.joint][0], None)
-        return Part(clock=self._to_clock(parts, columns.time), channels=channels, joint=joint)
 
     def in_blocks(self, columns: ColumnMap) -> Part | None:
         pieces = partial(self._batches, columns.time)
@@ -182,14 +174,6 @@ class ParquetTable(ColumnTable):
                     yield found
         except (pa.ArrowException, OSError) as error:
             raise InputError(f"{self.path}: {error}; the file is damaged or has changed; read it again") from error
-
-    def _channel_arrays(
-        self, columns: ColumnMap, rows: int
-    ) -> tuple[dict[str, NDArray[np.float64]], list[tuple[int, NDArray[Any]]]]:
-        """Return the arrays of the channels, and which cell of the table goes to which column of them."""
-        channels = {c: np.empty((rows, len(cells)), order="F") for c, cells in columns.channels.items()}
-        pairs = [(cell, channels[c][:, j]) for c, cells in columns.channels.items() for j, cell in enumerate(cells)]
-        return channels, pairs
 
     def _stamps(self, time: TimeColumn) -> tuple[type, str | None]:
         """Return the type of number that stamps are read as, and their unit."""

@@ -8,8 +8,9 @@ import sqlite3
 import struct
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, suppress
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import islice, pairwise
 from pathlib import Path
 
@@ -107,6 +108,7 @@ _ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 _UTF_8 = 1  # of the encodings of texts: in another one, a blob is not the same as a text
 _MESSAGES_PER_BLOCK = 1024  # from leaf pages; larger ones wake the garbage collector, which doubles the time
 _FEWEST = 16  # messages that are read at a time
+_MOST_RANGES = 4096  # of ids: where these are far apart, a range holds many of them
 _LARGEST_MESSAGE = 1 << 20  # the state of a thousand joints takes 50 kB; a message of a gigabyte is a bomb [byte]
 _LAST_ID = 2**63 - 1
 
@@ -163,22 +165,40 @@ class Sqlite3Stream(MessageStream):
             raise self._broken(error) from error
 
     def _in_tree(self, database: sqlite3.Connection, key: int, first: int, last: int) -> Iterator[Block]:
-        """Yield the messages of a topic; those on broken pages are left out."""
+        """Yield the messages of a topic; those on broken pages are left out.
+
+        SQLite gives the interpreter away: every other range of ids is read in a thread, by a connection of its own.
+        """
         many = _FEWEST
         try:
-            while first <= last:
-                lot = (key, first, last, many)
-                latest, block = _joined(database, lot) if self._header[59] == _UTF_8 else (last, None)
-                if block is None:
-                    rows = database.execute(_ONE_BY_ONE, lot).fetchall()
-                    latest, block = (rows[-1][0], self._block(key, rows)) if rows else (last, None)
-                if block is not None:
-                    many = max(_LARGEST_MESSAGE // int(block.size.max() + 1), _FEWEST)
-                    yield block
-                first = latest + 1
+            with closing(self._connect()) as other, ThreadPoolExecutor(max_workers=1) as pool:
+                last = min(database.execute("SELECT MAX(rowid) FROM messages").fetchone()[0] or 0, last)
+                while first <= last:
+                    middle = first + max(many, (last - first) // _MOST_RANGES)
+                    end = min(2 * middle - first - 1, last)
+                    coming = pool.submit(list, self._lots(other, key, middle, end, many))
+                    for lots in (partial(self._lots, database, key, first, min(middle - 1, last), many), coming.result):
+                        for latest, block in lots():
+                            first = latest + 1
+                            if block is not None:
+                                many = max(_LARGEST_MESSAGE // int(block.size.max() + 1), _FEWEST)
+                                yield block
         except _DATABASE_ERRORS as error:
             self._note(None, f"{error}; the messages on whole pages were read")
             yield from self._on_leaves(key, first, last)
+
+    def _lots(
+        self, database: sqlite3.Connection, key: int, first: int, last: int, many: int
+    ) -> Iterator[tuple[int, Block | None]]:
+        """Yield the messages of a topic, so many at a time, with the last id that was looked at."""
+        while first <= last:
+            lot = (key, first, last, many)
+            latest, block = _joined(database, lot) if self._header[59] == _UTF_8 else (last, None)
+            if block is None:
+                rows = database.execute(_ONE_BY_ONE, lot).fetchall()
+                latest, block = (rows[-1][0], self._block(key, rows)) if rows else (last, None)
+            yield latest, block
+            first = latest + 1
 
     def _on_leaves(self, key: int, first: int, last: int) -> Iterator[Block]:
         found = (one for one in self._leaves.messages() if one[1] == key and first <= one[0] <= last)

@@ -86,7 +86,7 @@ class ColumnTable(Table):
                 return part
         refuse_too_large(self.path, rows * (np.float64().itemsize if is_part else row_bytes), packed)
         if not is_part:
-            return self.read_all(columns)
+            return self.read_rows(columns, self.read_clock(columns.time), None)
         # The joints of a long table may follow each other.
         whole = options.hashed or options.in_blocks or columns.joint is not None
         start, stop = options.window_of_clock()
@@ -116,10 +116,6 @@ class ColumnTable(Table):
     def in_blocks(self, columns: ColumnMap) -> Part | None:  # noqa: ARG002
         """Read the first stamps alone, and say how to read blocks; None where the container does not allow that."""
         return None
-
-    def read_all(self, columns: ColumnMap) -> Part:
-        """Read the clock and the channels in all rows."""
-        return self.read_rows(columns, self.read_clock(columns.time), None)
 
 
 Pieces = Callable[..., Iterator[dict[int, NDArray[Any]]]]
