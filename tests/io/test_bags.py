@@ -42,7 +42,7 @@ def forms(name: str, *options: dict[str, Any]) -> list[Form]:
     [
         *forms("a.bag", *({"compression": one} for one in (None, "LZ4", "BZ2"))),
         *forms("bag", *({"compression": one} for one in (None, "MESSAGE", "FILE"))),
-        *forms("bag", *({"storage": "MCAP", "compression": one} for one in (None, "FILE"))),
+        *forms("bag", *({"storage": "MCAP", "compression": one} for one in (None, "MESSAGE", "FILE"))),
         *forms("a.mcap", *({"compression": one} for one in CompressionType)),
         *forms("a.mcap", {"ros1": True}, {"use_chunking": False}, {"index_types": IndexType.NONE}),
         *forms("a.mcap", {"use_statistics": False, "repeat_channels": False, "repeat_schemas": False}),

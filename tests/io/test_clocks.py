@@ -26,9 +26,9 @@ SECONDS = np.linspace(0.0, 0.999, 1000)
         ("time_ms", ("time_ms", "ms", "column")),
         ("t [s]", ("t [s]", "s", "column")),
         ("timestamp_ns", ("timestamp_ns", "ns", "column")),
-        ("Time|header.stamp.secs|header.stamp.nsecs",
-         ("header.stamp.secs + header.stamp.nsecs", "ns", "header_stamp")),
+        ("Time|header.stamp.secs|header.stamp.nsecs", ("header.stamp.secs + header.stamp.nsecs", "ns", "header_stamp")),
         ("q|sec|nanosec", ("sec + nanosec", "ns", "header_stamp")),
+        ("ZeitInSec|ZeitInNanoSec", ("ZeitInSec + ZeitInNanoSec", "ns", "header_stamp")),
         ("q_1|dq_1|stamina|sec", None),
     ],
 )  # fmt: skip

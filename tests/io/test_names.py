@@ -25,7 +25,7 @@ TWO_ARMS = ["time", *(f"{a}_joint{i}/{c}" for a in ("left", "right") for c in ("
 
 
 NAMES = {
-    ("q", 0, None): "q[0]|state.q[0]|field.position0|position.0",
+    ("q", 0, None): "q[0]|state.q[0]|field.position0|position.0|axisQMsr_LBR_iiwa_7_R800_1[0]",
     ("q", 3, None): (
         " q[3]|joint_positions[3]|measured_joint_state.position[3]|data.qpos.3|obs/joint_pos[3]"
         "|Axis3_FeedbackPosition|/friction_test/joint_states/position[3]"
@@ -41,14 +41,14 @@ NAMES = {
     ("tau_J", 3, None): (
         "state.tau_J[3]|tau_J_3|effort.3|motor_torques_measured.3|MeasuredTorque_A3|motor_3_tau_est"
         "|measured_tq_3|joint_effort_3|J3 Trq (Nm)|Feedback trq 3|lowstate.motor_state[3].tauEst"
-        "|/panda/tau_measured.3"
+        "|/panda/tau_measured.3|axisTauMsr_LBR_iiwa_14_R820_1[3]|iq_3 [A]"
     ),
     ("tau_J", 1, None): "tau_J_1 [Nm]",
     ("tau_J", 2, "panda_joint2"): "tau_J_panda_joint2",
     ("tau_J_d", 2, None): "cmd.tau_J_d[2]|tau_J_d_2|desired_joint_state.effort[2]",
     ("tau_J_d", 1, "panda_joint1"): "/joint_states_desired/panda_joint1/effort",
     ("tau_ext_hat_filtered", 1, None): "field.tau_ext_hat_filtered1|tau_ext_1|tau_external_1|tau_J_ext_1",
-    ("tau_ext_hat_filtered", 0, None): "tau_ext_hat_filtered.effort.0",
+    ("tau_ext_hat_filtered", 0, None): "tau_ext_hat_filtered.effort.0|axisTauExtMsr_LBR_iiwa_7_R800_1[0]",
     ("tau_interaction", 1, None): "tau_interaction_1",
     ("tau_interaction", None, None): "F_m",
     ("gravity", 2, None): "g_2",
@@ -96,7 +96,7 @@ def test_names_of_something_else(name: str) -> None:
 @pytest.mark.parametrize(
     ("unit", "names"),
     [
-        ("A", "actual_current_{i}|target_current|joint1.curr|i_{i}|motorCurrent{i}|effort_{i} [A]|#14-#19:A"),
+        ("A", "actual_current_{i}|target_current|joint1.curr|i_{i}|motorCurrent{i}|effort_{i} [A]|iq_{i}|#14-#19:A"),
         ("mA", "effort_{i} [mA]|load_{i}:mA"),
         ("N m", "current_torque_{i}|tau_J_{i}|amplitude_{i}"),
     ],

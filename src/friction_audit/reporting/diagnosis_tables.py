@@ -66,7 +66,7 @@ def effect_rows(joints: Iterable[JointDiagnosis], which: str = "effects") -> lis
 
 
 def _percent(share: float) -> str:
-    return f"{100 * share:.3g}"
+    return f"{float(f'{100 * share:.3g}'):g}"  # three digits, and no power of ten
 
 
 def _share(of: str, meaning: str) -> Column:

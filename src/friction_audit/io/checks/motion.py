@@ -190,8 +190,8 @@ def join_turns(recording: Recording, columns: Mapping[str, Column]) -> Recording
                 turns = passed[-1]
             yield t, channels
 
-    text = "{} jumps by a turn at the end of its range; it is made continuous"
-    found = [Finding("turns_joined", text.format(recording.name_of("q", j)), j + 1) for j in wrapped.tolist()]
+    text = f"q ({recording.mapping.get('q', 'q')}) jumps by a turn at the end of its range; it is made continuous"
+    found = [Finding("turns_joined", text, joint + 1) for joint in wrapped.tolist()]
     return recording.mended(mend).with_findings(*found)
 
 

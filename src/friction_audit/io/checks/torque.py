@@ -122,9 +122,10 @@ def _poor(recording: Recording, columns: Mapping[str, Column], channel: str, joi
     forwards, backwards = torque[dq > MOVING_RAD_S], torque[dq < -MOVING_RAD_S]
     if len(forwards) + len(backwards) < _FEWEST_MOVING:
         return None
-    name, step, rms, dead = recording.name_of(channel, joint), _step(torque), float(np.std(torque)), ""
+    name, step, rms = f"{channel} ({recording.mapping.get(channel, channel)})", _step(torque), float(np.std(torque))
+    dead = ""
     if columns[channel].highest[joint] == columns[channel].lowest[joint]:
-        dead = f"constant: {name} is {torque[0]:g} in all rows while the joint moves"
+        dead = f"constant: {name} is {torque[0] + 0.0:g} in all rows while the joint moves"
     elif 0.0 < rms < min(_FEW_STEPS * step, _LEAST_NM):
         dead = f"dead: {name} varies by {rms:.2g} rms, a few steps of {step:.2g}"
     if dead:

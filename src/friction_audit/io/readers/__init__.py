@@ -17,7 +17,7 @@ from friction_audit.io.checks.clock import leave_out_far
 from friction_audit.io.files import DATA_SET, Stamp, sha256_of, stamp_of, starts_with
 from friction_audit.io.readers.arrays import ArrayTable, arrays_of_frame
 from friction_audit.io.readers.channel_names import arm_of_log, torque_unit
-from friction_audit.io.readers.join import join_recordings
+from friction_audit.io.readers.join import join_recordings, refuse_without_torque
 from friction_audit.io.readers.reader import (
     TAKE_A_PART,
     Reader,
@@ -86,6 +86,7 @@ def _read_log(path: str | Path, options: ReadOptions, listen: Listen) -> JointLo
                 own = replace(own, topic=f"#{arm}" if arm else None, t_start_s=None, t_end_s=None)
             at = files[0]
             recording = join_recordings(parts, asked.mapping) if options.join else parts[0]
+            refuse_without_torque(recording, parts)
             recording = _checked(recording, options, listen)
             contents = [digest.result() for digest in digests] or [""] * len(files)
         except OSError as error:

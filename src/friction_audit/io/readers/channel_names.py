@@ -20,7 +20,7 @@ QUANTITIES: dict[str, tuple[str, ...]] = {
     "temperature": ("temperature", "temperatures", "temp"),
 }
 _RANK = {word: rank for among in QUANTITIES.values() for rank, word in enumerate(among)}
-_CURRENT = {"current", "currents", "curr"}  # of a motor, where no other word names the quantity
+_CURRENT = {"current", "currents", "curr", "iq"}  # of a motor, where no other word names the quantity
 # What a word makes of a torque; those of the last row may stand for the torque too.
 _TORQUES = {"ext": "tau_ext_hat_filtered", "external": "tau_ext_hat_filtered", "interaction": "tau_interaction",
             "int": "tau_interaction", "compensation": "tau_compensation", "comp": "tau_compensation",
@@ -68,7 +68,8 @@ _PATTERNS = (
     ("(?i:joint)", rf"{_HEAD}(?P<words>{_WORDS})[./]{_NAMED_JOINT}"),
     ("(?i:joint)", rf"{_HEAD}(?P<joint>\w*(?i:joint))_(?P<words>{_WORDS})"),
 )
-_BRACKETED_UNIT = re.compile(r"\[\s*[a-zA-Z°µ][^\]]*\]|\(\s*[^\d:)][^)]*\)")
+# Units in brackets, and the model that KUKA's recorder writes between a quantity and the number of its joint.
+_ASIDE = re.compile(r"\[\s*[a-zA-Z°µ][^\]]*\]|\(\s*[^\d:)][^)]*\)|(?<=Msr)_LBR_\w+(?=\[\d+\]$)")
 OTHER_UNIT = re.compile(
     r"[\[(]\s*(?:[mµu]rad|revs?|turns?|counts?|cts|ticks?|inc|steps?|pulses?|raw|lsb|[mc]?m|k?n|"
     r"[mk]n\W?m|n\W?[cm]m|kgf?\W?c?m|oz\W?in|lbf?\W?(?:in|ft)|ft\W?lbf?|w|v)(?:/s|/sec|s-1)?\s*[\])]",
@@ -78,7 +79,7 @@ _IN_PARENTHESES = re.compile(r"\((\d+)\)")  # an index, as MATLAB writes it
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+")
 _SAYS_AMPERE = re.compile(r"[\[(](?P<bracket>m?A|milliamps?)[\])]|[_:](?P<suffix>m?A)(?![a-zA-Z{\d])")
 _SAYS_CURRENT = re.compile(
-    r"(?:(?:^|[^a-zA-Z])(?i:currents?|curr|amps?|amperes?|i_(?:motor|\{i\}|\d+))|Current)(?![a-z])"
+    r"(?:(?:^|[^a-zA-Z])(?i:currents?|curr|amps?|amperes?|iq|i_(?:motor|\{i\}|\d+))|Current)(?![a-z])"
 )
 _SAYS_TORQUE = re.compile(r"torque|effort|tau|nm(?![a-z])|moment", re.IGNORECASE)
 _ELEMENT = re.compile(r"(?P<head>(?:.*[./])?)(?P<stem>[^\W\d][^./]*?)(?:\[(?P<a>\d+)\]|[._]?(?P<b>\d+))")
@@ -102,8 +103,8 @@ class ForeignName:
 def parse_name(name: str) -> ForeignName | None:
     """Return what a column's name says, or None if it is no joint channel."""
     text = name.strip("- ")
-    units = " ".join(_BRACKETED_UNIT.findall(text))
-    bare = _BRACKETED_UNIT.sub(lambda unit: " " * len(unit[0]), _IN_PARENTHESES.sub(r"[\1]", text))
+    units = " ".join(_ASIDE.findall(text))
+    bare = _ASIDE.sub(lambda unit: " " * len(unit[0]), _IN_PARENTHESES.sub(r"[\1]", text))
     tried = (pattern for part, pattern in _PATTERNS if re.search(part, bare) and not FINGER.search(text))
     match = next((found for pattern in tried if (found := re.fullmatch(pattern, bare))), None)
     if match is None or OTHER_UNIT.search(units):

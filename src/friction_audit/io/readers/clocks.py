@@ -26,7 +26,7 @@ _UNITS_SPELLED = "milliseconds|msec|ms|nanoseconds|nsec|ns|microseconds|usec|us|
 _UNIT = rf"(?:(?:[ _]+|[ _]*[\[(])(?P<unit>{_UNITS_SPELLED})[\])]?)?"
 _SPELLED = {"mil": "ms", "mse": "ms", "ms": "ms", "nan": "ns", "nse": "ns", "ns": "ns", "mic": "us", "use": "us",
             "us": "us", "µs": "us"}  # fmt: skip
-_SECONDS = re.compile(r"(?P<head>(?:.*[._/])?)secs?", re.IGNORECASE)
+_SECONDS = re.compile(r"(?P<head>(?:.*[._/]|ZeitIn)?)secs?", re.IGNORECASE)
 _EPOCH_S = (1.1e9, 4.1e9)  # Unix time between the years 2004 and 2099
 _LONGEST_S = 1e10  # three centuries: from no stamp to the last one in nanoseconds
 

@@ -182,16 +182,7 @@ def sniff_csv(path: Path) -> Dialect:
         raise InputError(f"{path}: all lines are blank or comments; expected a table with a header")
     start = _below_prologue(texts, start)
     separator = separator_of(texts[start])
-    fields = split_line(texts[start], separator)
-    has_header = any(value_of(field, float, "." if separator == "," else ",") is None for field in fields)
-    first, header = start + has_header, texts[start - (not has_header)] if has_header or start else ""
-    mark = _COMMENT.match(header)
-    names = split_line(header[mark.end() :] if mark else header, separator)
-    if not has_header:
-        has_header = mark is not None and len(names) == len(fields)
-        names = names if has_header else tuple(f"#{column}" for column in range(1, len(fields) + 1))
-    named = _with_units(names, texts[first : first + 1], separator) if has_header else None
-    names, first = (named or names), first + (named is not None)
+    names, has_header, first = _names_and_first(texts, start, separator)
     rows = tuple(split_line(text, separator) for text in texts[first : first + _LOOK] if is_row(text))
     if not rows:
         raise InputError(f"{path}: 0 samples: a header of {len(names)} columns and no rows; record the arm in motion")
@@ -226,6 +217,28 @@ def _below_prologue(texts: Sequence[str], start: int) -> int:
     wide = next((i for i in range(start, len(texts)) if len(split_line(texts[i], separator)) >= width - 1), start)
     is_header = any(value_of(field, float, ",") is None for field in split_line(texts[wide], separator))
     return wide if is_header else start
+
+
+def _names_and_first(texts: Sequence[str], start: int, separator: str) -> tuple[tuple[str, ...], bool, int]:
+    """Return names of the columns, whether they are known, and which is the first line of numbers.
+
+    ``ros2 topic echo --csv`` prints a JointState without a header: stamp, frame, names of joints, three arrays.
+    """
+    fields = split_line(texts[start], separator)
+    words = [value_of(field, float, "." if separator == "," else ",") is None for field in fields]
+    joints = words[3:].index(False) if False in words[3:] else 0
+    if joints and len(fields) == 3 + 4 * joints and fields[0].isdigit() and fields[1].isdigit():
+        arrays = (f"{name}.{joint}" for name in ("name", "position", "velocity", "effort") for joint in range(joints))
+        return ("header.stamp.sec", "header.stamp.nanosec", "header.frame_id", *arrays), True, start
+    has_header = any(words)
+    first, header = start + has_header, texts[start - (not has_header)] if has_header or start else ""
+    mark = _COMMENT.match(header)
+    names = split_line(header[mark.end() :] if mark else header, separator)
+    if not has_header:
+        has_header = mark is not None and len(names) == len(fields)
+        names = names if has_header else tuple(f"#{column}" for column in range(1, len(fields) + 1))
+    named = _with_units(names, texts[first : first + 1], separator) if has_header else None
+    return named or names, has_header, first + (named is not None)
 
 
 def _with_units(names: tuple[str, ...], line: Sequence[str], separator: str) -> tuple[str, ...] | None:

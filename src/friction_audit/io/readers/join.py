@@ -36,12 +36,6 @@ def join_recordings(parts: Sequence[Recording], mapping: Mapping[str, str]) -> R
                 "that overlap; name the common clock with --map t=NAME, or join files of one recording"
             )
         joined = _with_channels(joined, other, stamps)
-    lost = [] if "q" in joined.channels else ["q"]
-    lost += [] if joined.channels.keys() & {*TORQUE_CHANNELS} else [f"a torque ({', '.join(TORQUE_CHANNELS)})"]
-    if lost:
-        contents = "; ".join(f"{Path(part.path).name} has {', '.join(part.channels) or 'none'}" for part in parts)
-        what = f"{joined.path}: no {' and no '.join(lost)}; {contents}"
-        raise InputError(f"{what}; join the file that has it with --join, or name its columns with --map")
     rows = (joined.t >= low) & (joined.t <= high)
     for channel in {"q", "dq", *TORQUE_CHANNELS} & joined.channels.keys() - parts[0].channels.keys():
         there = np.isfinite(joined.channels[channel]).all(axis=1)
@@ -55,6 +49,17 @@ def join_recordings(parts: Sequence[Recording], mapping: Mapping[str, str]) -> R
         first_s = float(np.nanmin(joined.t)) if joined.first_s is None else joined.first_s
         joined = replace(joined.changed(lambda t, channels: take_rows(t, channels, rows)), first_s=first_s)
     return joined.with_findings(Finding("joined", message, amount=float(outside)))
+
+
+def refuse_without_torque(recording: Recording, parts: Sequence[Recording]) -> None:
+    """Refuse a recording that lacks the position or every torque, and say what its parts hold."""
+    lost = [] if "q" in recording.channels else ["q"]
+    lost += [] if recording.channels.keys() & {*TORQUE_CHANNELS} else [f"torque ({', '.join(TORQUE_CHANNELS)})"]
+    if lost:
+        held = [f"{Path(part.path).name} has {', '.join(part.channels) or 'none'}" for part in parts]
+        held += [one.message for part in parts for one in part.findings if one.code == "channel_empty"]
+        what = f"{recording.path}: no {' and no '.join(lost)}; {'; '.join(held)}"
+        raise InputError(f"{what}; join the file that has it with --join, or name its columns with --map")
 
 
 def _on_clock_of(first: Recording, other: Recording) -> Float:

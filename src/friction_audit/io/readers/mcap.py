@@ -63,7 +63,7 @@ class McapStream(MessageStream):
                 position = following
             if position != len(data):
                 self._note(offset, "a message runs over the end of its chunk")
-            yield from collector.finish()
+            yield from self._decompressed(collector.finish())
 
     def _records(self, window: Window | None) -> Iterator[tuple[int, bytes]]:
         """Yield offset and records of each chunk, and those between chunks; up to a break. Indices are not read."""

@@ -4,13 +4,13 @@ import re
 from abc import abstractmethod
 from bz2 import BZ2Decompressor
 from collections import defaultdict
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass
 from io import BytesIO
 from math import inf
 from pathlib import Path
-from typing import BinaryIO, NamedTuple
+from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,6 +23,8 @@ MOST_TIMES_PACKED = 4000
 _SMALLEST_BOUND = 1 << 20  # below it the ratio is not checked [byte]
 # Recorders close a chunk after 0.75 to 16 MB; a larger one would have to lie in memory as a whole. [byte]
 LARGEST_CHUNK = 256 << 20
+LARGEST_MESSAGE = 1 << 20  # the state of a thousand joints takes 50 kB; a message of a gigabyte is a bomb [byte]
+ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 
 
 class BrokenError(Exception):
@@ -172,6 +174,23 @@ class MessageStream(AbstractContextManager["MessageStream"]):
             where = f"byte {min(byte or 0 for _, byte in self.damage.values())} of {self._bytes}"
             raise InputError(f"{self._path}: breaks off at {where} before the first whole {first}; copy it again")
 
+    def _decompressed(self, blocks: Iterable[Block]) -> Iterator[Block]:
+        """Yield blocks of messages; where a recorder has compressed each message, decompressed."""
+        for block in blocks:
+            packed = block.buffer.startswith(ZSTD_MAGIC, int(block.start[0]))
+            rows = list(zip(block.log_time.tolist(), block.payloads(), strict=True)) if packed else []
+            if plain := self._block(block.key, rows) if packed else block:
+                yield plain
+
+    def _block(self, key: int, rows: Sequence[tuple[Any, ...]]) -> Block | None:
+        """Join messages; what is no time stamp with bytes, or cannot be decompressed, is left out."""
+        sound = [
+            (time, own) for *_, time, data in rows if isinstance(time, int) and (own := _message(data)) is not None
+        ]
+        if len(sound) < len(rows):
+            self._note(None, "messages without time stamp or bytes, or with broken compression, were left out")
+        return one_block(key, *zip(*sound, strict=True)) if sound else None
+
     def _unpack(self, offset: int, compression: str, packed: bytes, claimed: int, *, cut: bool) -> bytes | None:
         """Return the records of the chunk at an offset, None if they cannot be decompressed."""
         try:
@@ -232,3 +251,16 @@ def one_block(key: int, log_time: Sequence[int], payloads: Sequence[bytes]) -> B
     size = np.fromiter(map(len, payloads), np.int64, len(payloads))
     start = np.concatenate(([0], np.cumsum(size)[:-1])).astype(np.int64)
     return Block(key, np.array(log_time, np.int64), b"".join(payloads), start, size)
+
+
+def _message(data: object) -> bytes | None:
+    """Return a message, decompressed if it was compressed: no CDR message begins as zstd does. None if it is broken."""
+    if not isinstance(data, bytes) or not data.startswith(ZSTD_MAGIC):
+        return data if isinstance(data, bytes) else None
+    from zstandard import ZstdError, frame_content_size
+
+    try:
+        size = frame_content_size(data)
+        return unpack("zstd", data, LARGEST_MESSAGE if size < 0 else size, cut=size < 0)
+    except (BrokenError, ZstdError):
+        return None

@@ -18,13 +18,12 @@ import numpy as np
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers.message_stream import (
+    LARGEST_MESSAGE,
+    ZSTD_MAGIC,
     Block,
-    BrokenError,
     Connection,
     MessageStream,
     Window,
-    one_block,
-    unpack,
 )
 
 _HEADER_BYTES, _LARGEST_PAGE = 100, 65_536
@@ -82,7 +81,7 @@ class _Leaves:
         local = least + (size - least) % room if size > most else size
         local = local if local <= most else least
         record, following = page[start : start + local], page[start + local : start + local + 4]
-        for _ in range(-(-(min(size, _LARGEST_MESSAGE) - local) // room)):
+        for _ in range(-(-(min(size, LARGEST_MESSAGE) - local) // room)):
             more = self._page(int.from_bytes(following, "big"))
             record, following = record + more[4 : self._usable], more[:4]
         return record[:size]
@@ -104,12 +103,10 @@ def _messages_on(page: bytes) -> list[re.Match[bytes]]:
 
 # What sqlite3 raises on a broken database; the second where the name of a broken thing is part of the message.
 _DATABASE_ERRORS = (sqlite3.Error, UnicodeDecodeError)
-_ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 _UTF_8 = 1  # of the encodings of texts: in another one, a blob is not the same as a text
 _MESSAGES_PER_BLOCK = 1024  # from leaf pages; larger ones wake the garbage collector, which doubles the time
 _FEWEST = 16  # messages that are read at a time
 _MOST_RANGES = 4096  # of ids: where these are far apart, a range holds many of them
-_LARGEST_MESSAGE = 1 << 20  # the state of a thousand joints takes 50 kB; a message of a gigabyte is a bomb [byte]
 _LAST_ID = 2**63 - 1
 
 # The next messages of a topic: one by one; and, which leaves the interpreter to the thread that decodes, joined to one
@@ -181,7 +178,7 @@ class Sqlite3Stream(MessageStream):
                         for latest, block in lots():
                             first = latest + 1
                             if block is not None:
-                                many = max(_LARGEST_MESSAGE // int(block.size.max() + 1), _FEWEST)
+                                many = max(LARGEST_MESSAGE // int(block.size.max() + 1), _FEWEST)
                                 yield block
         except _DATABASE_ERRORS as error:
             self._note(None, f"{error}; the messages on whole pages were read")
@@ -206,13 +203,6 @@ class Sqlite3Stream(MessageStream):
             if block := self._block(key, rows):
                 yield block
 
-    def _block(self, key: int, rows: Sequence[Row]) -> Block | None:
-        """Join messages; what is no time stamp with bytes, or cannot be decompressed, is left out."""
-        sound = [(time, own) for _, time, data in rows if isinstance(time, int) and (own := _message(data)) is not None]
-        if len(sound) < len(rows):
-            self._note(None, "messages without time stamp or bytes, or with broken compression, were left out")
-        return one_block(key, *zip(*sound, strict=True)) if sound else None
-
     def _connect(self) -> sqlite3.Connection:
         """Open without writing any file next to it, unless a journal of its own must be taken into account."""
         journal = self._path.with_name(f"{self._path.name}-wal")
@@ -223,7 +213,7 @@ class Sqlite3Stream(MessageStream):
             database.execute("PRAGMA writable_schema = ON")  # else SQLite refuses it
         database.text_factory = lambda text: text.decode(errors="replace")
         # No message is larger than its file, unless an expression in the table's definition makes it.
-        database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, min(max(self._bytes, _LARGEST_PAGE), _LARGEST_MESSAGE))
+        database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, min(max(self._bytes, _LARGEST_PAGE), LARGEST_MESSAGE))
         return database
 
     def _broken(self, error: Exception | str) -> InputError:
@@ -262,7 +252,7 @@ def _joined(database: sqlite3.Connection, lot: tuple[int, ...]) -> tuple[int, Bl
     """Return the last id of the next messages, and these, joined within SQLite; None where not all are equally long."""
     with suppress(sqlite3.DataError):  # together they are larger than a message may be
         last, count, size, data, times = database.execute(_JOINED, lot).fetchone()
-        if size and len(data) == count * size and not data.startswith(_ZSTD_MAGIC):
+        if size and len(data) == count * size and not data.startswith(ZSTD_MAGIC):
             log_time = np.fromstring(times, np.int64, sep=",")
             if len(log_time) == count:  # else some have none
                 return last, Block(lot[0], log_time, data, size * np.arange(count), np.full(count, size))
@@ -281,16 +271,3 @@ def _ids_in(database: sqlite3.Connection, window: Window) -> tuple[int, int]:
         window.after |= latest > window.last
         window.latest = max(window.latest, latest)
     return (1, 0) if first is None else (first, last)
-
-
-def _message(data: object) -> bytes | None:
-    """Return a message, decompressed if it was compressed: no CDR message begins as zstd does. None if it is broken."""
-    if not isinstance(data, bytes) or not data.startswith(_ZSTD_MAGIC):
-        return data if isinstance(data, bytes) else None
-    from zstandard import ZstdError, frame_content_size
-
-    try:
-        size = frame_content_size(data)
-        return unpack("zstd", data, _LARGEST_MESSAGE if size < 0 else size, cut=size < 0)
-    except (BrokenError, ZstdError):
-        return None

@@ -77,7 +77,7 @@ CHANNEL = Record(
 SIGN = Record(
     joint_column("0"),
     Column("energy", str, get="1.verdict", on="p"),
-    Column("moving", float, get="1.moving_s", unit="s", on="p"),
+    Column("moving", float, get="1.moving_s", unit="s", title="moving, slowly too", on="p"),
     Column("path", float, get="1.path_rad", unit="rad", on="p"),
     Column("with_motion", get="1.against_motion_nm", unit="N m", title="torque with the motion", on="p"),
     Column("error", get="1.standard_error_nm", form=".2g", unit="N m", title="standard error", on="p"),
