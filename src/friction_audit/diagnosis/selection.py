@@ -305,27 +305,21 @@ def indistinguishable(
     """Names that the log cannot separate from a selected effect."""
     close = (c for c in competing if c.two_ln_bayes_factor < INDISTINGUISHABLE)
     names = [c.name for c in close if c.correlation > ALIKE]
-    exact = {b.name for b in gram.blocks if b.effect.misses == "nothing"}
+    constants = {b.name: b for b in gram.blocks if b.effect.misses == "nothing"}
     # A curve that bends little over the range contains a constant: an offset may be most of it.
-    names += [c.name for c in competing if c.name in exact and c.correlation > SAME and c.name not in names]
+    names += [c.name for c in competing if c.name in constants and c.correlation > SAME and c.name not in names]
     names += same_as(block.name) - {block.name, *names}
     others = [b for b in active if b is not block]
     if block.effect.misses == "even":
-        names += sorted(_offsets(gram, block, others) - {*names, *(b.name for b in active)})
+        # An offset may be the constant of a cable, or be refused as what the formula of gravity may get wrong.
+        columns = block.columns / gram.problem.samples.weight
+        varying = np.ptp(columns, axis=1) > TOLERANCE * np.abs(columns).max(axis=1)
+        given = Projected(Training(gram), others).and_also(gram.of(block)[varying])
+        needed = (name for name, one in constants.items() if given.evidence(gram.of(one)) >= PRIOR)
+        names += [name for name in needed if name not in names]
     wholes = PART_OF.get(block.name, ())
     parts = [b.name for b in others if b.name in wholes or _leans(Training(gram), block, b, others)]
     return (*names, *(name for name in parts if name not in names))
-
-
-def _offsets(gram: Gram, block: Block, others: Sequence[Block]) -> set[str]:
-    """Constant torques that what varies of a torque of position or time leaves, if the log needs them.
-
-    Either the effect has a constant of its own, or the constant is smaller than what its formula may get wrong.
-    """
-    varies = np.ptp(block.columns, axis=1) > TOLERANCE * np.abs(block.columns).max(axis=1)
-    given = Projected(Training(gram), others).and_also(gram.of(block)[varies])
-    constant = {b.name: b for b in gram.blocks if b.effect.misses == "nothing"}
-    return {name for name, one in constant.items() if given.evidence(gram.of(one)) >= PRIOR}
 
 
 def _leans(training: Training, block: Block, other: Block, others: Sequence[Block]) -> bool:
