@@ -138,6 +138,6 @@ def test_a_word_is_found_without_a_server(visit: Open) -> None:
     visited = visit("index")
     visited.page.locator("input.md-search__input").fill("manifest")
     found = visited.page.locator(".md-search-result__link").first
-    found.wait_for(timeout=20_000)
+    found.wait_for(timeout=60_000)
     assert "batch-report" in (found.get_attribute("href") or "")
     assert visited.complaints == []
