@@ -141,8 +141,6 @@ class Search:
 
     def objective(self, active: Sequence[Block]) -> float:
         """2 ln of the posterior of an active set over that of the nominal model."""
-        if not active:
-            return 0.0
         n, fit = self.training.samples, self.training.fit(active)
         total = n * float(np.log(self.training.fit(()).rss / fit.rss))
         for block in active:
@@ -225,8 +223,6 @@ class Search:
     def _exchange(self, active: list[Block]) -> list[Block]:
         for block in active:
             rest = [b for b in active if b is not block]
-            if len(rest) == len(active):
-                continue
             for score in self.best(rest)[:2]:
                 if score.block is not block and self._better([*rest, score.block], active):
                     active = [*rest, score.block]
@@ -268,9 +264,8 @@ def split(fit: Fit, active: Sequence[Block]) -> list[Float]:
 def shares_of_folds(gram: Gram, active: Sequence[Block], numbers: int) -> dict[str, int]:
     """In how many of the selections without one fold each an effect, or one that stands for it there, is chosen."""
     count, given = dict.fromkeys((b.name for b in active), 0), Projected(Training(gram), ())
-    folds = range(gram.problem.folds)
-    for left_out in folds:
-        others = Training(gram, tuple(k for k in folds if k != left_out))
+    for left_out in range(gram.problem.folds):
+        others = Training(gram, tuple(k for k in range(gram.problem.folds) if k != left_out))
         search = Search(others, None, numbers, PRIOR_OF_FOLDS, ROUNDS_OF_FOLDS)
         chosen = search.run(search.settle(active))
         for block in active:
@@ -303,16 +298,21 @@ def indistinguishable(
     gram: Gram, competing: Sequence[Evidence], block: Block, active: Sequence[Block]
 ) -> tuple[str, ...]:
     """Names that the log cannot separate from a selected effect."""
-    close = (c for c in competing if c.two_ln_bayes_factor < INDISTINGUISHABLE)
-    names = [c.name for c in close if c.correlation > ALIKE]
-    exact = {b.name for b in gram.blocks if b.effect.misses == "nothing"}
+    names = [c.name for c in competing if c.two_ln_bayes_factor < INDISTINGUISHABLE and c.correlation > ALIKE]
+    constants = {b.name: b for b in gram.blocks if b.effect.misses == "nothing"}
     # A curve that bends little over the range contains a constant: an offset may be most of it.
-    names += [c.name for c in competing if c.name in exact and c.correlation > SAME and c.name not in names]
-    names += same_as(block.name) - {block.name, *names}
+    names += [c.name for c in competing if c.name in constants and c.correlation > SAME]
+    names += same_as(block.name) - {block.name}
     others = [b for b in active if b is not block]
+    if block.effect.misses == "even":
+        # An offset may be the constant of a cable, or be refused as what the formula of gravity may get wrong.
+        columns = block.columns / gram.problem.samples.weight
+        varying = np.ptp(columns, axis=1) > TOLERANCE * np.abs(columns).max(axis=1)
+        given = Projected(Training(gram), others).and_also(gram.of(block)[varying])
+        names += [name for name, one in constants.items() if given.evidence(gram.of(one)) >= PRIOR]
     wholes = PART_OF.get(block.name, ())
-    parts = [b.name for b in others if b.name in wholes or _leans(Training(gram), block, b, others)]
-    return (*names, *(name for name in parts if name not in names))
+    names += [b.name for b in others if b.name in wholes or _leans(Training(gram), block, b, others)]
+    return tuple(dict.fromkeys(names))
 
 
 def _leans(training: Training, block: Block, other: Block, others: Sequence[Block]) -> bool:
