@@ -287,6 +287,7 @@ FEW = replace(DATA, cycle=DATA.cycle * 7 // (DATA.cycle.max() + 1))
         ("load_dependent_friction", replace(DATA, load=10.0 + 2.0 * np.sin(Q)), None),
         ("load_dependent_friction", LOADED, None),
         ("inertia_error", DATA, "inertia_kg_m2"),
+        *((name, replace(DATA, unknown_gravity=True), "gravity") for name in ("cable_spring", "torque_bias")),
         ("unlogged_compensation", DATA, 'held = ["coulomb"]'),
     ],
 )

@@ -94,11 +94,12 @@ def _missing(joint: JointDiagnosis) -> str:
 
 
 def _todo(joint: JointDiagnosis) -> str:
-    if joint.verdict == "unexplained":
-        return "look at the figure residual"
+    unexplained = joint.verdict == "unexplained"
     in_torque = any((one.code, one.verdict) == ("gravity", "limit") for one in joint.findings)
-    if in_torque and any(one.axis in ("position", "load") for one in joint.added):
+    if in_torque and (unexplained or any(one.axis in ("position", "load") for one in joint.added)):
         return "gravity is in the torque: give a model of the arm (--robot, --urdf)"
+    if unexplained:
+        return "look at the figure residual"
     if (unsure := next((one for one in joint.effects if one.alternatives), None)) is not None:
         motion = motion_between(unsure.name, unsure.alternatives[0])
         which = "" if joint.added[:1] == (unsure,) else f" {unsure.name}"
