@@ -33,6 +33,7 @@ def cluster() -> Iterator[Any]:
     sys.path.remove(root)
 
 
+@pytest.mark.thorough
 def test_the_same_numbers_to_the_bit(cluster: Any, rig: Path, batch: Batch) -> None:
     here = batch(rig)
     there = batch(rig, executor=DaskExecutor(address=cluster.scheduler_address), ledger="there")

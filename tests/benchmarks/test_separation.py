@@ -35,23 +35,15 @@ def test_a_log_that_cannot_show_the_truth_separates_nothing() -> None:
     assert not of(numbers=0).separates
 
 
-@pytest.fixture(scope="module")
-def ripples() -> tuple[Separation, Separation]:
+@pytest.mark.thorough
+def test_a_strong_ripple_is_separated_and_noncentrality_grows_with_the_square_of_the_strength() -> None:
     """The same ripple in a log of 20 s, as strong as the noise and half of it."""
     case = replace(draw_case(7, ("torque_ripple",), 1.0, "joint"), duration_s=20.0)
     scales = scales_for(case)
     assert scales is not None
     strong, weak = (separate(scaled(case, (share * scales[0],))) for share in (1.0, 0.5))
-    return strong, weak
-
-
-def test_a_strong_ripple_is_separated_from_everything(ripples: tuple[Separation, Separation]) -> None:
-    strong, _ = ripples
     assert strong.separates
     assert "torque_ripple" not in [one.name for one in strong.competing]
-
-
-def test_the_noncentrality_grows_with_the_square_of_the_strength(ripples: tuple[Separation, Separation]) -> None:
-    strong, weak = (max(one.competing, key=lambda other: other.noncentrality) for one in ripples)
+    most, half = (max(one.competing, key=lambda other: other.noncentrality).noncentrality for one in (strong, weak))
     # The hand moves a little differently, and the noise's integral time is measured on other rows.
-    assert strong.noncentrality / weak.noncentrality == pytest.approx(4.0, rel=0.1)
+    assert most / half == pytest.approx(4.0, rel=0.1)

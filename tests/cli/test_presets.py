@@ -70,6 +70,7 @@ def test_limits_of_a_compensator_are_those_of_the_preset() -> None:
     assert compensator_limits("iiwa14", 8).torque_nm == inf
 
 
+@pytest.mark.thorough
 def test_a_plan_without_a_log_is_for_the_arm_named(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(plan, "candidates_of", lambda limits: candidates_of(limits)[::9])
     words = ("--robot", "ur5e", "--joints", "3", "--drive", "robot", "--no-check", "--duration", "60")

@@ -159,6 +159,7 @@ def test_the_command_separates_checks_and_writes_a_document_and_the_trajectory(
     assert run("plan", source, "--no-check", "-o", "out").code == 2  # files that exist
 
 
+@pytest.mark.thorough
 def test_a_result_without_open_names_says_so_and_offers_the_best_recording(run: Run, tmp_path: Path) -> None:
     document = json.loads(result(tmp_path / "a.json", "adequate").read_text())
     constants = {"name": "torque_bias", "alternatives": ["asymmetric_coulomb"], "parameters": {"torque_bias_nm": 0.1}}
@@ -186,6 +187,7 @@ def test_what_it_refuses(run: Run, tmp_path: Path) -> None:
         assert "expected" in answer.err or "give" in answer.err
 
 
+@pytest.mark.thorough
 def test_a_drift_is_sought_at_both_ends_of_the_time() -> None:
     numbers = {"drift_1_nm": 0.15, "drift_2_nm": 0.0, "drift_3_nm": 0.0, "drift_4_nm": 0.0, "drift_waves": 1.0}
     effects = [{"name": "torque_drift", "alternatives": ("asymmetric_coulomb", "torque_bias"), "parameters": numbers}]

@@ -132,6 +132,7 @@ def test_joints_beyond_a_sheet_are_on_another(monkeypatch: pytest.MonkeyPatch) -
     assert "Coefficients over time, joints 4 to 5" in of_log(replace(report()))  # drawn anew; joint 3 has none
 
 
+@pytest.mark.thorough
 def test_a_page_of_a_thousand_sessions_or_of_many_arms_is_small(monkeypatch: pytest.MonkeyPatch) -> None:
     of_few = blank_figures(1, letters=50_000, kinds=("curves", "changes"))  # they are no larger for many sessions
     html = write_page(batch_by_hand.batch(batch_by_hand.arm(1000)), of_few)

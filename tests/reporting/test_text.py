@@ -17,14 +17,7 @@ from friction_audit.reporting.diagnosis import diagnose_lines
 from friction_audit.reporting.diagnosis_words import joint_message
 from friction_audit.reporting.drift import batch_lines
 from friction_audit.reporting.estimate import estimate_lines
-from friction_audit.reporting.notices import (
-    Notice,
-    diagnose_notices,
-    notice_lines,
-    reason_lines,
-    sentence_of,
-    text_of,
-)
+from friction_audit.reporting.notices import Notice, diagnose_notices, notice_lines, reason_lines, sentence_of, text_of
 from friction_audit.reporting.replay import replay_lines
 from tests.reporting import batch_by_hand, log_report_by_hand
 from tests.reporting.conftest import build_estimate

@@ -162,6 +162,7 @@ def test_a_driven_arm_follows_its_command_and_its_friction_is_found() -> None:
     assert np.abs(coulomb(estimate_log(driven.log, settings)) - COULOMB).max() < 0.03
 
 
+@pytest.mark.thorough
 def test_friction_of_a_guided_arm_is_found_with_default_settings() -> None:
     simulation = simulate(ArmSettings(duration_s=20.0), AUDITED_SEED)
     estimate = estimate_log(simulation.log, AuditSettings())
