@@ -278,7 +278,7 @@ FEW = replace(DATA, cycle=DATA.cycle * 7 // (DATA.cycle.max() + 1))
         ("presliding", ONCE, "reversals"),
         ("backlash", ONCE, "reversals"),
         ("backlash", DATA, None),
-        ("warm_up", two_sines(20.0), "record at least 30 s"),
+        ("warm_up", two_sines(20.0), "record more than 30 s"),
         ("torque_drift", DATA, None),
         ("torque_drift", two_sines(29.0), "drift"),
         ("torque_drift", FEW, "7 cycles"),
