@@ -82,7 +82,7 @@ def prepare(
     # Standard deviation of the slope of a low-passed signal over that of its white noise. [1/s]
     slope_gain = float(np.linalg.norm(low_pass.slope) * np.sqrt(median_step(t) / (low_pass.fine[1] - low_pass.fine[0])))
     (all_q, all_dq, all_ddq, logged_dq), sources = _filtered_motion(log, low_pass, t, fresh, valid, slope_gain)
-    weighs = choice.gravity == "in-torque"
+    weighing = (np.ptp(all_q, axis=0) > RESTING_RAD) & (choice.gravity == "in-torque")  # joints, shape (j,)
     sensed = choice.sign * low_pass.all_of(t, getattr(log, CHANNELS[choice.source]), fresh)
     logged = None if log.gravity is None else low_pass.all_of(t, log.gravity, fresh)
     load, removed, rigid = know_load(choice, arm, low_pass.t, (all_q, all_dq, all_ddq), logged)
@@ -127,7 +127,7 @@ def prepare(
             logged_q=logged_q,
             logged_dq=logged_dq[:, column],
             load=None if load is None else np.ascontiguousarray(load[:, column]),
-            unknown_gravity=weighs and bool(np.any(np.ptp(np.delete(all_q, column, axis=1), axis=0) > RESTING_RAD)),
+            unknown_gravity=bool(weighing.sum() > weighing[column]),
             rigid=None if rigid is None else rigid[column],
             others_joint=column,
             sample_s=median_step(log.t),

@@ -63,7 +63,7 @@ class JointData:
     logged_dq: Float | None = None  # velocity as it was logged, through the same filter; ``dq`` where None [rad/s]
     # what the sensor bears besides, signed as the torque: gravity, and inertia that was taken away; predicted [N m]
     load: Float | None = None
-    unknown_gravity: bool = False  # gravity is in the torque, and other joints move: of the own angle it is no function
+    unknown_gravity: bool = False  # True if gravity is in the torque and also depends on other joints
     rigid: RigidBody | None = None  # what the rigid-body model of the arm says; None where no model is known
     others_joint: int | None = None  # column of this joint among the others; ``joint`` where None
     sample_s: float = 0.0  # usual step of the log itself, 0 where a torque late by part of it is of no interest [s]
@@ -188,11 +188,6 @@ def span(data: JointData, _nominal: Nominal, least_rad: float) -> Caution | None
     low, high = reach(data)
     small = high - low < least_rad
     return Caution("small_span", numbers={"span": high - low, "least": least_rad}) if small else None
-
-
-def known_gravity(data: JointData, _nominal: Nominal) -> Caution | None:
-    """Gravity out of the torque, or of the own angle alone: else it resembles constants and curves of position."""
-    return Caution("unknown_gravity") if data.unknown_gravity else None
 
 
 def reversals(data: JointData, _nominal: Nominal) -> Caution | None:

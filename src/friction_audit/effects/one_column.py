@@ -11,7 +11,7 @@ import numpy as np
 
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import Effect, SpeedFriction
-from friction_audit.effects.joint_data import JointData, Nominal, both_directions, known_gravity
+from friction_audit.effects.joint_data import JointData, Nominal, both_directions
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.interaction import Caution
@@ -36,6 +36,7 @@ class Constant(OneColumn):
     """A torque that is constant in motion."""
 
     misses = "nothing"
+    like_gravity = True
 
 
 def stated_inertia(_data: JointData, nominal: Nominal) -> Caution | None:
@@ -79,7 +80,7 @@ ASYMMETRIC_COULOMB = Constant(
     label="friction differs by direction",
     axis="speed",
     coefficients=(Parameter("coulomb_half_difference_nm", "N m", "half of the difference, forward minus backward"),),
-    requires=lambda data, nominal: known_gravity(data, nominal) or both_directions(data, nominal),
+    requires=both_directions,
     record="pass the same places in both directions, with rests",
     separate={
         "torque_bias": "let the joint rest unloaded for 2 s: a bias is read at rest too, friction is not",
@@ -112,7 +113,7 @@ TORQUE_BIAS = Constant(
     label="offset of the torque sensor",
     axis="time",
     coefficients=(Parameter("torque_bias_nm", "N m", "interaction torque as read without a load"),),
-    requires=lambda data, nominal: known_gravity(data, nominal) or both_directions(data, nominal),
+    requires=both_directions,
     record="let the joint rest unloaded for 2 s",
     separate={
         "torque_drift": "zero the sensor and let the joint rest unloaded for 2 s early and late: a drift comes back"

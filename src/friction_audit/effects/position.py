@@ -10,16 +10,7 @@ import numpy as np
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import Each, Effect, Nonlinear, Points
-from friction_audit.effects.joint_data import (
-    CORNER_HZ,
-    JointData,
-    Nominal,
-    both_directions,
-    known_gravity,
-    reach,
-    span,
-    speeds,
-)
+from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, both_directions, reach, span, speeds
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 
@@ -193,6 +184,7 @@ class CableSpring(Effect):
 
     screened = 3
     misses = "even"
+    like_gravity = True
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return the stretch d = q - c less what is free of it, and its cube, and ones, as columns."""
@@ -235,7 +227,7 @@ CABLE_SPRING = CableSpring(
         Parameter("cable_centre_rad", "rad", "neutral position"),
         Parameter("cable_free_rad", "rad", "slack to either side", lower=0.0),
     ),
-    requires=lambda data, nominal: known_gravity(data, nominal) or span(data, nominal, 0.8),
+    requires=partial(span, least_rad=0.8),
     record="move through all of the range",
     separate={
         "joint_limit_stop": "move through all of the range: a stop is there at its ends only",
@@ -259,6 +251,7 @@ class JointLimitStop(Effect):
 
     screened = 3
     misses = "even"
+    like_gravity = True
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return (depth / 0.1 rad)^n at the upper and the lower stop, dq while one is touched, that times the power."""
@@ -296,7 +289,7 @@ JOINT_LIMIT_STOP = JointLimitStop(
         Parameter("stop_lower_rad", "rad", "position of the lower stop"),
         Parameter("stop_exponent", "1", "exponent of the depth", lower=0.5, upper=5.0),
     ),
-    requires=lambda data, nominal: known_gravity(data, nominal) or span(data, nominal, 0.5),
+    requires=partial(span, least_rad=0.5),
     record="move through all of the range",
     separate={"contact_event": "go to the same place again: a stop is still there"},
 )
