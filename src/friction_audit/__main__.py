@@ -3,7 +3,6 @@
 It imports next to nothing first, so that a signal that comes while the command line is loaded ends it in words.
 """
 
-import atexit
 import gc
 import os
 import signal
@@ -28,14 +27,6 @@ def main() -> None:
         run()
     except KeyboardInterrupt:
         sys.exit(128 + signal.SIGINT)
-    except SystemExit as end:
-        if isinstance(end.code, int):
-            with suppress(OSError, ValueError):  # a stream that is full or gone: Python says so
-                sys.stdout.flush()
-                sys.stderr.flush()
-                atexit._run_exitfuncs()  # noqa: SLF001
-                os._exit(end.code)  # as mypy ends: to take all modules down takes a twentieth of a short command
-        raise
 
 
 def _end(number: int, _: FrameType | None) -> None:

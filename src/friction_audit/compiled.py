@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable
-from functools import cache, partial, update_wrapper
+from functools import cache, cached_property, partial, update_wrapper
 from types import ModuleType
 from typing import Any, TypeAlias, TypeVar, cast
 
@@ -19,10 +19,10 @@ OPTIONS: dict[str, Any] = {"nogil": True, "no_cfunc_wrapper": True}
 def compiled(signature: str | None = None, *, any_order: bool = False, inline: bool = False) -> Callable[[Loop], Loop]:
     """Compile a loop; it gives the interpreter away while it runs.
 
-    With a signature, importing the module compiles it (or loads it from the cache) instead of the first call. In an
-    installation that is read-only, without a home for the cache, it is compiled anew in every process. Sums in
-    any order are several times as fast, and differ in their rounding. What is inline becomes a part of the loops that
-    call it and is not compiled by itself; for what is small or is called at one place.
+    With a signature, for these types alone. In an installation that is read-only, without a home for the cache, it is
+    compiled anew in every process. Sums in any order are several times as fast, and differ in their rounding. What is
+    inline becomes a part of the loops that call it and is not compiled by itself; for what is small or is called at one
+    place.
     """
     options = OPTIONS | {"fastmath": ANY_ORDER if any_order else False, "inline": "always" if inline else "never"}
     return cast("Callable[[Loop], Loop]", partial(_Compiled, signature, options))
@@ -37,18 +37,16 @@ class _Compiled:
     def __init__(self, signature: str | None, options: dict[str, Any], loop: Callable[..., Any]) -> None:
         update_wrapper(self, loop)
         self.py_func, self._signature, self._options = loop, signature, options
-        if signature is not None:
-            self.dispatcher = self._made()
 
     def __call__(self, *given: Any) -> Any:  # noqa: ANN401 - what the loop takes, and returns
         return self.dispatcher(*given)
 
     def __getattr__(self, name: str) -> Any:  # noqa: ANN401 - of numba's own
-        if name == "dispatcher":
-            self.dispatcher = self._made()  # two threads at once may make two: both are right
-        return self.dispatcher if name == "dispatcher" else getattr(self.dispatcher, name)
+        return getattr(self.dispatcher, name)
 
-    def _made(self) -> Any:  # noqa: ANN401 - of numba, which has no types
+    @cached_property
+    def dispatcher(self) -> Any:  # noqa: ANN401 - of numba, which has no types
+        """What numba makes of the loop; two threads at once may make two, and both are right."""
         from numba import njit
 
         try:

@@ -1,6 +1,7 @@
 """The command line: read, one library call, write."""
 
 import errno
+import gc
 import io
 import os
 import sys
@@ -97,6 +98,8 @@ def main(argv: list[str] | None = None) -> None:
             lines += [f"joint {joint}: {text_of(why)}" for joint, why in reason.of_joints]
         remark("\n  ".join(lines))
         sys.exit(reason.exit_code)
+    finally:
+        gc.freeze()  # the process ends: a search of the libraries' objects for garbage is of no use
 
 
 def _in_words(error: Exception, command: str) -> FrictionAuditError | None:
