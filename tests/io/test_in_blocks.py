@@ -21,7 +21,7 @@ from friction_audit.preprocessing.sign import coarse_log
 from friction_audit.reporting.estimate import estimate_document, estimate_tables
 from friction_audit.reporting.replay import replay_document
 from friction_audit.robot import load_arm
-from tests.each_case import thorough
+from tests.each_case import thorough, with_thorough
 from tests.io.synthetic_recordings import motion, refused
 from tests.pinned.test_pinned import same
 
@@ -85,8 +85,10 @@ CASES: dict[str, tuple[tuple[str, ...], dict[str, Any]]] = {
 }
 
 
-@pytest.mark.parametrize("case", CASES)
-@pytest.mark.parametrize("joints", [None, (2, 5)])
+ALL_AND_SOME = [*((case, None) for case in CASES), ("model", (2, 5)), ("compensation", (2, 5))]
+
+
+@pytest.mark.parametrize(("case", "joints"), with_thorough(ALL_AND_SOME, CASES, (None, (2, 5))))
 def test_the_estimate_is_the_same(
     frame: pd.DataFrame, tmp_path: Path, case: str, joints: tuple[int, ...] | None
 ) -> None:

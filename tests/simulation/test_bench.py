@@ -93,7 +93,7 @@ def test_settings_out_of_range_are_refused(make: Callable[[], object], words: st
 
 # At the ends of their ranges effects are still physics; beyond them they are refused.
 
-LIMITS_IDEAL = BenchSettings(duration_s=6.0, sensors=(IDEAL_SENSORS,))
+LIMITS_IDEAL = BenchSettings(duration_s=4.0, sensors=(IDEAL_SENSORS,))
 
 
 @pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.name)
