@@ -14,6 +14,7 @@ import numpy as np
 from friction_audit.joint_log import Float, Int
 
 SIGNALS = ("t", "q", "dq", "torque", "compensation", "posture")
+FITTED_STROKES = 3  # few strokes fit the direction, the offset and the position by themselves: three do not count
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -27,11 +28,21 @@ class SignEvidence:
     # part of F_m + u that goes with the direction of motion; NaN where it is undetermined [N m]
     against_motion_nm: float
     standard_error_nm: float  # its standard error, strokes taken as independent [N m]
+    strokes: int  # motions between two reversals
 
     @property
     def score(self) -> float:
         """Torque against the motion in standard errors; NaN where it is undetermined."""
         return self.against_motion_nm / self.standard_error_nm if self.standard_error_nm else float("nan")
+
+    @property
+    def normal_score(self) -> float:
+        """Score of the normal distribution that is as unlikely as ``score`` is with few strokes, NaN likewise.
+
+        Student's t by D. L. Wallace, Ann. Math. Stat. 30 (1959) 1121: scipy.special takes long to load.
+        """
+        free, t = max(self.strokes - FITTED_STROKES, 1), self.score
+        return float(np.copysign((8 * free + 1) / (8 * free + 3) * np.sqrt(free * np.log1p(t**2 / free)), t))
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ So per joint, over the samples that move,
 
 and the sign is proved where f, the torque against the motion, is positive beyond its standard error; f times the path
 is the energy taken. The noise is not white (vibration, gravity of other joints), so the standard error is that of
-independent strokes: a stroke is the motion between two reversals.
+independent strokes: a stroke is the motion between two reversals. Few strokes know their error badly: Student's t.
 """
 
 from dataclasses import dataclass, replace
@@ -19,14 +19,14 @@ import numpy as np
 from friction_audit.joint_log import Bool, Float, Int, JointLog, median_step
 from friction_audit.log_in_blocks import LogInBlocks, block_means, samples_per_mean
 from friction_audit.parallel import per_joint
-from friction_audit.preprocessing.interaction import SignEvidence
+from friction_audit.preprocessing.interaction import FITTED_STROKES, SignEvidence
 
 # A sample moves above a fifth of the joint's peak speed, at most 0.05 rad/s, and at least 0.01 unless all is slow.
 SLOWEST_RAD_S, FASTEST_RAD_S, SHARE_OF_PEAK = 0.01, 0.05, 0.2
 STILL_RAD_S, STILL_RAD = 0.02, 0.05  # a joint whose peak speed and range stay below these does not move
 SHARE_OF_FARTHEST = 0.1
 MINIMUM_STROKES = 4
-SIGNIFICANT = 2.0  # standard errors
+SIGNIFICANT = 2.0  # standard errors of many strokes
 LARGEST_SCORE = 5.0  # standard errors beyond which a score comes from gravity or inertia, not from more certainty
 BRIDGED_S = 0.1  # a step of the clock up to this is no hole here: the motion of the mean is well below 5 Hz
 
@@ -78,7 +78,7 @@ def voting(evidence: tuple[SignEvidence, ...]) -> tuple[SignEvidence, ...]:
 
 def most(evidence: tuple[SignEvidence, ...], verdict: Verdict) -> bool:
     """Return True if the joints that vote have this verdict, ``rises`` or ``falls``, together (Stouffer's method)."""
-    scores = np.array([one.score for one in voting(evidence) if np.isfinite(one.score)])
+    scores = np.array([one.normal_score for one in voting(evidence) if np.isfinite(one.score)])
     if not scores.size:
         return False
     combined = float(np.clip(scores, -LARGEST_SCORE, LARGEST_SCORE).sum() / np.sqrt(len(scores)))
@@ -106,16 +106,19 @@ def _judge(log: CoarseLog, joint: int, torque: Float) -> SignEvidence:
         ddq = np.gradient(log.dq[:, joint], log.t)[moving]
         others = np.array([np.ones(len(q)), np.sin(q), np.cos(q), ddq]).T
         against, error = _coefficient(direction, others, torque[moving], stroke)
-        if abs(against) > SIGNIFICANT * error:
-            verdict = "rises" if against > 0 else "falls"
-    return SignEvidence(
+    found = SignEvidence(
         joint=joint + 1,
         verdict=verdict,
         moving_s=step * int(np.count_nonzero(moving)),
         path_rad=step * float(speed[moving].sum()),
         against_motion_nm=against,
         standard_error_nm=error,
+        strokes=len(np.unique(stroke)),
     )
+    # Of torque that is noise-free the error is zero, and there is no score.
+    if abs(against) > 0.0 and not abs(found.normal_score) <= SIGNIFICANT:
+        return replace(found, verdict="rises" if against > 0 else "falls")
+    return found
 
 
 def _coefficient(column: Float, others: Float, torque: Float, stroke: Int) -> tuple[float, float]:
@@ -131,5 +134,4 @@ def _coefficient(column: Float, others: Float, torque: Float, stroke: Int) -> tu
     value = float(own @ left) / square
     scores = np.bincount(stroke, weights=own * (left - value * own))
     strokes = len(scores)
-    # Few strokes fit the column, the offset and the position by themselves: three of them do not count.
-    return value, float(np.sqrt(scores @ scores * strokes / (strokes - 3)) / square)
+    return value, float(np.sqrt(scores @ scores * strokes / (strokes - FITTED_STROKES)) / square)
