@@ -52,6 +52,12 @@ def test_torque_that_does_not_know_the_direction_is_undecided_in_most_cases() ->
     assert verdicts.count("undecided") >= 34
 
 
+def test_few_strokes_prove_the_sign_of_noise_no_more_often_than_many() -> None:
+    log, _ = strokes(4.0)
+    noises = (np.random.default_rng(seed).normal(0, 1, (16, 1)).repeat(250, axis=0) for seed in range(100))
+    assert [judged(log, noise).verdict for noise in noises].count("undecided") >= 90
+
+
 @pytest.mark.parametrize(
     ("speed", "drift", "hz", "verdict"),
     [(0.003, 0.0, 0.5, "still"), (0.04, 0.0, 0.5, "rises"), (0.008, 0.0, 0.04, "rises"), (0.2, 0.6, 0.5, "undecided")],
