@@ -30,7 +30,7 @@ WITH_LOOPS = ("test_docs.py", "test_reproductions.py", "test_diagnose.py")
 GARBAGE_EACH = (100_000, 20, 20)
 """After so many new objects the young ones are looked through, every so many times the older and the oldest ones."""
 
-settings.register_profile("fast", deadline=None, max_examples=30)
+settings.register_profile("fast", deadline=None, max_examples=20)
 settings.register_profile("thorough", deadline=None, max_examples=300)
 # As the program itself does: with a worker per core, threads inside a product would only wait for each other.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
