@@ -112,7 +112,7 @@ def _draw_coefficients(panels: Sequence[Axes], estimate: Estimate, friction: Joi
     viscous = (history.viscous_nms_per_rad, history.viscous_low_nms_per_rad, history.viscous_high_nms_per_rad)
     window = f"window: {count_of(min(friction.window, friction.cycles), 'cycle')}"
     title = window if friction.method == "energy" else "from torque regression"
-    panels[-1].set_title(title, loc="right", color=theme.MUTED)
+    panels[-1].set_title(title * (not friction.reason), loc="right", color=theme.MUTED)
     t = np.maximum.accumulate(np.append(history.stop_s, series.t[-1]))
     fits = (("Coulomb [N m]", coulomb, friction.coulomb), ("Viscous [N m s/rad]", viscous, friction.viscous))
     for axes, (label, values, whole) in zip(panels, fits, strict=True):
