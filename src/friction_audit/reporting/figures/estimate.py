@@ -130,13 +130,8 @@ def _draw_coefficients(panels: Sequence[Axes], estimate: Estimate, friction: Joi
         if np.isfinite(values[0]).any():
             middle, low, high = values
             axes.step(t, np.append(middle, middle[-1]), where="post", color=theme.FILTERED, label=WINDOW)
-            look: theme.Look = {
-                "color": theme.FILTERED,
-                "alpha": 0.22,
-                "lw": 0,
-                "label": INTERVAL * bool(np.isfinite(low).any()),
-            }
-            axes.stairs(high, t, baseline=low, fill=True, **look)  # also of a cycle between two without an estimate
+            name = INTERVAL * bool(np.isfinite(low).any())  # the paper's estimator has none
+            axes.stairs(high, t, baseline=low, fill=True, color=theme.FILTERED, alpha=0.22, lw=0, label=name)
         if np.isfinite(whole.value):
             axes.axhline(whole.value, color=theme.FITTED, lw=0.9, ls=theme.DASHED, label="whole log")
         if np.isfinite(whole.low + whole.high):
