@@ -70,8 +70,8 @@ def select(data: JointData, model: JointModel | None, effects: Sequence[Effect])
 
 def _selected(problem: RegressionProblem, effects: Sequence[Effect]) -> State:
     baseline = problem.nominal.baseline(_ols(problem.X, problem.y))
-    nuisances = plausible(problem, problem.nuisances(baseline), baseline)
-    noise = NoiseModel.fit(problem.age, _plain_and_bent(problem, nuisances), problem.model_error(baseline))
+    nuisances = plausible(problem, baseline)
+    noise = NoiseModel.fit(problem.age, _plain_and_bent(problem, nuisances, problem.X), problem.model_error(baseline))
     dictionary = Dictionary.build(problem, effects, baseline, whole=False)
     # At most one number per independent cycle: the richer form of an effect enters only where the cycles can carry it.
     numbers = len(np.unique(problem.samples.cycle))
@@ -142,18 +142,24 @@ def _refitted(state: State) -> State:
     if np.mean((before - baseline.torque) ** 2) > CHANGED**2 * np.mean(before**2):
         others = [torque for block, torque in torques if not block.effect.transmits]
         state.dictionary.rebuild(baseline, problem.y - np.sum(others, axis=0))
-    made = State(problem, state.dictionary, state.gram.nuisances, noise, state.search.most_numbers)
+    # Gravity that the torque holds drowns the smoothing of the sign until it is named.
+    nuisances = plausible(problem, baseline, [block for block in state.active if block.effect.misses == "even"])
+    made = State(problem, state.dictionary, nuisances, noise, state.search.most_numbers)
     made.active = state.active
     return made
 
 
-def plausible(problem: RegressionProblem, nuisances: Sequence[Nuisance], baseline: Nominal) -> tuple[Nuisance, ...]:
-    """Nuisances that stay within their priors; the others would hide an effect, or cancel one."""
-    kept = list(nuisances)
+def plausible(
+    problem: RegressionProblem, baseline: Nominal, active: Sequence[Block] = ()
+) -> tuple[Nuisance, ...]:
+    """Nuisances that stay within their priors given effects; the others would hide an effect, or cancel one."""
+    given = np.vstack([problem.X, *(block.columns for block in active)])
+    kept = list(problem.nuisances(baseline, given))
     while kept:
-        noise = NoiseModel.fit(problem.age, _plain_and_bent(problem, kept), problem.model_error(baseline))
-        fit = Training(Gram(problem, noise, kept, ())).fit(())
-        size = np.abs(fit.coefficients[len(problem.X) :]) / [one.sd for one in kept]
+        noise = NoiseModel.fit(problem.age, _plain_and_bent(problem, kept, given), problem.model_error(baseline))
+        fit = Training(Gram(problem, noise, kept, active)).fit(active)
+        own = fit.coefficients[len(problem.X) : len(fit.kept)]
+        size = np.abs(own) / [kept[k].sd for k in fit.kept[len(problem.X) :] - len(problem.X)]
         if size.max() <= PLAUSIBLE_SD:
             break
         kept.pop(int(np.argmax(size)))
@@ -229,8 +235,8 @@ def fine_residual(state: State) -> Float:
     return np.asarray(data.torque - baseline.torque - np.sum(torques, axis=0))
 
 
-def _plain_and_bent(problem: RegressionProblem, nuisances: Sequence[Nuisance]) -> list[Float]:
-    plain = np.vstack([problem.X, *(one.column for one in nuisances)])
+def _plain_and_bent(problem: RegressionProblem, nuisances: Sequence[Nuisance], given: Float) -> list[Float]:
+    plain = np.vstack([given, *(one.column for one in nuisances)])
     bent = np.vstack([plain, *(c.columns for c in problem.curves)])
     return [problem.y - _ols(one, problem.y) @ one for one in (plain, bent)]
 
