@@ -151,7 +151,8 @@ def _refitted(state: State) -> State:
         others = [torque for block, torque in torques if not block.effect.transmits]
         state.dictionary.rebuild(baseline, problem.y - np.sum(others, axis=0))
     # Gravity that the torque holds drowns the smoothing of the sign until it is named.
-    nuisances = plausible(problem, baseline, [block for block in state.active if block.effect.misses == "even"])
+    even = [block for block in state.active if block.effect.misses == "even"]
+    nuisances = plausible(problem, baseline, even) if even else state.gram.nuisances
     made = State(problem, state.dictionary, nuisances, noise, state.search.most_numbers)
     made.active = state.active
     return made
@@ -164,8 +165,7 @@ def plausible(problem: RegressionProblem, baseline: Nominal, active: Sequence[Bl
     while kept:
         noise = NoiseModel.fit(problem.age, _plain_and_bent(problem, kept, given), problem.model_error(baseline))
         fit = Training(Gram(problem, noise, kept, active)).fit(active)
-        own = fit.coefficients[len(problem.X) : len(fit.kept)]
-        size = np.abs(own) / [kept[k].sd for k in fit.kept[len(problem.X) :] - len(problem.X)]
+        size = np.abs(fit.coefficients[len(problem.X) : len(fit.kept)]) / [one.sd for one in kept]
         if size.max() <= PLAUSIBLE_SD:
             break
         kept.pop(int(np.argmax(size)))
