@@ -224,13 +224,11 @@ class RegressionProblem:
     def _smoothed_sign(self, given: Float) -> list[Float]:
         """What a smoothed sign differs from the sign by, at the width that fits best, and its change with the width."""
         (_, near, seen), inside = self.near, np.linalg.qr(given.T)[0].T
-        v = near.dq / SIGN_WIDTHS_RAD_S[:, None]
-        kinds = [seen((one - near.direction).T) for one in (np.tanh(v), v / np.hypot(v, 1.0))]
-        signs = np.stack(kinds)
+        signs = seen(np.stack([np.tanh(near.dq / width) - near.direction for width in SIGN_WIDTHS_RAD_S]).T)
         free = signs - (signs @ inside.T) @ inside
-        gain = (free @ self.y) ** 2 / np.maximum(np.sum(free**2, axis=-1), 1e-300)
-        kind, k = np.unravel_index(np.argmax(gain[:, 1:-1]), gain[:, 1:-1].shape)
-        return [signs[kind, k + 1], 0.5 * (signs[kind, k + 2] - signs[kind, k])]
+        gain = (free @ self.y) ** 2 / np.maximum(np.sum(free**2, axis=1), 1e-300)
+        k = int(np.clip(np.argmax(gain), 1, len(gain) - 2))
+        return [signs[k], 0.5 * (signs[k + 1] - signs[k - 1])]
 
     def model_error(self, baseline: Nominal) -> Float:
         """Standard deviation of what any formula gets wrong: at reversals and in proportion to the inertia, (m,)."""

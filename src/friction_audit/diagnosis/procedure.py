@@ -20,8 +20,7 @@ LEAST_Z = 2.0  # standard errors by which a held-out residual must shrink
 LEAST_SHARE = 0.1  # rms of an effect over that of what is left: 0.5 % of the rms
 REPEATS = 2
 EFFECT_ERROR = 0.1  # of the torque of a named effect
-# Parts of it for torques of the position or time: gravity is known far better, and a free curve holds what they miss.
-EVEN_PARTS = (0.0, 0.1, 0.3, 1.0)
+GRAVITY_PARTS = (0.0, 0.1, 0.3, 1.0)  # of that: a sine of the angle may be exact
 TRANSMISSION_ERROR = 0.25  # the same of a spring or a gap: the link side is known roughly
 PLAUSIBLE_SD = 2.5  # a nuisance that wants to be larger stands for something else
 CHANGED = 0.02  # rms of the change of the nominal torque from which columns that need it are built again
@@ -138,11 +137,11 @@ def _refitted(state: State) -> State:
     torques = [(block, c @ block.columns) for block, c in fitted(state.gram, state.active)]
     # The variance function of the largest likelihood (R. J. Carroll, D. Ruppert, Transformation and Weighting in
     # Regression (1988), ch. 3): with a tenth of all gravity as noise a clean joint has presliding.
-    wrong = {even: np.zeros(len(left)) for even in (False, True)}
+    gravity = [block for block in state.active if block.name == "gravity_error"]
+    wrong = [np.zeros(len(left)), problem.model_error(baseline) ** 2]  # of gravity, of all else
     for block, torque in torques:
-        wrong[block.effect.misses == "even"] += (_formula_error(block) * torque) ** 2
-    fixed = problem.model_error(baseline) ** 2 + wrong[False]
-    noises = [NoiseModel.fit(problem.age, [left], np.sqrt(fixed + part**2 * wrong[True])) for part in EVEN_PARTS]
+        wrong[block not in gravity] += (_formula_error(block) * torque) ** 2
+    noises = [NoiseModel.fit(problem.age, [left], np.sqrt(wrong[1] + k**2 * wrong[0])) for k in GRAVITY_PARTS]
     noise = max(noises, key=lambda one: one.log_likelihood(left))
     known = [b for b in state.gram.blocks if not b.refined or b in state.active]
     state.dictionary.blocks = known
@@ -151,8 +150,7 @@ def _refitted(state: State) -> State:
         others = [torque for block, torque in torques if not block.effect.transmits]
         state.dictionary.rebuild(baseline, problem.y - np.sum(others, axis=0))
     # Gravity that the torque holds drowns the smoothing of the sign until it is named.
-    even = [block for block in state.active if block.effect.misses == "even"]
-    nuisances = plausible(problem, baseline, even) if even else state.gram.nuisances
+    nuisances = plausible(problem, baseline, gravity) if gravity else state.gram.nuisances
     made = State(problem, state.dictionary, nuisances, noise, state.search.most_numbers)
     made.active = state.active
     return made
