@@ -2,7 +2,6 @@
 
 import gc
 import os
-from collections import Counter
 from collections.abc import Callable, Iterator
 from functools import cache
 from typing import TYPE_CHECKING
@@ -41,7 +40,6 @@ gc.set_threshold(*GARBAGE_EACH)
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--thorough", action="store_true", help="run the tests marked thorough too, with more examples")
-    parser.addini("every", "tests and n: without --thorough, every n-th of their cases runs", type="linelist")
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -55,12 +53,6 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     the other's when it has done its own. In a clean copy, one compiles the loops while the other does what needs none.
     """
     if not config.getoption("thorough"):
-        every, cases = dict(map(str.split, config.getini("every"))), Counter[str]()
-        for item in items:
-            path, _, name = item.nodeid.partition("[")[0].rpartition("::")
-            if cases[path + name] % int(every.get(name, 1)):
-                item.add_marker("thorough")
-            cases[path + name] += 1
         config.hook.pytest_deselected(items=[item for item in items if item.get_closest_marker("thorough")])
         items[:] = [item for item in items if not item.get_closest_marker("thorough")]
     first = [item for item in items if item.path.name in WITHOUT_LOOPS]

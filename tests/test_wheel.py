@@ -40,7 +40,7 @@ def test_the_wheel_is_whole_and_works(tmp_path: Path) -> None:
     assert {name for name in package if "__pycache__" not in name} == {n for n in names if ".dist-info/" not in n}
     assert any(name.endswith("licenses/LICENSE") for name in names)
 
-    run("pip", "install", *offline, "--target", tmp_path / "site", wheel)
+    run("pip", "install", *offline, "--no-compile", "--target", tmp_path / "site", wheel)
     log = ROOT / "sample_logs" / "bench_rig.csv"
     # To estimate would compile the loops once more: they are not those of the source's cache.
     run("friction_audit", "convert", log, tmp_path / "out.parquet", PYTHONPATH=str(tmp_path / "site"))

@@ -5,6 +5,7 @@ import os
 import re
 import shutil
 from collections.abc import Callable, Mapping
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from friction_audit.io.readers.reader import ReadOptions
 from friction_audit.io.writers.write_log import WRITERS
 from friction_audit.joint_log import Float, JointLog, Source
 from tests.cli.conftest import Run
+from tests.each_case import with_thorough
 from tests.io.synthetic_recordings import motion
 
 SAMPLES = 400
@@ -208,8 +210,11 @@ def test_all_wrong_mappings_at_once(run: Run, form: str, sound: dict[str, Path])
     assert re.search(message, answer.err), answer.err
 
 
-@pytest.mark.parametrize("fault", SPOILED)
-@pytest.mark.parametrize("form", FORMS)
+# Walked in step: each fault is in a table, in a bag and in an MCAP file, and each form has a fault.
+IN_STEP = [one for forms in (TABLES, BAGS.keys() - MCAPS, MCAPS) for one in zip(cycle(sorted(forms)), SPOILED)]
+
+
+@pytest.mark.parametrize(("form", "fault"), with_thorough(IN_STEP, FORMS, SPOILED))
 def test_spoiled_content(run: Run, form: str, fault: str, tmp_path: Path) -> None:
     spoiled, code, message = SPOILED[fault]
     judge(run, write(tmp_path, form, spoiled(swinging_log())), code, message)

@@ -18,6 +18,7 @@ from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.io.writers.write_log import write_log
 from friction_audit.reporting import report as log_report
 from tests.cli.conftest import Run
+from tests.each_case import with_thorough
 from tests.reporting.conftest import build_estimate
 
 FEW = ("--candidates", "stribeck,torque_ripple")
@@ -140,8 +141,10 @@ def test_without_an_estimate_the_page_says_what_to_record(run: Run, logs: Path, 
         assert said in page.replace("Samples", "samples")
 
 
-@pytest.mark.parametrize("share", [0.15, 0.45])
-@pytest.mark.parametrize("rate", [30.0, 50.0, 119.0, 2000.0])
+LOW = ((30.0, 0.45), (50.0, 0.15), (119.0, 0.45), (2000.0, 0.15))
+
+
+@pytest.mark.parametrize(("rate", "share"), with_thorough(LOW, (30.0, 50.0, 119.0, 2000.0), (0.15, 0.45)))
 def test_a_vibration_at_a_low_rate_is_no_error(rate: float, share: float, run: Run, tmp_path: Path) -> None:
     """Noise of the motion lowers the corner of the filter; a vibration above it is filtered away."""
     log: Any = build_estimate(1, count=24, rate=rate).log

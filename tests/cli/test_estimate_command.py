@@ -45,7 +45,7 @@ def test_motor_current_is_written_in_ampere(run: Run, amperes: Path, tmp_path: P
     answer = run("estimate", amperes, "-o", "out")
     assert (answer.code, "[A s/rad]" in answer.out) == (0, True), answer
     assert "N m" not in answer.out
-    assert '"coulomb_a","coulomb_low_a"' in (tmp_path / "out" / "history.csv").read_text()
+    assert '"coulomb_a","coulomb_low_a"' in (tmp_path / "out" / "coefficient_history.csv").read_text()
     document = json.loads((tmp_path / "out" / "estimate.json").read_text())
     assert document["source"]["torque_unit"] == "A"
     assert "torque_in_ampere" in [warning["code"] for warning in document["warnings"]]

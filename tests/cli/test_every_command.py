@@ -56,8 +56,8 @@ def of(*figures: str) -> list[str]:
 
 
 FILES = {
-    "estimate": ["estimate.json", "history.csv", *of(*choices.FIGURES)],
-    "replay": ["replay.json", "replay.csv", *of(*choices.REPLAY_FIGURES)],
+    "estimate": ["estimate.json", "coefficient_history.csv", *of(*choices.FIGURES)],
+    "replay": ["replay.json", "replay_cycles.csv", *of(*choices.REPLAY_FIGURES)],
     "diagnose": ["diagnose.json", "model.toml", *of(*choices.DIAGNOSIS_FIGURES)],
     "report": ["absent.report.html"],
     "plot": of("velocity-torque", "velocity-torque-joint5"),

@@ -12,6 +12,7 @@ import pytest
 from friction_audit.errors import InputError
 from friction_audit.io.readers import ReadOptions, read_log
 from tests.cli.conftest import Run
+from tests.each_case import with_thorough
 
 EPOCH = 1.7e9
 
@@ -50,8 +51,11 @@ def joined(first: Path, *others: Path, **more: Any) -> Any:
     return read_log(first, ReadOptions(join=tuple(map(str, others)), **more))
 
 
-@pytest.mark.parametrize("endings", [(".csv", ".parquet", ".npz"), (".npz", ".csv", ".csv.gz"), (".parquet",) * 3])
-@pytest.mark.parametrize("start", [0.0, 123.4, EPOCH])
+THREE = ((".csv", ".parquet", ".npz"), (".npz", ".csv", ".csv.gz"), (".parquet",) * 3)
+STARTS = (0.0, 123.4, EPOCH)
+
+
+@pytest.mark.parametrize(("endings", "start"), with_thorough([*zip(THREE, STARTS, strict=True)], THREE, STARTS))
 def test_three_files_are_one_log(tmp_path: Path, endings: tuple[str, ...], start: float) -> None:
     t = np.arange(-1.0, 62.0, 1.0)
     warmth = {"time": t + start, "temperature_1": 30.0 + 0.1 * t}

@@ -27,8 +27,12 @@ def test_a_warning_of_physics_is_exit_5_after_all_is_written(command: str, run: 
     )
     assert answer.out
     assert list(Path("out").iterdir())
-    assert run(*words, "--overwrite").code == 0
-    assert run(command, logs / "moved1.csv", "-o", "plain", "-q", *more, "--strict").code == 0
+
+
+def test_a_warning_of_physics_is_no_error_unasked_and_strictness_none_without_one(run: Run, logs: Path) -> None:
+    words = ["estimate", logs / "moved1.csv", "-q"]
+    assert run(*words, *AMPERE).code == 0
+    assert run(*words, "--strict").code == 0
 
 
 def test_a_warning_about_the_recording_is_none_of_physics(run: Run, logs: Path) -> None:

@@ -81,7 +81,7 @@ def test_no_cell_is_a_formula_or_commands_the_terminal(run: Run, tmp_path: Path)
     write_log(replace(build_estimate(len(names), count=8).log, joint_names=names), tmp_path / "run.parquet")
     assert run("estimate", "run.parquet", "-o", "out", "--export", "csv", "-q").code == 0
     tables = {path.name: path.read_text(encoding="utf-8") for path in (tmp_path / "out").glob("*.csv")}
-    assert {"history.csv", "coefficients.csv", "cycles.csv"} <= tables.keys()
+    assert {"coefficient_history.csv", "coefficients.csv", "cycles.csv"} <= tables.keys()
     for text in tables.values():
         assert obeyed(text) == set()
         rows = list(csv.reader(text.splitlines()))

@@ -97,7 +97,10 @@ def test_signals_hold_the_torque_in_force_computed_a_sample_before(run: Run, sim
 @pytest.mark.usefixtures("sketched")
 def test_the_history_file_holds_what_gives_its_coefficients(run: Run, simulated: Path, tmp_path: Path) -> None:
     answer = run("estimate", simulated / "rig.csv", "--estimator", "paper", "-o", "out/deep", "--json")
-    rows, history = pd.read_csv(tmp_path / "out/deep/history.csv"), answer.document()["joints"][0]["history"]
+    rows, history = (
+        pd.read_csv(tmp_path / "out/deep/coefficient_history.csv"),
+        answer.document()["joints"][0]["history"],
+    )
     assert rows["coulomb_nm"].to_list() == pytest.approx([point["coulomb_nm"] for point in history], nan_ok=True)
     columns, energy = rows[["path_rad", "square_speed_rad2_s"]].to_numpy(), rows["dissipated_j"].to_numpy()
     found = [np.linalg.solve(columns[k - 1 : k + 1], energy[k - 1 : k + 1]) for k in range(1, len(rows))]

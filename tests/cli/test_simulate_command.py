@@ -14,7 +14,6 @@ from friction_audit.effects.joint_model import ArmModel, FittedTerm, load_model,
 from friction_audit.io.files import sha256_of
 from friction_audit.io.readers import read_log
 from friction_audit.io.writers.tables import Writer
-from friction_audit.io.writers.write_log import WRITERS
 from friction_audit.reporting.documents import load_schema
 from friction_audit.simulation import Simulation, scenarios, simulate
 from friction_audit.simulation.assign import paths
@@ -22,12 +21,12 @@ from friction_audit.simulation.bench import Progress
 from friction_audit.simulation.effects import EFFECTS
 from friction_audit.simulation.scenarios import SCENARIOS, AnySettings, Scenario
 from tests.cli.conftest import Run
+from tests.each_case import EACH_WRITER
 
 ONE = next(scenario for scenario in SCENARIOS if len(scenario.settings.joints) == 1).name
 SEVEN = next(scenario for scenario in SCENARIOS if len(scenario.settings.moving) == 7).name
 SHORT = ("--duration", "0.6", "-q")
 EACH_SCENARIO = pytest.mark.parametrize("scenario", SCENARIOS, ids=lambda scenario: scenario.name)
-EACH_WRITER = pytest.mark.parametrize("writer", WRITERS, ids=lambda writer: writer.name)
 
 
 @EACH_SCENARIO

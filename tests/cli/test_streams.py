@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.each_case import thorough
+
 CASES = [
     ("--version", "> /dev/full", 2, "error: .*No space left"),
     ("info {log} -q", "> /dev/full", 2, "error: standard output: .*No space left"),
@@ -93,7 +95,7 @@ def run(number: signal.Signals, when: str, *words: str) -> "subprocess.Completed
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
-@pytest.mark.parametrize("number", SIGNALS)
+@pytest.mark.parametrize("number", [signal.SIGTERM, *thorough([signal.SIGINT, signal.SIGHUP])])
 def test_a_file_stopped_before_it_is_in_place_is_not_there(number: signal.Signals, logs: Path, tmp_path: Path) -> None:
     done = run(number, AT_THE_DRAFT, "convert", str(logs / "moved1.csv"), str(tmp_path / "out.csv"), "-q")
     assert done.stderr.startswith("draft of ")

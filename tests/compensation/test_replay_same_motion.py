@@ -23,6 +23,7 @@ from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.slow_and_events import FrictionStep
 from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS, JointParameters, Sensors
 from tests.compensation.bench import BENCH, BY_HAND, JOINT, log_of, replay
+from tests.each_case import with_thorough
 from tests.friction.test_blocks import in_blocks, recorded
 from tests.pinned.commands import pinned
 from tests.pinned.test_pinned import differences
@@ -103,9 +104,14 @@ TOO_MUCH: dict[str, dict[str, Any]] = {
 """Half as much again as the joints of ONE_BY_ONE have, by model."""
 
 
-@HOW
-@pytest.mark.parametrize("forced", [True, False], ids=["forced, recorded with it", "factor, recorded without"])
-@pytest.mark.parametrize("model", ["viscous", "coulomb", "combined"])
+# Pairwise: each model forced, recorded with it, and by a factor, recorded without; each under both operators.
+FORCED = [("viscous", True, Operator()), ("coulomb", True, BY_HAND), ("combined", True, Operator())]
+SIX = [*FORCED, ("viscous", False, BY_HAND), ("coulomb", False, Operator()), ("combined", False, BY_HAND)]
+
+
+@pytest.mark.parametrize(
+    ("model", "forced", "operator"), with_thorough(SIX, TOO_MUCH, (True, False), (Operator(), BY_HAND))
+)
 def test_over_compensation_by_half_is_taken_back(model: str, forced: bool, operator: Operator) -> None:
     """No cycle ends below zero by more than the payback exchanges, and two cycles later the estimate is within 2 %."""
     window = 4 if model == "combined" else 1

@@ -11,6 +11,7 @@ from friction_audit.api import diagnose_log
 from friction_audit.joint_log import DERIVATIVE, Float, JointLog
 from friction_audit.simulation import IDEAL_SENSORS, SCENARIOS, simulate
 from friction_audit.simulation.hide import hide
+from tests.each_case import thorough
 
 SEED = 2
 
@@ -39,7 +40,7 @@ SLOW = ("presliding", "torque_drift", "warm_up", "friction_step", "cable_spring"
         ("stribeck", "joint"),
         ("time_delay", "joint"),
         ("load_dependent_friction", "joint-loaded"),
-        *(pytest.param(name, "joint", marks=pytest.mark.thorough) for name in ("backlash", *SLOW)),
+        *thorough((name, "joint") for name in ("backlash", *SLOW)),
     ],
 )
 def test_an_effect_is_named(name: str, scenario: str) -> None:
@@ -51,12 +52,7 @@ def test_an_effect_is_named(name: str, scenario: str) -> None:
     assert found.omnibus_p < 0.01
 
 
-THOROUGH = ((0.0, 0.02), (0.9, 0.02), (0.0, 0.005))
-
-
-@pytest.mark.parametrize(
-    ("memory", "noise_nm"), [(0.99, 0.02), *(pytest.param(*one, marks=pytest.mark.thorough) for one in THOROUGH)]
-)
+@pytest.mark.parametrize(("memory", "noise_nm"), [(0.99, 0.02), *thorough([(0.0, 0.02), (0.9, 0.02), (0.0, 0.005)])])
 def test_nothing_hidden_has_no_name_in_noise_of_any_colour(memory: float, noise_nm: float) -> None:
     settings = next(one.settings for one in SCENARIOS if one.name == "joint")
     clean: Any = simulate(replace(settings, duration_s=40.0, sensors=(IDEAL_SENSORS,)), SEED).log

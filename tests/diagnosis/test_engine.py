@@ -20,6 +20,7 @@ from friction_audit.effects.registry import effect_of, effects
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.interaction import quoted
 from tests.diagnosis.toy_effects import BUMP, CUBE, LINE, LOCKED_OUT, SQUARE, TOYS, altered, bump, rising
+from tests.each_case import thorough
 from tests.effects.joint_data_by_hand import COULOMB_NM, INERTIA_KG_M2, TRUTH, VISCOUS_NMS_PER_RAD, moved_joint
 
 Torque = Callable[[JointData], Float]
@@ -200,7 +201,7 @@ def late(late_s: float, sample_s: float) -> Any:
     return diagnosed(replace(noisy, torque=noisy.torque + shift, sample_s=sample_s), [effect_of("time_delay")])
 
 
-@pytest.mark.parametrize("late_s", [4e-4, -4e-4])
+@pytest.mark.parametrize("late_s", [4e-4, *thorough([-4e-4])])
 def test_a_recorder_that_is_late_by_less_than_half_a_sample_is_no_effect(late_s: float) -> None:
     found = late(late_s, 1e-3)
     assert (found.verdict, found.effects, found.negligible) == ("adequate", (), ())

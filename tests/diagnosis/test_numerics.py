@@ -26,6 +26,7 @@ from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.registry import effect_of
 from friction_audit.joint_log import Float
 from tests.diagnosis.toy_effects import BUMP, SQUARE, WAVE, bump, rising
+from tests.each_case import thorough
 from tests.effects.joint_data_by_hand import moved_joint
 
 
@@ -107,7 +108,7 @@ def test_scores_of_the_gram_matrix_are_those_of_direct_least_squares() -> None:
             assert coefficients[k, : block.p] == pytest.approx(found[-block.p :], rel=1e-4)
 
 
-@pytest.mark.parametrize(("name", "most"), [("backlash", 0.25), ("presliding", 0.4)])
+@pytest.mark.parametrize(("name", "most"), [("backlash", 0.25), *thorough([("presliding", 0.4)])])
 def test_a_screened_effect_that_is_completed_is_the_whole_one(name: str, most: float) -> None:
     problem, effect = prepared(BUMP)[0].problem, effect_of(name)
     baseline = problem.nominal.baseline(np.array([0.3, 0.07, 0.2]))

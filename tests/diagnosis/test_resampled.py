@@ -10,6 +10,7 @@ import pytest
 from benchmarks.resampled import CASES, Columns, log_by, recorded
 from friction_audit.api import diagnose_log
 from friction_audit.joint_log import Float
+from tests.each_case import thorough
 
 SEEDS = {scenario: 130_000 + seed for truth, scenario, seed, _ in CASES if truth == "none"}
 
@@ -23,10 +24,9 @@ def signals(scenario: str) -> tuple[Float, Columns]:
     ("scenario", "way"),
     [
         ("joint", "linear"),
-        ("joint", "difference"),
         ("joint", "held up"),
-        ("joint-sine", "cubic"),
         ("smoothed sign", "held"),
+        *thorough([("joint", "difference"), ("joint-sine", "cubic")]),
     ],
 )
 def test_nothing_is_missing_in_a_clean_joint_whose_log_was_resampled(scenario: str, way: str) -> None:

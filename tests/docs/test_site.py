@@ -4,7 +4,7 @@ import os
 import re
 import subprocess
 import sys
-from itertools import cycle, product
+from itertools import cycle
 from pathlib import Path
 from typing import NamedTuple
 
@@ -13,6 +13,7 @@ from markdown_it import MarkdownIt
 
 from friction_audit.diagnosis.result import VERDICTS
 from tests.documented_commands import ROOT
+from tests.each_case import with_thorough
 from tests.opened_page import Open
 
 DOCS = ROOT / "docs"
@@ -102,17 +103,13 @@ OPENED = ("index", "recording", "formats", "troubleshooting", "effects/stribeck"
 MORE_PAGES = ("speed", "commands/diagnose", "sample_logs")
 WINDOWS = ((360, "dark"), (1280, "light"), (1280, "dark"))
 # Pages of every kind in a window, with every rule.
-FAST = [(name, *window) for name, window in zip(OPENED, cycle(WINDOWS[:2]))]
-THOROUGH = [
-    pytest.param(name, *window, marks=pytest.mark.thorough)
-    for name, window in product((*OPENED, *MORE_PAGES), WINDOWS)
-    if (name, *window) not in FAST
-]
+FAST = [*zip(OPENED, cycle(WINDOWS[:2]))]
 COLOURS = ["color-contrast", "link-in-text-block"]
 
 
-@pytest.mark.parametrize(("name", "width", "scheme"), [*FAST, *THOROUGH])
-def test_a_page_is_quiet_holds_its_width_and_has_no_barrier(visit: Open, name: str, width: int, scheme: str) -> None:
+@pytest.mark.parametrize(("name", "window"), with_thorough(FAST, (*OPENED, *MORE_PAGES), WINDOWS))
+def test_a_page_is_quiet_holds_its_width_and_has_no_barrier(visit: Open, name: str, window: tuple[int, str]) -> None:
+    width, scheme = window
     visited = visit(name, width=width, scheme=scheme)
     assert visited.evaluate("document.documentElement.scrollWidth - window.innerWidth") <= 0
     assert visited.complaints == []

@@ -11,6 +11,7 @@ from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.reporting.drift_words import arm_sentence, describe, joint_sentence, limits_beyond_all
 from tests.drift.made_sessions import FIRST_S, about, make_arm_sessions, make_joint, make_session, make_sessions, noisy
+from tests.each_case import thorough, with_thorough
 
 QUICK = DriftSettings(permutations=199)
 
@@ -96,8 +97,10 @@ def rise(*, odd_at: int | None = None, back_for: int = 0, seed: int = 0) -> list
     return make_sessions(level * noisy(30, seed, level=1.0, scatter=0.02), error=0.025 * 0.32, seed=seed)
 
 
-@pytest.mark.parametrize("seed", range(1, 4))
-@pytest.mark.parametrize("odd_at", [None, 29, 28, 21])
+ODD = ((None, 1), (29, 2), (28, 3), (21, 1))
+
+
+@pytest.mark.parametrize(("odd_at", "seed"), with_thorough(ODD, (None, 29, 28, 21), range(1, 4)))
 def test_one_odd_session_does_not_hide_a_step(odd_at: int | None, seed: int) -> None:
     found, text = described(rise(odd_at=odd_at, seed=seed))
     assert (found.drift, found.shape) == (True, "step")
@@ -210,7 +213,7 @@ def test_what_is_constant_never_drifts(value: float, error: float, count: int) -
     assert (found.drift, found.change_points) == (False, ())
 
 
-@pytest.mark.parametrize(("arms", "too_many"), [(8, 3), pytest.param(24, 5, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize(("arms", "too_many"), [(8, 3), *thorough([(24, 5)])])
 def test_false_alarms_are_as_rare_as_said(arms: int, too_many: int) -> None:
     """Of arms on which nothing changes, at most 5 % drift; 3 or more of 8, 5 or more of 24 have probability 0.006."""
     alarms = 0

@@ -2,9 +2,11 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
+from scipy.linalg import lstsq
 
 from friction_audit.effects.breakaway import find_breakaways, signed_rest
 from friction_audit.effects.effect import Effect
@@ -75,12 +77,15 @@ def share_explained(effect: Effect, data: JointData, torque: Float) -> float:
     used = np.flatnonzero(data.used)[::2]
     nominal, y = np.column_stack([data.ddq, np.sign(data.dq), data.dq])[used], torque[used]
 
+    # An orthogonal factorisation with pivots takes half the time of singular values.
+    solve = partial(lstsq, cond=1e-10, lapack_driver="gelsy", check_finite=False)
+
     def fit(own: Float) -> tuple[Float, float]:
         columns = np.column_stack([nominal, own])
         size = np.sqrt(np.mean(columns**2, axis=0))
         there = size > 0.0  # rounding of a zero coefficient may have an impossible sign
         size[~there] = 1.0
-        coefficients = np.where(there, np.linalg.lstsq(columns / size, y, rcond=1e-10)[0] / size, 0.0)
+        coefficients = np.where(there, solve(columns / size, y)[0] / size, 0.0)
         return coefficients[3:], float(np.sum((y - columns @ coefficients) ** 2))
 
     nothing, best = fit(np.zeros((len(y), 0)))[1], 0.0

@@ -12,6 +12,7 @@ from friction_audit.io.readers import read_log
 from friction_audit.io.writers.tables import Writer
 from friction_audit.io.writers.write_log import WRITERS, write_log
 from friction_audit.joint_log import JOINT_CHANNELS, Float, JointLog, Source
+from tests.each_case import EACH_WRITER
 
 NAMES = [writer.name for writer in WRITERS]
 JOINT_STATE = ("q", "dq", "tau_J")
@@ -52,7 +53,7 @@ def test_file_reads_back(writer: Writer, tmp_path: Path) -> None:
         compare(channel, log.channels()[name])
 
 
-@pytest.mark.parametrize("writer", WRITERS, ids=NAMES)
+@EACH_WRITER
 @pytest.mark.parametrize("unit", ["A", "mA"])
 def test_a_motor_current_reads_back_as_one_or_is_said_to_be_none(writer: Writer, unit: str, tmp_path: Path) -> None:
     log = make_log(channels=JOINT_STATE)

@@ -13,6 +13,7 @@ from friction_audit.pipeline import AuditSettings, estimate_log
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.velocity import filter_velocity
 from friction_audit.simulation import BenchSettings, simulate
+from tests.each_case import thorough
 from tests.synthetic_interaction import RATE_HZ, interaction, strokes
 
 TRUTH = np.array([0.2, 0.05, 0.1])
@@ -76,7 +77,9 @@ def test_without_noise_every_coefficient_is_found(every: int) -> None:
         assert found.viscous.value == pytest.approx(VISCOUS, rel=1e-2)
 
 
-@pytest.mark.parametrize(("position_noise", "resolution"), [(4e-6, 0.0), (0.0, 1e-6), (0.0, 1e-3), (0.0, 0.0)])
+@pytest.mark.parametrize(
+    ("position_noise", "resolution"), [(4e-6, 0.0), (0.0, 1e-3), *thorough([(0.0, 1e-6), (0.0, 0.0)])]
+)
 def test_noise_of_the_velocity_takes_nothing_from_the_inertia(position_noise: float, resolution: float) -> None:
     # Least squares finds 0.21 here.
     position = partial(regress, position_noise=position_noise, resolution=resolution)
@@ -133,7 +136,7 @@ def test_a_log_shorter_than_a_row_is_not_regressed() -> None:
     assert regressed(interaction(np.arange(20) / RATE_HZ, np.ones(20), np.ones(20))) is None
 
 
-@pytest.mark.parametrize("logs", [8, pytest.param(40, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize("logs", [8, *thorough([40])])
 def test_the_intervals_hold_the_truth_about_as_often_as_they_say(logs: int) -> None:
     settings = BenchSettings(duration_s=40.0, rate_hz=500.0)
     held = []

@@ -90,7 +90,7 @@ def test_time_starts_at_zero_and_the_start_follows() -> None:
     ("change", "words"),
     [
         (put("t", slice(2000, None), lambda t: t[2000:] - 2.0), "back at 1 of 2999 rows, by up to 1.999 s at row 2001"),
-        (times("t", 2.0), r"q changes 0\.5 times the integral of dq over time; .*--time-scale 0\.5"),
+        (times("t", 2.0), r"q is 0\.5 times the integral of dq over time; .*--time-scale 0\.5"),
         (put("dq", ..., 0.0), r"dq .* is 0 in all 3000 rows while q moves by 1"),
         (put("t", slice(1, None), NAN), r"1 sample; .*2999 of 3000 rows hold NaN"),
     ],
@@ -362,7 +362,7 @@ def uneven(rec: Recording) -> Recording:
 
 
 def test_a_clock_wrong_by_two_is_seen_on_uneven_stamps() -> None:
-    with pytest.raises(InputError, match=r"q changes 0\.5 times .*--time-scale 0\.5.*dq has another scale"):
+    with pytest.raises(InputError, match=r"q is 0\.5 times .*--time-scale 0\.5.*dq has another scale"):
         vetted(uneven(changed(times("t", 2.0), samples=6000)))
     assert vetted(uneven(recording(6000))).source.clock_windows > 20
 

@@ -85,8 +85,8 @@ def test_robot_time_comes_first_in_any_unit_and_takes_its_date_from_the_log(fact
     assert [finding.code for finding in clock.findings if unit in finding.message] == ["robot_time_unit"] * bool(unit)
 
 
-@pytest.mark.parametrize("robot_time", [0.0, np.nan])
-def test_clocks_that_stand_still_are_passed_over(robot_time: float) -> None:
+@pytest.mark.parametrize("robot_time", [0.0, np.nan, SECONDS - 2.0 * (SECONDS > 0.5)])
+def test_clocks_that_stand_still_or_were_set_anew_are_passed_over(robot_time: Any) -> None:
     clock = chosen(LOG, header_stamp=np.zeros(1000, np.int64), robot_time=np.full(1000, robot_time))
     assert clock.name == "log_time"
     assert [finding.code for finding in clock.findings] == ["clock_stopped", "clock_stopped"]

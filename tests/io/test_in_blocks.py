@@ -21,6 +21,7 @@ from friction_audit.preprocessing.sign import coarse_log
 from friction_audit.reporting.estimate import estimate_document, estimate_tables
 from friction_audit.reporting.replay import replay_document
 from friction_audit.robot import load_arm
+from tests.each_case import thorough, with_thorough
 from tests.io.synthetic_recordings import motion, refused
 from tests.pinned.test_pinned import same
 
@@ -84,8 +85,10 @@ CASES: dict[str, tuple[tuple[str, ...], dict[str, Any]]] = {
 }
 
 
-@pytest.mark.parametrize("case", CASES)
-@pytest.mark.parametrize("joints", [None, (2, 5)])
+ALL_AND_SOME = [*((case, None) for case in CASES), ("model", (2, 5)), ("compensation", (2, 5))]
+
+
+@pytest.mark.parametrize(("case", "joints"), with_thorough(ALL_AND_SOME, CASES, (None, (2, 5))))
 def test_the_estimate_is_the_same(
     frame: pd.DataFrame, tmp_path: Path, case: str, joints: tuple[int, ...] | None
 ) -> None:
@@ -216,11 +219,14 @@ def test_a_fault_is_handled_block_by_block(frame: pd.DataFrame, tmp_path: Path, 
 
 
 DEGREES = {"q": "q_{i}:deg", "dq": "dq_{i}:deg"}
-PARTS: list[Any] = [{"t_start_s": 3.0, "t_end_s": 12.5}, {"t_start_s": 9.0}]
-OWN = [*PARTS, {"flip": (2,), "torque_scale": (1.5,)}, {"time_scale": 1.1}, {"mapping": DEGREES}]
+OWN: list[Any] = [
+    {"t_start_s": 3.0, "t_end_s": 12.5, "flip": (2,), "torque_scale": (1.5,)},
+    {"t_start_s": 9.0, "time_scale": 1.1, "mapping": DEGREES},
+]
 
 
-@pytest.mark.parametrize(("own", "is_large"), [(own, False) for own in OWN] + [(own, True) for own in PARTS])
+@pytest.mark.parametrize("is_large", [False, True])
+@pytest.mark.parametrize("own", OWN)
 def test_options_hold_block_by_block(
     frame: pd.DataFrame, tmp_path: Path, own: dict[str, Any], is_large: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -311,6 +317,7 @@ def test_files_that_are_joined_are_not_read_in_blocks(frame: pd.DataFrame, tmp_p
 
 BAGS = ("mcap", "mcap-json", "mcap-franka-robot-state", "rosbag1-joint-state", "rosbag2-sqlite3")
 FORMS = ("csv", "csv-rostopic", "npz", *BAGS)
+SLOW = {"csv-rostopic", "mcap-json", "mcap-franka-robot-state"}  # as csv and mcap, decoded otherwise
 
 
 @pytest.fixture(scope="module")
@@ -337,7 +344,7 @@ def assert_in_blocks(path: Path, blocks: int) -> None:
     assert len(list(assert_same_log(path, {}, settings, clock_windows=0).blocks())) >= blocks
 
 
-@pytest.mark.parametrize("dialect", FORMS)
+@pytest.mark.parametrize("dialect", [*(one for one in FORMS if one not in SLOW), *thorough(sorted(SLOW))])
 def test_blocks_are_the_whole(log: JointLog, tmp_path: Path, dialect: str, monkeypatch: pytest.MonkeyPatch) -> None:
     cut_into(333, monkeypatch)
     shorter = log.take_window(1.0, 3.0) if dialect == "mcap-json" else log  # decoded one by one

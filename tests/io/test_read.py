@@ -18,7 +18,8 @@ from friction_audit.io.readers import ReadOptions, csv as reader, read_log
 from friction_audit.io.readers.csv_lines import Dialect, sniff_csv
 from friction_audit.io.recording import Recording
 from friction_audit.io.writers.tables import Writer
-from friction_audit.io.writers.write_log import WRITERS, write_log
+from friction_audit.io.writers.write_log import write_log
+from tests.each_case import EACH_WRITER
 from tests.io.synthetic_recordings import read_text, refused, tidy_frame, write_tidy_csv
 
 
@@ -73,18 +74,20 @@ def test_readers_and_writers_are_listed_without_their_libraries() -> None:
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
 
 
-LOGS = sorted((Path(__file__).parents[2] / "sample_logs" / "formats").iterdir())
+FOLDER = Path(__file__).parents[2] / "sample_logs" / "formats"
+LOGS = sorted(FOLDER.iterdir())
 WINDOWS = [(0.5, 1.5), (-3.0, 1.0), (1.0, None)]
 
 
-@pytest.mark.parametrize("path", LOGS, ids=[path.name for path in LOGS])
-def test_a_part_is_the_part_of_the_whole(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@EACH_WRITER
+def test_a_part_is_the_part_of_the_whole(writer: Writer, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = FOLDER / f"{writer.name}{writer.suffix}"
     whole = read_log(path)
     for is_large in (False, True):
         if is_large:  # so that readers leave out what lies outside the part; else they read all, and it is cut
             monkeypatch.setattr("friction_audit.io.readers.reader.WHOLE_BYTES", 0)
             monkeypatch.setattr("friction_audit.io.readers.csv_lines._BLOCK_BYTES", 20_000)
-        for start_s, stop_s in WINDOWS if path == LOGS[0] else WINDOWS[1:] if is_large else WINDOWS[:1]:
+        for start_s, stop_s in WINDOWS if writer.name == "csv" else WINDOWS[1:] if is_large else WINDOWS[:1]:
             part = read_log(path, ReadOptions(t_start_s=start_s, t_end_s=stop_s))
             expected = whole.take_window(start_s, stop_s)
             np.testing.assert_array_equal(part.t, expected.t)
@@ -154,7 +157,7 @@ def test_a_velocity_is_made_from_a_position_whose_faults_are_mended(
     assert "velocity_derived" in {finding.code for finding in log.source.findings}
 
 
-@pytest.mark.parametrize("writer", WRITERS, ids=lambda writer: writer.name)
+@EACH_WRITER
 def test_a_velocity_that_was_made_is_not_written_as_logged(tmp_path: Path, writer: Writer) -> None:
     t = np.arange(0.0, 2.0, 0.002)
     turn = np.pi * t[:, np.newaxis] + np.arange(7)

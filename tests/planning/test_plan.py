@@ -21,6 +21,7 @@ from friction_audit.planning.plan import JointPlan, plan_task, trajectory_of
 from friction_audit.planning.task import Arm, Joint, Task, task_of
 from friction_audit.reporting.plan import Recording, plan_lines
 from tests.cli.conftest import Run, run
+from tests.each_case import thorough
 
 __all__ = ["run"]
 
@@ -30,7 +31,7 @@ STRIBECK = {"stribeck_excess_nm": 0.15, "stribeck_speed_rad_s": 0.1, "stribeck_e
 
 @pytest.fixture(autouse=True, scope="module")
 def designed_once() -> Iterator[None]:
-    """Take candidates apart once, whatever the duration; plan with every third, but in the test of the command."""
+    """Take candidates apart once, whatever the duration; plan with every third."""
     known, original = dict[str, design.Information](), design.information_of
 
     def information_of(*args: Any) -> design.Information:
@@ -130,10 +131,11 @@ def result(path: Path, verdict: str, **changes: object) -> Path:
     return path
 
 
+@pytest.mark.parametrize("which", [slice(None, None, 3), *thorough([slice(None)])], ids=["every third", "all"])
 def test_the_command_separates_checks_and_writes_a_document_and_the_trajectory(
-    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    which: slice, run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(plans, "candidates_of", candidates_of)
+    monkeypatch.setattr(plans, "candidates_of", lambda limits: candidates_of(limits)[which])
     effect = {"name": "stribeck", "alternatives": ["nonlinear_viscous"], "parameters": STRIBECK}
     source = result(tmp_path / "a.json", "ambiguous", effects=[effect])
     answer = run("plan", source, "--drive", "hand", "--duration", DURATION, "-o", "out", "--json")

@@ -13,6 +13,7 @@ from friction_audit.reporting.figures.registry import FigureKind, figures_of
 from friction_audit.reporting.figures.style import figure_bytes
 from friction_audit.reporting.html.batch_page import as_drawn, drawings_of
 from friction_audit.reporting.html.page import ON_A_SHEET
+from tests.each_case import with_thorough
 from tests.reporting import batch_by_hand as by_hand
 from tests.reporting.test_figures import legend_of, line, words_in
 
@@ -38,13 +39,21 @@ def test_a_joint_that_never_moves_takes_no_room_on_a_sheet(kind: FigureKind) -> 
     assert any(reason in words for reason in ("0 comparable", "no session moves", "not testable"))
 
 
+STRANGE = replace(by_hand.arm(3, 1, dated=False), reference=(), compared=())
+DRAWN = {"one": by_hand.arm(1, 1), "many": MANY, "strange": STRANGE}
+IN_STEP = [("changes", "one"), ("drift", "many"), ("control", "strange"), ("curves", "many")]
+
+
+@pytest.mark.parametrize(("name", "arm"), with_thorough(IN_STEP, [kind.name for kind in figures_of("drift")], DRAWN))
+def test_any_arm_can_be_drawn(name: str, arm: str) -> None:
+    (kind,) = (kind for kind in figures_of("drift") if kind.name == name)
+    kind.draw(DRAWN[arm], 1).draw_without_rendering()
+
+
 @KINDS
-def test_any_arm_can_be_drawn_also_from_what_is_sent_to_a_worker(kind: FigureKind) -> None:
-    strange = replace(by_hand.arm(3, 1, dated=False), reference=(), compared=())
-    for arm in (by_hand.arm(1, 1), MANY, strange):
-        kind.draw(arm, 1).draw_without_rendering()
+def test_a_worker_draws_the_same_from_what_is_sent_to_it(kind: FigureKind) -> None:
     arm = by_hand.arm(14, 2)
-    assert figure_bytes(kind.draw(as_drawn(arm), None), "svg") == figure_bytes(kind.draw(arm, None), "svg")
+    assert figure_bytes(kind.draw(as_drawn(arm), 1), "svg") == figure_bytes(kind.draw(arm, 1), "svg")
     assert len(pickle.dumps(as_drawn(MANY))) < len(pickle.dumps(MANY)) / 2
 
 

@@ -22,6 +22,7 @@ from friction_audit.simulation.effects.load_and_place import GravityError
 from friction_audit.simulation.effects.structure import Backlash, JointElasticity
 from friction_audit.simulation.periodic import intend_joints
 from friction_audit.simulation.settings import make_streams
+from tests.each_case import thorough
 from tests.simulation.test_arm_dynamics import flange_poses, intended
 
 # A hand that guides the arm: where it goes, which joints follow, where it rests, what it carries.
@@ -36,9 +37,7 @@ SEED = 2
 once = cache(simulate)
 
 
-@pytest.mark.parametrize(
-    "seed", [*range(4), *(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(4, 20))]
-)
+@pytest.mark.parametrize("seed", [0, 2, *thorough([1, *range(3, 20)])])
 def test_motion_keeps_the_limits_of_a_panda(seed: int) -> None:
     motion = once(SHORT, seed).truth.motion
     assert (motion.q > np.array(PANDA.low_rad) + 0.1).all()

@@ -20,6 +20,7 @@ from friction_audit.simulation.effects.load_and_place import JointLimitStop
 from friction_audit.simulation.effects.structure import InertiaError, JointElasticity
 from friction_audit.simulation.sensors import draw_noise, quantise
 from friction_audit.simulation.settings import Simulation, TrueMotion
+from tests.each_case import thorough
 
 SHORT = BenchSettings(duration_s=20.0)
 IDEAL = replace(SHORT, sensors=(IDEAL_SENSORS,))
@@ -92,7 +93,7 @@ def test_settings_out_of_range_are_refused(make: Callable[[], object], words: st
 
 # At the ends of their ranges effects are still physics; beyond them they are refused.
 
-LIMITS_IDEAL = BenchSettings(duration_s=6.0, sensors=(IDEAL_SENSORS,))
+LIMITS_IDEAL = BenchSettings(duration_s=4.0, sensors=(IDEAL_SENSORS,))
 
 
 @pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.name)
@@ -246,9 +247,7 @@ STEPS = {"q": 1e-6, "dq": 1e-6, "tau_interaction": 0.0357, "tau_J": 0.0357, "gra
 
 
 @pytest.mark.parametrize(("driven", "logs_sensor"), [(False, False), (False, True), (True, True)])
-@pytest.mark.parametrize(
-    "number", [0, 1, *(pytest.param(number, marks=pytest.mark.thorough) for number in range(2, 6))]
-)
+@pytest.mark.parametrize("number", [0, 1, *thorough(range(2, 6))])
 def test_all_effects_at_once(number: int, driven: bool, logs_sensor: bool) -> None:
     settings = replace(USUAL, logs_sensor=logs_sensor, logs_temperature=True, driven=driven, duration_s=10.0)
     settings = replace(settings, gravity_nm=5.0 * logs_sensor)

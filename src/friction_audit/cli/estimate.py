@@ -14,7 +14,7 @@ EXAMPLES = """Examples:
   friction-audit estimate slow.parquet --thresholds auto --estimator paper
   friction-audit estimate run.mcap -o results --export mcap,csv"""
 
-DOCUMENT, HISTORY = "estimate.json", "history.csv"
+DOCUMENT, HISTORY = "estimate.json", "coefficient_history.csv"
 
 
 def command(

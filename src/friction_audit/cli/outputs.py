@@ -80,10 +80,11 @@ class ResultFolder:
         return text
 
     def write_csv(self, name: str, table: "TidyTable") -> None:
-        """Write a table as CSV."""
+        """Write a table as CSV, unless it is one of those that are exported as such."""
         from friction_audit.io.writers.tables import write_table
 
-        self.write(name, partial(write_table, table, kind="csv"))
+        if "csv" not in self.exports or name != f"{self.prefix}{table.name}.csv":
+            self.write(name, partial(write_table, table, kind="csv"))
 
     def save_figure(self, name: str, figure: "Figure") -> list[Path]:
         """Write a figure in all formats; return its files."""

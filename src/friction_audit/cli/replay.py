@@ -29,7 +29,7 @@ EXAMPLES = """Examples:
   friction-audit replay next.parquet --compensator model --joint-model results/model.toml
   friction-audit replay run.mcap -o results --export mcap"""
 
-DOCUMENT, HISTORY = "replay.json", "replay.csv"
+DOCUMENT, HISTORY = "replay.json", "replay_cycles.csv"
 TIMED = ("friction_step", "torque_drift")  # effects that hold for times of the recording they were found on
 
 

@@ -339,7 +339,7 @@ def subjects_of(
                 from_energy={"coulomb_nm": found.coulomb, "viscous_nms_per_rad": found.viscous},
                 model=None if settings.model is None else settings.model.joints[number - 1],
                 known_inertia_kg_m2=float(inertias[number - 1]),
-                lacking=found.reason,
+                lacking=found.reason or found.no_energy,
             )
         )
     return tuple(subjects)

@@ -103,6 +103,7 @@ class JointFriction:
     history: CoefficientHistory = NO_HISTORY  # coefficients over time
     reason: Reason = ()  # why there is no estimate; empty if there is one
     method: str = "energy"  # ``"energy"`` of the cycles, or ``"regression"`` of the torque where too few cycles count
+    no_energy: Reason = ()  # why too few cycles count; empty where there is no regression in their place
 
     def __repr__(self) -> str:
         if self.reason:

@@ -36,12 +36,13 @@ class Equations:
 
     def conditioning(self) -> tuple[float, float]:
         """Return the condition number of the scaled matrix and the correlation of the two friction coefficients."""
-        values, vectors = np.linalg.eigh(self.normal.sum(axis=0))
-        condition = float(np.sqrt(values[-1] / values[0])) if values[0] > 0 else float("inf")
+        # Not by eigenvalues: with instruments the matrix is not symmetric.
+        _, values, rows = np.linalg.svd(self.normal.sum(axis=0))
+        is_singular = values[-1] < len(values) * np.finfo(float).eps * values[0]
+        condition = float("inf") if is_singular else float(np.sqrt(values[0] / values[-1]))
         if self.names[:2] != ("coulomb", "viscous"):
             return condition, float("nan")
-        # Rounding may leave eigenvalues of a singular matrix below zero, and variances with them.
-        covariance = (vectors / values.clip(min=RIDGE)) @ vectors.T
+        covariance = (rows.T / values.clip(min=RIDGE)) @ rows
         return condition, float(covariance[0, 1] / np.sqrt(covariance[0, 0] * covariance[1, 1]))
 
 

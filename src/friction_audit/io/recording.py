@@ -16,6 +16,7 @@ Block = tuple[Float, dict[str, Float]]  # clock and channels of samples that fol
 # It ends at the least mean square error of the slope: a long parabola cuts fast motion.
 HALF_WINDOW_S, LONGEST_HALF_WINDOW_S, NOISE_RAD_S = 0.01, 0.05, 1e-3
 MEAN_OF_SIXTH = np.sqrt(924.0 * 2.0 / np.pi)  # absolute sixth difference of white noise, over its standard deviation
+LONGEST_BACKWARDS_S = 1.0  # a clock that goes back further was set anew
 _TURN_RAD = 2.001 * np.pi
 _PIECE = 1 << 16  # samples of a recording in memory that are looked at at a time: they stay in the processor's cache
 

@@ -29,7 +29,7 @@ from friction_audit.reporting.table import Tone
 from friction_audit.reporting.words import NEWTON_METRES, NOTHING, count_of, format_date, format_start, in_unit
 
 MOST_STATED = 2  # joints in the sentence on an arm
-NOTHING_ELSE = "; nothing else changed"
+NOTHING_ELSE, WARMER = "; nothing else changed", " while it became "
 NAMES = {"coulomb_nm": "Coulomb", "viscous_nms_per_rad": "viscous"}
 UNITS = {"coulomb_nm": "N m", "viscous_nms_per_rad": "N m s/rad"}
 DRIFT, STEADY, TEMPERATURE, UNTESTED = "drift", "no drift found", "temperature", "not testable"
@@ -79,7 +79,7 @@ def headline(found: CoefficientDrift, sessions: Sequence[Session]) -> str:
         return f"{name}: {count_of(len(found.sessions) - len(found.isolated), 'comparable session')}, {NEEDED}"
     if found.shape == "temperature":
         return (
-            f"{changed} while it became {abs(found.warmer_k):.1f} K "
+            f"{changed}{WARMER}{abs(found.warmer_k):.1f} K "
             f"{'warmer' if found.warmer_k >= 0 else 'colder'}: drift and temperature cannot be separated; "
             "sessions at like temperature would separate them"
         )
@@ -159,7 +159,10 @@ def joint_sentence(arm: ArmDrift, joint: JointDrift) -> str:
     found = joint.coefficients
     messages = {one.coefficient: describe(one, arm.sessions) for one in found}
     if changed := [messages[one.coefficient] for one in found if one.drift or one.shape == "temperature"]:
-        return "; ".join(changed) + (NOTHING_ELSE if len(changed) < len(found) else "")
+        sizes, _, rests = zip(*(text.partition(WARMER) for text in changed), strict=True)
+        if rests[0] and len({*rests}) == 1:
+            changed = [f"{' and '.join(sizes)}{WARMER}{rests[0]}"]
+        return "; ".join(changed) + (NOTHING_ELSE if len(sizes) < len(found) else "")
     alike = {text.removeprefix(f"{NAMES[name]} friction: ") for name, text in messages.items()}
     return alike.pop() if len(alike) == 1 else "; ".join(messages.values())
 
@@ -178,6 +181,8 @@ def arm_sentence(arm: ArmDrift) -> str:
             said = [text.removesuffix(NOTHING_ELSE) for text in said]
         if drifting[MOST_STATED:]:
             said.append(f"joints that changed: {write_joint_numbers(joint.joint for joint in drifting)}")
+        if together[1:] and not drifting:
+            said.append(f"likewise {words.joints_label(joint.joint for joint in together[1:])}")
         return "; ".join(said)
     parts = []
     every = [one for joint in arm.joints for one in joint.coefficients if one.smallest_drift <= LARGEST_DETECTABLE]

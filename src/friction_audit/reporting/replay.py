@@ -83,7 +83,7 @@ STEP = Record(
 HISTORY = Record(
     Column("cycle", int, "number of the compensator's cycle, from 1", lambda h: np.arange(1, len(h.status) + 1)),
     Column("start", float, "its start", unit="s"),
-    Column("stop", float, "its end", unit="s"),
+    Column("stop", float, "its end, by the causal filter of a controller", unit="s"),
     Column("friction", float, "energy that friction dissipated", unit="J"),
     Column("net_energy", float, "that less the work of the compensator", unit="J"),
     Column("coulomb_applied", float, "Coulomb friction compensated", unit="N m"),

@@ -54,7 +54,8 @@ def format_coefficient(coefficient: Coefficient) -> str:
     digits = MOST_DIGITS if wide <= 0 else min(max(1 - math.floor(math.log10(wide)), 0), MOST_DIGITS)
     last = 10.0**-digits
     value, above, below = (f"{side:.{digits}f}" for side in (coefficient.value, max(up, last), max(down, last)))
-    if abs(up - down) <= LOPSIDED * wide:
+    holds_zero = coefficient.low < 0.0 < coefficient.high
+    if abs(up - down) <= LOPSIDED * wide and (wide > abs(coefficient.value)) == holds_zero:
         return f"{value} ± {max(wide, last):.{digits}f}"
     return f"{value} +{above}/-{below}"
 

@@ -8,12 +8,11 @@ import numpy as np
 
 from friction_audit.errors import InputError
 from friction_audit.io.checks.columns import Picked, Thinned
-from friction_audit.io.recording import Block, Marks, Recording, WholeLogError, take_rows
+from friction_audit.io.recording import LONGEST_BACKWARDS_S, Block, Marks, Recording, WholeLogError, take_rows
 from friction_audit.joint_log import Finding, Float, check_window, step_places
 
 Window = tuple[float | None, float | None]  # start and end of the part asked for, None for those of the log [s]
 
-_LONGEST_BACKWARDS_S = 1.0
 _MOST_BACKWARDS = 0.01
 _SHOWN = 5
 _JUMP_RAD = 0.02  # usual change of q from row to row that is none of one joint
@@ -139,7 +138,7 @@ def _refuse_no_clock(recording: Recording, clock: Clock) -> None:
             "name another clock with --map t=<column>, or another topic"
         )
     is_few = backwards <= max(_MOST_BACKWARDS * (rows - 1), 1.0)
-    if clock.late_s <= _LONGEST_BACKWARDS_S and is_few:
+    if clock.late_s <= LONGEST_BACKWARDS_S and is_few:
         return
     advice = "bring the rows into order"
     if is_few:

@@ -265,8 +265,8 @@ def turn_degrees(recording: Recording, columns: Mapping[str, Column], ratio: flo
     for channel in degrees:
         largest, unit = (largest_q, "degrees") if channel == "q" else (largest_dq, "degrees per second")
         message = (
-            f"{channel} is in {unit}: it reaches {largest:.4g}, and q changes {ratio:.3g} times the integral of dq; "
-            "it was turned into radians"
+            f"{channel} is in {unit}: it reaches {largest:.4g}, and the change of q is {ratio:.3g} times the "
+            "integral of dq; it was turned into radians"
         )
         finding = Finding("degrees", message, amount=largest)
         recording = recording.scaled(channel, 1.0 / _DEGREES_PER_RADIAN).with_findings(finding)
@@ -307,7 +307,7 @@ def mend_unit(recording: Recording, ratio: float) -> Recording:
 def _mismatch(recording: Recording, ratios: MotionRatio, joint: int) -> Finding:
     ratio = float(ratios.ratio[joint])
     message = (
-        f"{recording.joint_names[joint]}: q changes {ratio:.3g} times the integral of dq, which explains "
+        f"{recording.joint_names[joint]}: the change of q is {ratio:.3g} times the integral of dq, which explains "
         f"{max(ratios.determination[joint], 0.0):.0%} of it; "
     )
     if ratios.trusted[joint] and ratio > _TINY:
@@ -328,12 +328,13 @@ def _stretch(recording: Recording, ratio: float, *, scaled: bool) -> Finding | N
     if not 1.0 / _STRETCHED_TOO_FAR < ratio < _STRETCHED_TOO_FAR and not scaled:
         clock = f"the clock is wrong (--time-scale {ratio:.4g}), dq has another scale or unit (multiply it by "
         raise InputError(
-            f"{recording.path}: q changes {ratio:.3g} times the integral of dq over time; expected 1: "
+            f"{recording.path}: the change of q is {ratio:.3g} times the integral of dq over time; expected 1: "
             f"{f'{clock}{ratio:.4g}), or ' * (ratio > _TINY)}q and dq are of different joints, or of opposite sign "
             "(--map)"
         )
     message = (
-        f"q changes {ratio:.4g} times the integral of dq: either the clock is wrong by that factor (correct it with "
-        f"--time-scale {ratio:.4g}), or dq is (multiply it by {ratio:.4g}); compare the log's duration with a watch"
+        f"the change of q is {ratio:.4g} times the integral of dq: either the clock is wrong by that factor (correct "
+        f"it with --time-scale {ratio:.4g}), or dq is (multiply it by {ratio:.4g}); compare the log's duration with a "
+        "watch"
     )
     return Finding("clock_stretched", message, amount=ratio)

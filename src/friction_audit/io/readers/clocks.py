@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
+from friction_audit.io.recording import LONGEST_BACKWARDS_S
 from friction_audit.joint_log import Finding, Float, Int
 
 UNITS = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}  # units per second
@@ -151,16 +152,22 @@ def choose_clock(times: Times) -> Clock:
     clocks: dict[str, Float] = {name: (times[name] - low) / UNITS[units[name]] for name, low in first.items()}
     # A single message cannot show that a clock runs.
     running = [n for n, t in clocks.items() if np.isfinite(t).all() and (len(t) == 1 or t.max() > 0.0)]
-    chosen = next(iter(running), "log_time")
-    for name in (name for name in clocks if name not in (*running, chosen)):
-        text = f"{_TITLES[name]} is the same (or not a number) in all messages; {_TITLES[chosen]} was used"
-        findings.append(Finding("clock_stopped", text))
+    chosen = next((n for n in running if _late_s(clocks[n]) <= LONGEST_BACKWARDS_S), next(iter(running), "log_time"))
+    before = running[: running.index(chosen)] if running else []
+    texts = {name: f"goes back, by up to {_late_s(clocks[name]):.4g} s" for name in before}
+    texts |= {n: "is the same (or not a number) in all messages" for n in clocks if n not in (*running, chosen)}
+    for name, text in texts.items():
+        findings.append(Finding("clock_stopped", f"{_TITLES[name]} {text}; {_TITLES[chosen]} was used"))
     if chosen != "log_time":
         findings += _disagreement(clocks[chosen], clocks["log_time"], chosen)
     # The robot's clock counts from its start, so the log time stands in for it.
     start_s = float(first["log_time" if chosen == "robot_time" else chosen]) / _NANOSECONDS
     unix_s = start_s if start_s > _FIRST_UNIX_TIME_S else None
     return Clock(clocks[chosen], unix_s, units[chosen], start_s, chosen, first[chosen], tuple(findings))
+
+
+def _late_s(t: Float) -> float:
+    return float((np.maximum.accumulate(t) - t).max())
 
 
 def _disagreement(t: Float, log_t: Float, chosen: str) -> list[Finding]:

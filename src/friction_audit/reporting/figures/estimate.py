@@ -128,9 +128,10 @@ def _draw_coefficients(panels: Sequence[Axes], estimate: Estimate, friction: Joi
             continue
         axes.set_ylim(*ends)
         if np.isfinite(values[0]).any():
-            middle, low, high = (np.append(column, column[-1]) for column in values)
-            axes.step(t, middle, where="post", color=theme.FILTERED, label=WINDOW)
-            parts.band(axes, t, low, high, theme.FILTERED, INTERVAL, step="post", alpha=0.22)
+            middle, low, high = values
+            axes.step(t, np.append(middle, middle[-1]), where="post", color=theme.FILTERED, label=WINDOW)
+            look = {"color": theme.FILTERED, "alpha": 0.22, "lw": 0, "label": INTERVAL * bool(np.isfinite(low).any())}
+            axes.stairs(high, t, baseline=low, fill=True, **look)  # also of a cycle between two without an estimate
         if np.isfinite(whole.value):
             axes.axhline(whole.value, color=theme.FITTED, lw=0.9, ls=theme.DASHED, label="whole log")
         if np.isfinite(whole.low + whole.high):
