@@ -5,7 +5,8 @@ python -m benchmarks.diagnosis_figures [KIND ...] [--rows FOLDER] [--first SEED]
 
 Kinds, all if none is given: strengths (the costly search), limits and separations (what the logs hold, without the
 engine), none, effects, on_arms, pairs, outside, arms, coarse, smoothed, resampled, stranger_none, stranger, real (of a
-folder of measured logs), time (on an idle machine). ``weighed`` only if asked for. Each is a table in the folder of rows, and is gone on with;
+folder of measured logs), time (on an idle machine). ``weighed`` only if asked for. Each is a table in
+the folder of rows, and is gone on with;
 ``--table`` runs none.
 """
 
