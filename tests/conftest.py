@@ -23,19 +23,16 @@ if TYPE_CHECKING:
 FLAGS = ("--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run")
 
 WITHOUT_LOOPS = ("test_architecture.py", "test_site.py", "test_pages_in_browser.py", "test_pages.py")
-"""Files of long tests that compile no loops of the program; the last two read the same pages."""
+"""Files of long tests that compile one loop of the program; the last two read the same pages."""
 WITH_LOOPS = ("test_docs.py", "test_reproductions.py", "test_diagnose.py")
 """Files of long tests that compile most of them."""
 
-GARBAGE_EACH = (100_000, 20, 20)
-"""After so many new objects the young ones are looked through, every so many times the older and the oldest ones."""
-
-settings.register_profile("fast", deadline=None, max_examples=30)
+settings.register_profile("fast", deadline=None, max_examples=20)
 settings.register_profile("thorough", deadline=None, max_examples=300)
 # As the program itself does: with a worker per core, threads inside a product would only wait for each other.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # What is imported and made to collect the tests lives to the end: to look for garbage in it took a fifth of that time.
-gc.set_threshold(*GARBAGE_EACH)
+gc.set_threshold(100_000, 20, 20)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

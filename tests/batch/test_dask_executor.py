@@ -4,6 +4,7 @@ import sys
 from collections.abc import Callable, Iterator
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError
+from importlib.util import find_spec
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -18,8 +19,8 @@ from friction_audit.errors import UsageError
 from tests.batch.conftest import Batch
 from tests.batch.fragile_work import fragile, tasks
 
-pytest.importorskip("distributed")
-pytestmark = [pytest.mark.filterwarnings("ignore"), pytest.mark.xdist_group("dask")]
+MISSING = pytest.mark.skipif(find_spec("distributed") is None, reason="distributed is not installed")
+pytestmark = [MISSING, pytest.mark.filterwarnings("ignore"), pytest.mark.xdist_group("dask")]
 
 
 @pytest.fixture(scope="module")

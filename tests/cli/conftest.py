@@ -55,8 +55,9 @@ def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp
 
 
 @pytest.fixture
-def here(sketched: None) -> Iterator[None]:  # noqa: ARG001 - it takes effect by being there
-    """Start no processes for logs and figures of a batch, and paint no figure: they take longest."""
+def here(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Start no processes for logs of a batch, and draw no figure of it: they take longest."""
+    monkeypatch.setattr("friction_audit.cli.batch_files.drawings_of", lambda *_: [])
     with in_this_process():
         yield
 

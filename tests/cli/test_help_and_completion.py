@@ -125,9 +125,8 @@ def test_names_of_options_are_those_of_the_steps() -> None:
 MOST_LOADED = 90  # of the modules of the package
 
 
-def test_an_estimate_with_figures_loads_no_other_analysis(tmp_path: Path) -> None:
-    log = Path(__file__).parents[2] / "sample_logs" / "bench_rig.csv"
-    _, modules = loaded(f"estimate {log} -q -o {tmp_path}/out")
+def test_an_estimate_with_figures_loads_no_other_analysis(logs: Path, tmp_path: Path) -> None:
+    _, modules = loaded(f"estimate {logs}/moved1.csv -q -o {tmp_path}/out --figures coefficients")
     own = {name for name in modules if name.startswith("friction_audit.")}
     assert (tmp_path / "out" / "coefficients.png").exists()
     assert "friction_audit.reporting.figures.estimate" in own

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from statsmodels.api import OLS
+from statsmodels.regression.linear_model import OLS
 
 from friction_audit.diagnosis.problem import AXES, Curve, curve, knots_of
 from friction_audit.diagnosis.profiles import own_axis, profiles_of, shows_along

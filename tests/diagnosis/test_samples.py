@@ -114,12 +114,11 @@ def test_a_break_away_next_to_a_hole_or_outside_of_cycles_is_no_row() -> None:
 # The nominal model: exact on exact data, numbers of a model file.
 
 EXACT = moved_joint(duration_s=30.0)
-SAMPLES = make_samples(EXACT)
 SIMPLE = (FittedTerm("coulomb", (9.0,)), FittedTerm("viscous", (9.0,)))
 
 
 def test_exact_data_give_the_exact_coefficients() -> None:
-    nominal = nominal_model(EXACT, SAMPLES, None)
+    nominal = nominal_model(EXACT, make_samples(EXACT), None)
     values = least_squares(nominal.columns, nominal.y)
     assert dict(zip(nominal.names, values, strict=True)) == pytest.approx(TRUTH, rel=1e-9)
     baseline = nominal.baseline(values)
@@ -132,7 +131,7 @@ def test_exact_data_give_the_exact_coefficients() -> None:
 
 def test_a_term_that_is_held_is_stated_and_no_column() -> None:
     held = JointModel(inertia_kg_m2=INERTIA_KG_M2, terms=(FittedTerm("coulomb", (0.4,)), SIMPLE[1]), held=("coulomb",))
-    nominal = nominal_model(EXACT, SAMPLES, held)
+    nominal = nominal_model(EXACT, make_samples(EXACT), held)
     assert nominal.names == ("viscous_nms_per_rad",)
     assert nominal.stated == pytest.approx(INERTIA_KG_M2 * EXACT.ddq + 0.4 * EXACT.motion().direction)
     baseline = nominal.baseline(np.array([0.07]))
@@ -144,7 +143,7 @@ def test_a_term_that_is_held_is_stated_and_no_column() -> None:
 def test_a_model_that_holds_everything_leaves_nothing_to_fit() -> None:
     held = JointModel(inertia_kg_m2=INERTIA_KG_M2, terms=SIMPLE, held=("coulomb", "viscous"))
     with pytest.raises(AnalysisError, match="all_held"):
-        nominal_model(EXACT, SAMPLES, held)
+        nominal_model(EXACT, make_samples(EXACT), held)
 
 
 def test_columns_that_are_copies_share_the_smallest_coefficients() -> None:
@@ -161,10 +160,10 @@ def test_a_column_of_zeros_has_no_coefficient_not_even_a_rounding(seed: int) -> 
 
 def test_numbers_that_a_model_file_lacks_are_no_columns() -> None:
     of_angle = FittedTerm("gravity_error", (0.3, 0.1, *([0.0] * 15)))
-    nominal = nominal_model(EXACT, SAMPLES, JointModel(inertia_kg_m2=0.5, terms=(*SIMPLE, of_angle)))
+    nominal = nominal_model(EXACT, make_samples(EXACT), JointModel(inertia_kg_m2=0.5, terms=(*SIMPLE, of_angle)))
     assert "gravity_cos_nm" in nominal.names
     assert "gravity_across_2_m_s2" in nominal.names
     assert not [name for name in nominal.names if name.startswith(("next", "last"))]
     several = FittedTerm("gravity_error", (0.0,) * 9 + (0.1,) + (0.0,) * 6 + (-2.0,))
-    nominal = nominal_model(EXACT, SAMPLES, JointModel(inertia_kg_m2=0.5, terms=(*SIMPLE, several)))
+    nominal = nominal_model(EXACT, make_samples(EXACT), JointModel(inertia_kg_m2=0.5, terms=(*SIMPLE, several)))
     assert [name for name in nominal.names if name.startswith(("next", "last"))] == ["next_link_moment_y_kg_m"]

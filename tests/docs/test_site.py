@@ -99,8 +99,8 @@ def test_no_page_is_longer_than_anyone_reads() -> None:
 
 # In a browser, opened as files: quiet, readable at any width, in the dark, and searchable.
 
-OPENED = ("index", "recording", "formats", "troubleshooting", "effects/stribeck")
-MORE_PAGES = ("speed", "commands/diagnose", "sample_logs")
+OPENED = ("index", "recording", "formats", "effects/stribeck")
+MORE_PAGES = ("troubleshooting", "speed", "commands/diagnose", "sample_logs")
 WINDOWS = ((360, "dark"), (1280, "light"), (1280, "dark"))
 # Pages of every kind in a window, with every rule.
 FAST = [*zip(OPENED, cycle(WINDOWS[:2]))]

@@ -315,9 +315,8 @@ def test_files_that_are_joined_are_not_read_in_blocks(frame: pd.DataFrame, tmp_p
     np.testing.assert_array_equal(one.tau_interaction, other.tau_interaction)
 
 
-BAGS = ("mcap", "mcap-json", "mcap-franka-robot-state", "rosbag1-joint-state", "rosbag2-sqlite3")
-FORMS = ("csv", "csv-rostopic", "npz", *BAGS)
-SLOW = {"csv-rostopic", "mcap-json", "mcap-franka-robot-state"}  # as csv and mcap, decoded otherwise
+FORMS = ("csv", "npz", "mcap", "rosbag1-joint-state", "rosbag2-sqlite3")
+MORE_FORMS = ("csv-rostopic", "mcap-json", "mcap-franka-robot-state")  # as csv and mcap, decoded otherwise
 
 
 @pytest.fixture(scope="module")
@@ -344,7 +343,7 @@ def assert_in_blocks(path: Path, blocks: int) -> None:
     assert len(list(assert_same_log(path, {}, settings, clock_windows=0).blocks())) >= blocks
 
 
-@pytest.mark.parametrize("dialect", [*(one for one in FORMS if one not in SLOW), *thorough(sorted(SLOW))])
+@pytest.mark.parametrize("dialect", [*FORMS, *thorough(MORE_FORMS)])
 def test_blocks_are_the_whole(log: JointLog, tmp_path: Path, dialect: str, monkeypatch: pytest.MonkeyPatch) -> None:
     cut_into(333, monkeypatch)
     shorter = log.take_window(1.0, 3.0) if dialect == "mcap-json" else log  # decoded one by one

@@ -180,7 +180,7 @@ def test_the_velocity_of_a_coarse_position_is_not_mostly_noise(count: float, ome
     log = friction_audit.log_from_frame({"time": t, "q_1": q, "tau_J_1": np.sign(np.cos(omega * t)) + 1e-3 * t})
     error = log.dq[50:-50, 0] - 0.5 * omega * np.cos(omega * log.t[50:-50])
     assert np.std(error) < most  # [rad/s]; of 20 ms of the slow coarse one 0.017; of 100 ms of the fast one 0.047
-    assert ("through 11 samples" in str(log.source.findings)) == (count < 1e-5)
+    assert ("through 21 samples" in str(log.source.findings)) == (count < 1e-5)
 
 
 def test_two_samples_have_a_velocity_too(tmp_path: Path) -> None:

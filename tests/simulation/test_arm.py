@@ -22,7 +22,7 @@ from friction_audit.simulation.effects.load_and_place import GravityError
 from friction_audit.simulation.effects.structure import Backlash, JointElasticity
 from friction_audit.simulation.periodic import intend_joints
 from friction_audit.simulation.settings import make_streams
-from tests.each_case import thorough
+from tests.each_case import thorough, with_thorough
 from tests.simulation.test_arm_dynamics import flange_poses, intended
 
 # A hand that guides the arm: where it goes, which joints follow, where it rests, what it carries.
@@ -205,22 +205,20 @@ def test_effect_between_joints_changes_the_log_and_keeps_it_finite(effect: Any) 
 SOFT, STIFF = JointElasticity(compliance_rad_per_nm=1e-3), JointElasticity(compliance_rad_per_nm=1e-4)
 
 
-@pytest.mark.parametrize("driven", [False, True], ids=["guided", "driven"])
-@pytest.mark.parametrize(
-    "inside",
-    [
-        pytest.param(Hidden(joint_elasticity=SOFT), id="soft"),
-        pytest.param(Hidden(joint_elasticity=STIFF), id="stiff", marks=pytest.mark.thorough),
-        pytest.param(
-            Hidden(joint_elasticity=replace(STIFF, damping_ratio=0.0)), id="undamped", marks=pytest.mark.thorough
-        ),
-        pytest.param(Hidden(backlash=Backlash(gap_rad=2e-3)), id="backlash", marks=pytest.mark.thorough),
-        pytest.param(Hidden(joint_elasticity=STIFF, backlash=Backlash(gap_rad=2e-3)), id="stiff with backlash"),
-    ],
-)
-def test_transmissions_of_all_joints_stay_calm(inside: Hidden, driven: bool) -> None:
-    ideal = replace(EFFECTS_SHORT, sensors=IDEAL, driven=driven)
-    rigid, soft = (once(replace(ideal, hidden=(one,) * 7), EFFECTS_SEED).truth.motion for one in (Hidden(), inside))
+INSIDE = {
+    "soft": Hidden(joint_elasticity=SOFT),
+    "stiff": Hidden(joint_elasticity=STIFF),
+    "undamped": Hidden(joint_elasticity=replace(STIFF, damping_ratio=0.0)),
+    "backlash": Hidden(backlash=Backlash(gap_rad=2e-3)),
+    "both": Hidden(joint_elasticity=STIFF, backlash=Backlash(gap_rad=2e-3)),
+}
+
+
+@pytest.mark.parametrize(("inside", "driven"), with_thorough([("soft", True), ("both", False)], INSIDE, (False, True)))
+def test_transmissions_of_all_joints_stay_calm(inside: str, driven: bool) -> None:
+    each = replace(EFFECTS_SHORT, sensors=IDEAL, driven=driven)
+    both = (once(replace(each, hidden=(one,) * 7), EFFECTS_SEED) for one in (Hidden(), INSIDE[inside]))
+    rigid, soft = (one.truth.motion for one in both)
     assert np.abs(soft.q - rigid.q).max() < 0.1
     assert np.abs(soft.inner_dq).max() < 1.5 * np.abs(rigid.inner_dq).max()
     assert np.abs(soft.interaction_nm).max() < 4.0 * np.abs(rigid.interaction_nm).max()

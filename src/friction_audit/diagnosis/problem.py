@@ -206,22 +206,24 @@ class RegressionProblem:
             curves=tuple(Curve(c.axis, c.columns[:, kept], c.values[kept]) for c in self.curves),
         )
 
-    def nuisances(self, baseline: Nominal) -> tuple[Nuisance, ...]:
-        """Smoothing of the sign, delay of the recorder, offset of the sensor."""
+    def nuisances(self, baseline: Nominal, given: Float) -> tuple[Nuisance, ...]:
+        """Smoothing of the sign beside other columns, shape (b, m); delay of the recorder, offset of the sensor."""
         data, coulomb = self.data, abs(baseline.coulomb_nm)
-        fine, signs = [], self._smoothed_sign()
+        fine, signs = [], self._smoothed_sign(given)
         priors = [(coulomb, SMOOTHED)] * len(signs)
         if data.sample_s > 0:
             fine.append(-np.gradient(baseline.torque, data.step_s))
             priors.append((SAMPLE_SD * data.sample_s, ("time_delay",)))
         fine.append(np.ones(len(data.t)))
-        priors.append((OFFSET_SHARE * coulomb, ("torque_bias", "asymmetric_coulomb")))
+        # Where no offset is tested, for gravity of other joints is one, it has a flat prior.
+        offset_sd = np.inf if data.unknown_gravity else OFFSET_SHARE * coulomb
+        priors.append((offset_sd, ("torque_bias", "asymmetric_coulomb")))
         columns = zip([*signs, *self.columns(np.column_stack(fine))], priors, strict=True)
         return tuple(Nuisance(column, max(sd, 1e-12), names) for column, (sd, names) in columns)
 
-    def _smoothed_sign(self) -> list[Float]:
+    def _smoothed_sign(self, given: Float) -> list[Float]:
         """What a smoothed sign differs from the sign by, at the width that fits best, and its change with the width."""
-        (_, near, seen), inside = self.near, np.linalg.qr(self.X.T)[0].T
+        (_, near, seen), inside = self.near, np.linalg.qr(given.T)[0].T
         signs = seen(np.stack([np.tanh(near.dq / width) - near.direction for width in SIGN_WIDTHS_RAD_S]).T)
         free = signs - (signs @ inside.T) @ inside
         gain = (free @ self.y) ** 2 / np.maximum(np.sum(free**2, axis=1), 1e-300)

@@ -20,6 +20,7 @@ LEAST_Z = 2.0  # standard errors by which a held-out residual must shrink
 LEAST_SHARE = 0.1  # rms of an effect over that of what is left: 0.5 % of the rms
 REPEATS = 2
 EFFECT_ERROR = 0.1  # of the torque of a named effect
+GRAVITY_PARTS = (0.0, 0.1, 0.3, 1.0)  # of that: a sine of the angle may be exact
 TRANSMISSION_ERROR = 0.25  # the same of a spring or a gap: the link side is known roughly
 PLAUSIBLE_SD = 2.5  # a nuisance that wants to be larger stands for something else
 CHANGED = 0.02  # rms of the change of the nominal torque from which columns that need it are built again
@@ -70,8 +71,8 @@ def select(data: JointData, model: JointModel | None, effects: Sequence[Effect])
 
 def _selected(problem: RegressionProblem, effects: Sequence[Effect]) -> State:
     baseline = problem.nominal.baseline(_ols(problem.X, problem.y))
-    nuisances = plausible(problem, problem.nuisances(baseline), baseline)
-    noise = NoiseModel.fit(problem.age, _plain_and_bent(problem, nuisances), problem.model_error(baseline))
+    nuisances = plausible(problem, baseline)
+    noise = NoiseModel.fit(problem.age, _plain_and_bent(problem, nuisances, problem.X), problem.model_error(baseline))
     dictionary = Dictionary.build(problem, effects, baseline, whole=False)
     # At most one number per independent cycle: the richer form of an effect enters only where the cycles can carry it.
     numbers = len(np.unique(problem.samples.cycle))
@@ -134,26 +135,35 @@ def _refitted(state: State) -> State:
     rows = np.vstack([state.gram.base_raw, *(b.columns for b in state.active)])
     left = problem.y - _ols(rows, problem.y) @ rows
     torques = [(block, c @ block.columns) for block, c in fitted(state.gram, state.active)]
-    errors = [problem.model_error(baseline), *(_formula_error(block) * torque for block, torque in torques)]
-    noise = NoiseModel.fit(problem.age, [left], np.linalg.norm(errors, axis=0))
+    # The variance function of the largest likelihood (R. J. Carroll, D. Ruppert, Transformation and Weighting in
+    # Regression (1988), ch. 3): with a tenth of all gravity as noise a clean joint has presliding.
+    gravity = [block for block in state.active if block.name == "gravity_error"]
+    wrong = [np.zeros(len(left)), problem.model_error(baseline) ** 2]  # of gravity, of all else
+    for block, torque in torques:
+        wrong[block not in gravity] += (_formula_error(block) * torque) ** 2
+    noises = [NoiseModel.fit(problem.age, [left], np.sqrt(wrong[1] + k**2 * wrong[0])) for k in GRAVITY_PARTS]
+    noise = max(noises, key=lambda one: one.log_likelihood(left))
     known = [b for b in state.gram.blocks if not b.refined or b in state.active]
     state.dictionary.blocks = known
     before = state.dictionary.baseline.torque
     if np.mean((before - baseline.torque) ** 2) > CHANGED**2 * np.mean(before**2):
         others = [torque for block, torque in torques if not block.effect.transmits]
         state.dictionary.rebuild(baseline, problem.y - np.sum(others, axis=0))
-    made = State(problem, state.dictionary, state.gram.nuisances, noise, state.search.most_numbers)
+    # Gravity that the torque holds drowns the smoothing of the sign until it is named.
+    nuisances = plausible(problem, baseline, gravity) if gravity else state.gram.nuisances
+    made = State(problem, state.dictionary, nuisances, noise, state.search.most_numbers)
     made.active = state.active
     return made
 
 
-def plausible(problem: RegressionProblem, nuisances: Sequence[Nuisance], baseline: Nominal) -> tuple[Nuisance, ...]:
-    """Nuisances that stay within their priors; the others would hide an effect, or cancel one."""
-    kept = list(nuisances)
+def plausible(problem: RegressionProblem, baseline: Nominal, active: Sequence[Block] = ()) -> tuple[Nuisance, ...]:
+    """Nuisances that stay within their priors given effects; the others would hide an effect, or cancel one."""
+    given = np.vstack([problem.X, *(block.columns for block in active)])
+    kept = list(problem.nuisances(baseline, given))
     while kept:
-        noise = NoiseModel.fit(problem.age, _plain_and_bent(problem, kept), problem.model_error(baseline))
-        fit = Training(Gram(problem, noise, kept, ())).fit(())
-        size = np.abs(fit.coefficients[len(problem.X) :]) / [one.sd for one in kept]
+        noise = NoiseModel.fit(problem.age, _plain_and_bent(problem, kept, given), problem.model_error(baseline))
+        fit = Training(Gram(problem, noise, kept, active)).fit(active)
+        size = np.abs(fit.coefficients[len(problem.X) : len(fit.kept)]) / [one.sd for one in kept]
         if size.max() <= PLAUSIBLE_SD:
             break
         kept.pop(int(np.argmax(size)))
@@ -229,8 +239,8 @@ def fine_residual(state: State) -> Float:
     return np.asarray(data.torque - baseline.torque - np.sum(torques, axis=0))
 
 
-def _plain_and_bent(problem: RegressionProblem, nuisances: Sequence[Nuisance]) -> list[Float]:
-    plain = np.vstack([problem.X, *(one.column for one in nuisances)])
+def _plain_and_bent(problem: RegressionProblem, nuisances: Sequence[Nuisance], given: Float) -> list[Float]:
+    plain = np.vstack([given, *(one.column for one in nuisances)])
     bent = np.vstack([plain, *(c.columns for c in problem.curves)])
     return [problem.y - _ols(one, problem.y) @ one for one in (plain, bent)]
 

@@ -271,6 +271,12 @@ class NoiseModel:
         weighted = np.ascontiguousarray(np.atleast_2d(columns) * self.weight)
         return _whiten(weighted, self.predictors, self.scales, self.age)
 
+    def log_likelihood(self, residual: Float) -> float:
+        """Logarithm of the likelihood of a residual, shape (m,), at its best variance, up to a constant."""
+        white = self.whiten(residual)
+        size = np.log(self.scales[self.age]) + np.log(self.weight)
+        return float(size.sum() - 0.5 * white.size * np.log(np.mean(white**2)))
+
     @classmethod
     def fit(cls, age: Index, residuals: Sequence[Float], model_error: Float) -> "NoiseModel":
         """Fit to what models leave, and the standard deviation of the model error, shape (m,) each. [N m]

@@ -199,13 +199,8 @@ def _conclude(
         joint = replace(joint, regression=None, reason=joint.reason + found.doubt)
     elif joint.reason and found is not None:
         same = ("coulomb", "viscous", "offset_nm", "condition_number", "correlation")
-        joint = replace(
-            joint,
-            method="regression",
-            reason=(),
-            no_energy=joint.reason,
-            **{name: getattr(found, name) for name in same},
-        )
+        taken = {name: getattr(found, name) for name in same}
+        joint = replace(joint, method="regression", reason=(), no_energy=joint.reason, **taken)
     if joint.reason:
         return joint, tuple(cautions_of(joint))
     torque, speed = seen.in_motion(standstill_rad_s)

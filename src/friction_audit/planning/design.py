@@ -239,7 +239,7 @@ def information_of(
     data = subject_of(joint, joint.settings(motion, float(starts_of(motion)[-1]) + 0.5), seed=1).data
     problem = RegressionProblem.build(data, None)
     nominal = joint.nominal(data)
-    nuisances, moved = problem.nuisances(nominal), data.motion(nominal.torque)
+    nuisances, moved = problem.nuisances(nominal, problem.X), data.motion(nominal.torque)
     known = [problem.samples.of(np.sum([term.torque(moved) for term in certain], axis=0))] if certain else []
     base = np.vstack([problem.X, *(one.column for one in nuisances), *known])
     fit = np.linalg.lstsq(base.T, problem.y)[0]

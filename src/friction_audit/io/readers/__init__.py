@@ -12,8 +12,6 @@ from typing import Any
 import numpy as np
 
 from friction_audit.errors import InputError, UsageError
-from friction_audit.io.checks import Take, examine
-from friction_audit.io.checks.clock import leave_out_far
 from friction_audit.io.files import DATA_SET, Stamp, sha256_of, stamp_of, starts_with
 from friction_audit.io.readers.arrays import ArrayTable, arrays_of_frame
 from friction_audit.io.readers.channel_names import arm_of_log, torque_unit
@@ -52,7 +50,7 @@ _DEFAULT = ReadOptions()
 _FACTORS = {"torque_constant": "torque constant {} N m/A", "gear_ratio": "gear ratio {}", "torque_scale": "scale {}"}
 # Of a source, as of its recording.
 _AS_READ = ("path", "robot", "serial", "clock", "topic", "clock_windows", "findings")
-Listen = Callable[[JointLog], Take | None]
+Listen = Callable[[JointLog], Callable[..., None] | None]
 _PACKED = {b"\x1f\x8b": "gzip", b"BZh": "bzip2", b"\xfd7zXZ": "xz", b"\x28\xb5\x2f\xfd": "zstd"}
 
 
@@ -129,6 +127,9 @@ def log_from_frame(frame: Any, options: ReadOptions = _DEFAULT, *, name: str = "
 
 def _checked(recording: Recording, options: ReadOptions, listen: Listen) -> Recording:
     """Return a recording with its torque converted, and its faults noticed and mended."""
+    from friction_audit.io.checks import examine
+    from friction_audit.io.checks.clock import leave_out_far
+
     if options.mapping.get("dq") == DERIVATIVE:  # made from q when its faults are mended
         channels = {channel: array for channel, array in recording.channels.items() if channel != "dq"}
         recording = replace(recording, channels=channels, mapping={**recording.mapping, "dq": DERIVATIVE})

@@ -347,4 +347,4 @@ def _draw_law_change(panels: Sequence[Axes], _: TwoSides, joint: JointChange) ->
     parts.mark_zero(axes)
 
 
-LAW_CHANGE = replace(SIDES, draw=_draw_law_change, x="Speed [rad/s]", y="Friction torque, after less before [N m]")
+LAW_CHANGE = replace(SIDES, draw=_draw_law_change, x="Speed [rad/s]", y="Change of friction [N m]")

@@ -112,7 +112,7 @@ def _draw_coefficients(panels: Sequence[Axes], estimate: Estimate, friction: Joi
     viscous = (history.viscous_nms_per_rad, history.viscous_low_nms_per_rad, history.viscous_high_nms_per_rad)
     window = f"window: {count_of(min(friction.window, friction.cycles), 'cycle')}"
     title = window if friction.method == "energy" else "from torque regression"
-    panels[-1].set_title(title, loc="right", color=theme.MUTED)
+    panels[-1].set_title(title * (not friction.reason), loc="right", color=theme.MUTED)
     t = np.maximum.accumulate(np.append(history.stop_s, series.t[-1]))
     fits = (("Coulomb [N m]", coulomb, friction.coulomb), ("Viscous [N m s/rad]", viscous, friction.viscous))
     for axes, (label, values, whole) in zip(panels, fits, strict=True):
@@ -130,8 +130,8 @@ def _draw_coefficients(panels: Sequence[Axes], estimate: Estimate, friction: Joi
         if np.isfinite(values[0]).any():
             middle, low, high = values
             axes.step(t, np.append(middle, middle[-1]), where="post", color=theme.FILTERED, label=WINDOW)
-            look = {"color": theme.FILTERED, "alpha": 0.22, "lw": 0, "label": INTERVAL * bool(np.isfinite(low).any())}
-            axes.stairs(high, t, baseline=low, fill=True, **look)  # also of a cycle between two without an estimate
+            name = INTERVAL * bool(np.isfinite(low).any())  # the paper's estimator has none
+            axes.stairs(high, t, baseline=low, fill=True, color=theme.FILTERED, alpha=0.22, lw=0, label=name)
         if np.isfinite(whole.value):
             axes.axhline(whole.value, color=theme.FITTED, lw=0.9, ls=theme.DASHED, label="whole log")
         if np.isfinite(whole.low + whole.high):
