@@ -22,6 +22,7 @@ REPEATS = 2
 EFFECT_ERROR = 0.1  # of the torque of a named effect
 GRAVITY_PARTS = (0.0, 0.1, 0.3, 1.0)  # of that: a sine of the angle may be exact
 TRANSMISSION_ERROR = 0.25  # the same of a spring or a gap: the link side is known roughly
+DROWNED = 0.25  # share of the mean square that gravity leaves, below which noise is estimated again beside it at once
 PLAUSIBLE_SD = 2.5  # a nuisance that wants to be larger stands for something else
 CHANGED = 0.02  # rms of the change of the nominal torque from which columns that need it are built again
 
@@ -59,6 +60,8 @@ def select(data: JointData, model: JointModel | None, effects: Sequence[Effect])
     """Everything up to the active set."""
     problem = RegressionProblem.build(data, model)
     state = _selected(problem, effects)
+    if data.unknown_gravity:  # that of other joints looks like pushes
+        return state
     left = residual_checks.residual_of(state.gram, state.active)
     left = contact_events.without_impulses(problem, left, fine_residual(state))
     errors = [_formula_error(block) * (c @ block.columns) for block, c in fitted(state.gram, state.active)]
@@ -78,6 +81,10 @@ def _selected(problem: RegressionProblem, effects: Sequence[Effect]) -> State:
     numbers = len(np.unique(problem.samples.cycle))
     dictionary.blocks = [b for b in dictionary.blocks if b.p + b.numbers <= numbers]
     state = State(problem, dictionary, nuisances, noise, numbers)
+    fit, first = state.search.training.fit, [one.block for one in selection.ranked(state.search.scores(()))[:1]]
+    if [block.name for block in first] == ["gravity_error"] and fit(first).rss < DROWNED * fit(()).rss:
+        state.active = first
+        state = _refitted(state)
     for _ in range(2):
         orders = dictionary.scan_orders(residual_checks.residual_of(state.gram, state.active))
         state.gram.add([*orders, *_change_point(state)])

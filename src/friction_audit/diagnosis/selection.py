@@ -310,6 +310,8 @@ def indistinguishable(
         varying = np.ptp(columns, axis=1) > TOLERANCE * np.abs(columns).max(axis=1)
         given = Projected(Training(gram), others).and_also(gram.of(block)[varying])
         names += [name for name, one in constants.items() if given.evidence(gram.of(one)) >= PRIOR]
+    # Gravity that the torque holds changes with other joints too, and what follows their motion may be it.
+    names += ["gravity_error"] * (gram.problem.data.unknown_gravity and block.effect.axis == "neighbour")
     wholes = PART_OF.get(block.name, ())
     names += [b.name for b in others if b.name in wholes or _leans(Training(gram), block, b, others)]
     return tuple(dict.fromkeys(names))

@@ -187,8 +187,13 @@ FRICTION_STEP = FrictionStep(
 )
 
 
-# Found by a detector of its own, which leaves out its samples: it has no columns.
-CONTACT_EVENT = Effect(
+class ContactEvent(Effect):
+    """Contact: found by a detector of its own, which leaves out its samples, so that it has no columns."""
+
+    like_gravity = True
+
+
+CONTACT_EVENT = ContactEvent(
     name="contact_event",
     label="short contact with the arm",
     axis="time",
