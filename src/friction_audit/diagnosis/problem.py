@@ -224,11 +224,13 @@ class RegressionProblem:
     def _smoothed_sign(self, given: Float) -> list[Float]:
         """What a smoothed sign differs from the sign by, at the width that fits best, and its change with the width."""
         (_, near, seen), inside = self.near, np.linalg.qr(given.T)[0].T
-        signs = seen(np.stack([np.tanh(near.dq / width) - near.direction for width in SIGN_WIDTHS_RAD_S]).T)
+        v = near.dq / SIGN_WIDTHS_RAD_S[:, None]
+        # With a short tail and with a long one.
+        signs = np.stack([seen((one - near.direction).T) for one in (np.tanh(v), v / np.hypot(v, 1.0))])
         free = signs - (signs @ inside.T) @ inside
-        gain = (free @ self.y) ** 2 / np.maximum(np.sum(free**2, axis=1), 1e-300)
-        k = int(np.clip(np.argmax(gain), 1, len(gain) - 2))
-        return [signs[k], 0.5 * (signs[k + 1] - signs[k - 1])]
+        gain = (free @ self.y) ** 2 / np.maximum(np.sum(free**2, axis=-1), 1e-300)
+        form, k = np.unravel_index(np.argmax(gain[:, 1:-1]), gain[:, 1:-1].shape)
+        return [signs[form, k + 1], 0.5 * (signs[form, k + 2] - signs[form, k])]
 
     def model_error(self, baseline: Nominal) -> Float:
         """Standard deviation of what any formula gets wrong: at reversals and in proportion to the inertia, (m,)."""
