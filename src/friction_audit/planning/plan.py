@@ -17,7 +17,6 @@ from friction_audit.effects.registry import effect_of, effects, same_as
 from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.friction.history import Coefficient
 from friction_audit.io.writers.tables import Trajectory
-from friction_audit.parallel import in_processes, workers_for
 from friction_audit.pipeline import estimate_log
 from friction_audit.planning import design
 from friction_audit.planning.design import Candidate, Limits, candidates_of
@@ -132,9 +131,8 @@ def plan_task(task: Task, limits: Limits, duration_s: float = DURATION_S, *, che
     plan = JointPlan(task=task, limits=limits, runs=runs, separated=separated)
     if at_both_ends:
         plan = replace(plan, rest_s=duration_s - plan.duration_s - sum(one.duration_s for one in runs))
-    there = [(name, [one.get(name, next(iter(one.values()))) for one in sets]) for name in truths if check]
-    answers = in_processes(lambda k: answer(plan, *there[k]), len(there), workers_for(len(there)))
-    return replace(plan, answers=tuple(answers))
+    there = {name: [one.get(name, next(iter(one.values()))) for one in sets] for name in truths}
+    return replace(plan, answers=tuple(answer(plan, name, terms) for name, terms in there.items() if check))
 
 
 def _designed(about: design.Information, duration_s: float) -> tuple[Index, bool]:
