@@ -274,8 +274,7 @@ class NoiseModel:
     def log_likelihood(self, residual: Float) -> float:
         """Logarithm of the likelihood of a residual, shape (m,), at its best variance, up to a constant."""
         white = self.whiten(residual)
-        size = np.log(self.scales[self.age]) + np.log(self.weight)
-        return float(size.sum() - 0.5 * white.size * np.log(np.mean(white**2)))
+        return float(np.log(self.scales[self.age] * self.weight).sum() - 0.5 * white.size * np.log(np.mean(white**2)))
 
     @classmethod
     def fit(cls, age: Index, residuals: Sequence[Float], model_error: Float) -> "NoiseModel":

@@ -47,7 +47,7 @@ class Effect:
     needs_nominal: ClassVar[bool] = False  # True if its columns hold torque of the nominal model and change with that
     # What its formula may miss: any torque, one that is the same in both directions, or nothing, as that of a constant.
     misses: ClassVar[Literal["any", "even", "nothing"]] = "any"
-    # True if the gravity of other joints in the torque resembles it: a constant, a curve of position, a push.
+    # True if it is a constant or a curve of position, which the gravity of other joints in the torque resembles.
     like_gravity: ClassVar[bool] = False
     screened: ClassVar[int] = 1  # every so many points of its grid come first, the others where these show promise
     recorder: ClassVar[str] = ""  # what in the recording makes the same torque, and what to do

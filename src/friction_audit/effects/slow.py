@@ -187,15 +187,11 @@ FRICTION_STEP = FrictionStep(
 )
 
 
-class ContactEvent(Effect):
-    """Contact: found by a detector of its own, which leaves out its samples, so that it has no columns."""
-
-    like_gravity = True
-
-
-CONTACT_EVENT = ContactEvent(
+# Found by a detector of its own, which leaves out its samples: it has no columns.
+CONTACT_EVENT = Effect(
     name="contact_event",
     label="short contact with the arm",
     axis="time",
+    requires=lambda data, _: Caution("unknown_gravity") if data.unknown_gravity else None,
     record="record again with no person and no object near the arm",
 )

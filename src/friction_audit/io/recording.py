@@ -178,14 +178,12 @@ def with_velocity(recording: Recording, step_s: float, *, asked: bool) -> Record
     # One position within a turn may jump from one of its ends to the other.
     columns = [np.unwrap(column) if np.ptp(column) <= _TURN_RAD else column for column in q.T]
 
-    def fitted(half_s: float, degree: int = 2) -> tuple[int, Float, Float]:
-        width = min(degree * max(1, round(half_s / step_s)) + 1, (len(t) - 1) // 2 * 2 + 1)
-        own = (savgol_filter(x, width, degree, deriv=1) if width > degree else np.gradient(x) for x in (t, *columns))
-        ts, *qs = own
+    def fitted(half_s: float, order: int = 2) -> tuple[int, Float, Float]:
+        width = min(order * max(1, round(half_s / step_s)) + 1, (len(t) - 1) // 2 * 2 + 1)
+        ts, *qs = (savgol_filter(x, width, order, deriv=1) if width > order else np.gradient(x) for x in (t, *columns))
         return width, ts, np.asfortranarray(np.divide(qs, ts).T)
 
-    half_s = HALF_WINDOW_S
-    _, steps, rate = fitted(half_s)
+    _, steps, rate = fitted(half_s := HALF_WINDOW_S)
     # Noise and resolution, from sixth differences without those of the clock; the slope's falls with width^1.5.
     sixth = (np.diff(x, 6) - v[3:-3] * np.diff(t, 6) for x, v in zip(columns, rate.T, strict=True))
     noise = max(float(np.abs(one).sum()) for one in sixth) / (MEAN_OF_SIXTH * len(t))
@@ -196,8 +194,7 @@ def with_velocity(recording: Recording, step_s: float, *, asked: bool) -> Record
         jerk = np.sqrt(np.mean(np.diff(smooth[::lag], 2, axis=0) ** 2, axis=0).max()) / (lag * step_s) ** 2
         # Least variance plus squared bias, 1.5 noise^2 step / half^3 + (jerk half^2 / 10)^2.
         best_s = (112.5 * noise**2 * step_s / max(jerk, 1e-9) ** 2) ** (1.0 / 7.0)
-        half_s = min(enough_s, max(best_s, HALF_WINDOW_S), LONGEST_HALF_WINDOW_S)
-        _, steps, rate = fitted(half_s)
+        _, steps, rate = fitted(half_s := min(enough_s, max(best_s, HALF_WINDOW_S), LONGEST_HALF_WINDOW_S))
     width, longer, better = fitted(half_s, 4)
     np.copyto(rate, better, where=(np.abs(longer - steps) < _UNEVEN * steps)[:, None])
     message = f"dq is the derivative of q ({names.get('q', 'q')}), by a polynomial through {width} samples"

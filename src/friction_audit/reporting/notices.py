@@ -13,8 +13,6 @@ from friction_audit.preprocessing.interaction import Caution, Reason
 from friction_audit.reporting.words import MARK, NEWTON_METRES, count_of, in_unit, joints_label, range_of
 
 ODD_TORQUE = ("gravity_error", "torque_offset", "sign_disagrees")  # cautions of one joint about how its torque was made
-
-
 TABLE = Path(__file__).with_name("sentences.toml")
 
 
