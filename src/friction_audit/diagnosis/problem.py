@@ -32,6 +32,7 @@ FOLDS = 10  # at most (R. Kohavi, Proc. IJCAI (1995) 1137); of ten cycles five f
 KNOTS = 6  # most of a curve, quantiles of its quantity
 MOST_CYCLES_PER_KNOT = 6  # a curve has at most so many numbers as a third of the cycles, two per knot
 # A sign smoothed by up to 10 mrad/s is a regularised drive, no effect.
+SIGNS = (np.tanh, lambda v: v / np.hypot(v, 1.0))  # smoothed, with a short tail and with a long one
 SIGN_WIDTHS_RAD_S = np.geomspace(5e-4, 1.2e-2, 9)
 SMOOTHED: tuple[str, ...] = ("smoothed_sign",)  # what its columns are left out by
 SIGN_COLUMNS = 2.0  # the smoothed sign, and its change with the width
@@ -206,10 +207,10 @@ class RegressionProblem:
             curves=tuple(Curve(c.axis, c.columns[:, kept], c.values[kept]) for c in self.curves),
         )
 
-    def nuisances(self, baseline: Nominal, given: Float) -> tuple[Nuisance, ...]:
+    def nuisances(self, baseline: Nominal, given: Float, sign: Callable[[Float], Float] = np.tanh) -> list[Nuisance]:
         """Smoothing of the sign beside other columns, shape (b, m); delay of the recorder, offset of the sensor."""
         data, coulomb = self.data, abs(baseline.coulomb_nm)
-        fine, signs = [], self._smoothed_sign(given)
+        fine, signs = [], self._smoothed_sign(given, sign)
         priors = [(coulomb, SMOOTHED)] * len(signs)
         if data.sample_s > 0:
             fine.append(-np.gradient(baseline.torque, data.step_s))
@@ -219,18 +220,16 @@ class RegressionProblem:
         offset_sd = np.inf if data.unknown_gravity else OFFSET_SHARE * coulomb
         priors.append((offset_sd, ("torque_bias", "asymmetric_coulomb")))
         columns = zip([*signs, *self.columns(np.column_stack(fine))], priors, strict=True)
-        return tuple(Nuisance(column, max(sd, 1e-12), names) for column, (sd, names) in columns)
+        return [Nuisance(column, max(sd, 1e-12), names) for column, (sd, names) in columns]
 
-    def _smoothed_sign(self, given: Float) -> list[Float]:
+    def _smoothed_sign(self, given: Float, sign: Callable[[Float], Float]) -> list[Float]:
         """What a smoothed sign differs from the sign by, at the width that fits best, and its change with the width."""
         (_, near, seen), inside = self.near, np.linalg.qr(given.T)[0].T
-        v = near.dq / SIGN_WIDTHS_RAD_S[:, None]
-        # With a short tail and with a long one.
-        signs = np.stack([seen((one - near.direction).T) for one in (np.tanh(v), v / np.hypot(v, 1.0))])
+        signs = seen((sign(near.dq / SIGN_WIDTHS_RAD_S[:, None]) - near.direction).T)
         free = signs - (signs @ inside.T) @ inside
-        gain = (free @ self.y) ** 2 / np.maximum(np.sum(free**2, axis=-1), 1e-300)
-        form, k = np.unravel_index(np.argmax(gain[:, 1:-1]), gain[:, 1:-1].shape)
-        return [signs[form, k + 1], 0.5 * (signs[form, k + 2] - signs[form, k])]
+        gain = (free @ self.y) ** 2 / np.maximum(np.sum(free**2, axis=1), 1e-300)
+        k = int(np.clip(np.argmax(gain), 1, len(gain) - 2))
+        return [signs[k], 0.5 * (signs[k + 1] - signs[k - 1])]
 
     def model_error(self, baseline: Nominal) -> Float:
         """Standard deviation of what any formula gets wrong: at reversals and in proportion to the inertia, (m,)."""

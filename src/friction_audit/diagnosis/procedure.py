@@ -8,7 +8,7 @@ from friction_audit.diagnosis import contact_events, residual_checks, selection
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.gram import Gram, Training
 from friction_audit.diagnosis.nonlinear import refine
-from friction_audit.diagnosis.problem import AXES, Nuisance, RegressionProblem, knots_of
+from friction_audit.diagnosis.problem import AXES, SIGNS, Nuisance, RegressionProblem, knots_of
 from friction_audit.diagnosis.samples import NoiseModel
 from friction_audit.diagnosis.validation import gains
 from friction_audit.effects.effect import Effect
@@ -163,18 +163,24 @@ def _refitted(state: State) -> State:
     return made
 
 
-def plausible(problem: RegressionProblem, baseline: Nominal, active: Sequence[Block] = ()) -> tuple[Nuisance, ...]:
-    """Nuisances that stay within their priors given effects; the others would hide an effect, or cancel one."""
-    given = np.vstack([problem.X, *(block.columns for block in active)])
-    kept = list(problem.nuisances(baseline, given))
-    while kept:
-        noise = NoiseModel.fit(problem.age, _plain_and_bent(problem, kept, given), problem.model_error(baseline))
-        fit = Training(Gram(problem, noise, kept, active)).fit(active)
-        size = np.abs(fit.coefficients[len(problem.X) : len(fit.kept)]) / [one.sd for one in kept]
-        if size.max() <= PLAUSIBLE_SD:
-            break
-        kept.pop(int(np.argmax(size)))
-    return tuple(kept)
+def plausible(problem: RegressionProblem, baseline: Nominal, active: Sequence[Block] = ()) -> list[Nuisance]:
+    """Nuisances that stay within their priors given effects; the others would hide an effect, or cancel one.
+
+    The sign is smoothed in the way of the largest likelihood.
+    """
+    given, found = np.vstack([problem.X, *(block.columns for block in active)]), []
+    for sign in SIGNS:
+        kept = problem.nuisances(baseline, given, sign)
+        while True:
+            noise = NoiseModel.fit(problem.age, _plain_and_bent(problem, kept, given), problem.model_error(baseline))
+            gram = Gram(problem, noise, kept, active)
+            fit = Training(gram).fit(active)
+            size = np.abs(fit.coefficients[len(problem.X) : len(fit.kept)]) / [one.sd for one in kept]
+            if size.max(initial=0.0) <= PLAUSIBLE_SD:
+                break
+            kept.pop(int(np.argmax(size)))
+        found.append((noise.log_likelihood(residual_checks.residual_of(gram, active)), kept))
+    return max(found, key=lambda one: one[0])[1]
 
 
 def _formula_error(block: Block) -> float:
