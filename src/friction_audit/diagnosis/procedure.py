@@ -164,10 +164,7 @@ def _refitted(state: State) -> State:
 
 
 def plausible(problem: RegressionProblem, baseline: Nominal, active: Sequence[Block] = ()) -> list[Nuisance]:
-    """Nuisances that stay within their priors given effects; the others would hide an effect, or cancel one.
-
-    The sign is smoothed in the way of the largest likelihood.
-    """
+    """Nuisances within their priors given effects, with the likelier form of the sign; others would hide an effect."""
     given, found = np.vstack([problem.X, *(block.columns for block in active)]), []
     for sign in SIGNS:
         kept = problem.nuisances(baseline, given, sign)

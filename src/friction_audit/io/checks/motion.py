@@ -334,7 +334,6 @@ def _stretch(recording: Recording, ratio: float, *, scaled: bool) -> Finding | N
         )
     message = (
         f"the change of q is {ratio:.4g} times the integral of dq: either the clock is wrong by that factor (correct "
-        f"it with --time-scale {ratio:.4g}), or dq is (multiply it by {ratio:.4g}); compare the log's duration with a "
-        "watch"
+        f"it with --time-scale {ratio:.4g}), or dq is (multiply it by {ratio:.4g}); compare the duration with a watch"
     )
     return Finding("clock_stretched", message, amount=ratio)

@@ -153,8 +153,7 @@ def choose_clock(times: Times) -> Clock:
     # A single message cannot show that a clock runs.
     running = [n for n, t in clocks.items() if np.isfinite(t).all() and (len(t) == 1 or t.max() > 0.0)]
     chosen = next((n for n in running if _late_s(clocks[n]) <= LONGEST_BACKWARDS_S), next(iter(running), "log_time"))
-    before = running[: running.index(chosen)] if running else []
-    texts = {name: f"goes back, by up to {_late_s(clocks[name]):.4g} s" for name in before}
+    texts = {n: f"goes back by {_late_s(clocks[n]):.4g} s" for n in running[: [*running, chosen].index(chosen)]}
     texts |= {n: "is the same (or not a number) in all messages" for n in clocks if n not in (*running, chosen)}
     for name, text in texts.items():
         findings.append(Finding("clock_stopped", f"{_TITLES[name]} {text}; {_TITLES[chosen]} was used"))
