@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from friction_audit.api import diagnose_log
+from friction_audit.api import diagnose_log, estimate_log
 from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.io.readers import read_log
 from friction_audit.joint_log import Float
@@ -38,7 +38,7 @@ def columns() -> Columns:
 def diagnosed_all(log: Columns, folder: Path) -> tuple[JointDiagnosis, ...]:
     path = folder / "log.csv"
     np.savetxt(path, np.column_stack(list(log.values())), "%.17g", ",", header=",".join(log), comments="")
-    return diagnose_log(read_log(path), candidates=CANDIDATES).joints
+    return diagnose_log(estimate_log(read_log(path), gravity="removed"), candidates=CANDIDATES).joints
 
 
 def diagnosed(log: Columns, folder: Path) -> JointDiagnosis:

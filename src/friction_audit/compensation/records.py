@@ -19,8 +19,6 @@ STATUSES = ("no_cycle", "estimated", "too_few", "not_moved", "gap")
 NO_CYCLE, ESTIMATED, TOO_FEW, NOT_MOVED, GAP = range(len(STATUSES))
 
 NET, PATH, SQUARE = range(3)  # columns of ``rows``: net energy [J], path [rad], integral of dq^2 [rad^2/s] of a cycle
-
-
 SHARED = [item.name for item in fields(Law)]  # settings of any kind
 # The plain numbers of the settings of each compensator that not all have, as fields of a record.
 OWN = {

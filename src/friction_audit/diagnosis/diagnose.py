@@ -19,7 +19,7 @@ from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.diagnosis.validation import gains, gap, held_out, wild_cluster_bootstrap
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import displacement
-from friction_audit.effects.registry import effects
+from friction_audit.effects.registry import GRAVITY, effects
 from friction_audit.errors import AnalysisError, FrictionAuditError, bug
 from friction_audit.joint_log import Float
 from friction_audit.parallel import (
@@ -145,7 +145,7 @@ def _result(subject: Subject, state: State, settings: DiagnosisSettings) -> Join
     traces = _traces(state, before.residual, after.residual)
     named, negligible = _effects(state, estimates, settings.min_effect_nm, traces)
     checks = residual_checks.run(gram, active)
-    bare = held_out(gram, [b for b in active if b.name == "gravity_error"], replaced=active).rms
+    bare = held_out(gram, [b for b in active if b.name == GRAVITY], replaced=active).rms
     verdict, lacking = verdict_of(state, named, checks), _lacking(state, checks)
     slow = (Caution("untested_time", numbers={"lacking": lacking}),) if verdict == "not_testable" else ()
     return replace(

@@ -216,8 +216,7 @@ class RegressionProblem:
             fine.append(-np.gradient(baseline.torque, data.step_s))
             priors.append((SAMPLE_SD * data.sample_s, ("time_delay",)))
         fine.append(np.ones(len(data.t)))
-        # Where no offset is tested, for gravity of other joints is one, it has a flat prior.
-        offset_sd = np.inf if data.unknown_gravity else OFFSET_SHARE * coulomb
+        offset_sd = np.inf if data.unknown_gravity else OFFSET_SHARE * coulomb  # gravity of other joints may be one
         priors.append((offset_sd, ("torque_bias", "asymmetric_coulomb")))
         columns = zip([*signs, *self.columns(np.column_stack(fine))], priors, strict=True)
         return [Nuisance(column, max(sd, 1e-12), names) for column, (sd, names) in columns]

@@ -14,6 +14,7 @@ from friction_audit.diagnosis.validation import gains
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.joint_model import JointModel
+from friction_audit.effects.registry import GRAVITY
 from friction_audit.joint_log import Float
 
 LEAST_Z = 2.0  # standard errors by which a held-out residual must shrink
@@ -82,7 +83,7 @@ def _selected(problem: RegressionProblem, effects: Sequence[Effect]) -> State:
     dictionary.blocks = [b for b in dictionary.blocks if b.p + b.numbers <= numbers]
     state = State(problem, dictionary, nuisances, noise, numbers)
     fit, first = state.search.training.fit, [one.block for one in selection.ranked(state.search.scores(()))[:1]]
-    if [block.name for block in first] == ["gravity_error"] and fit(first).rss < DROWNED * fit(()).rss:
+    if [block.name for block in first] == [GRAVITY] and fit(first).rss < DROWNED * fit(()).rss:
         state.active = first
         state = _refitted(state)
     for _ in range(2):
@@ -144,7 +145,7 @@ def _refitted(state: State) -> State:
     torques = [(block, c @ block.columns) for block, c in fitted(state.gram, state.active)]
     # The variance function of the largest likelihood (R. J. Carroll, D. Ruppert, Transformation and Weighting in
     # Regression (1988), ch. 3): with a tenth of all gravity as noise a clean joint has presliding.
-    gravity = [block for block in state.active if block.name == "gravity_error"]
+    gravity = [block for block in state.active if block.name == GRAVITY]
     wrong = [np.zeros(len(left)), problem.model_error(baseline) ** 2]  # of gravity, of all else
     for block, torque in torques:
         wrong[block not in gravity] += (_formula_error(block) * torque) ** 2
@@ -177,7 +178,7 @@ def plausible(problem: RegressionProblem, baseline: Nominal, active: Sequence[Bl
                 break
             kept.pop(int(np.argmax(size)))
         found.append((noise.log_likelihood(residual_checks.residual_of(gram, active)), kept))
-    return max(found, key=lambda one: one[0])[1]
+    return max(found, key=lambda one: one[0] - (one is not found[0]))[1]  # of forms that are about as likely, the first
 
 
 def _formula_error(block: Block) -> float:

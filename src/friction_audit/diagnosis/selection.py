@@ -16,7 +16,7 @@ import numpy as np
 from friction_audit.diagnosis.dictionary import Block
 from friction_audit.diagnosis.gram import Fit, Gram, Training
 from friction_audit.diagnosis.result import Evidence
-from friction_audit.effects.registry import PART_OF, same_as
+from friction_audit.effects.registry import GRAVITY, PART_OF, same_as
 from friction_audit.joint_log import Float
 
 PRIOR = 13.0  # 2 ln of the prior odds against any one effect
@@ -311,7 +311,7 @@ def indistinguishable(
         given = Projected(Training(gram), others).and_also(gram.of(block)[varying])
         names += [name for name, one in constants.items() if given.evidence(gram.of(one)) >= PRIOR]
     # Gravity that the torque holds changes with other joints too, and what follows their motion may be it.
-    names += ["gravity_error"] * (gram.problem.data.unknown_gravity and block.effect.axis == "neighbour")
+    names += [GRAVITY] * (gram.problem.data.unknown_gravity and block.effect.axis == "neighbour")
     wholes = PART_OF.get(block.name, ())
     names += [b.name for b in others if b.name in wholes or _leans(Training(gram), block, b, others)]
     return tuple(dict.fromkeys(names))

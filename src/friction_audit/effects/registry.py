@@ -57,6 +57,7 @@ PART_OF = {
     "presliding": ("backlash", "joint_elasticity"),  # effects_backlash_120003
     "time_delay": ("backlash", "joint_elasticity"),  # pairs_joint_elasticity+friction_step_90018
 }
+GRAVITY = "gravity_error"  # which is large where the torque holds gravity
 MODULES = {name: module for members in FAMILIES.values() for name, module in members.items()}
 NAMES = tuple(MODULES)
 FAMILY_OF = {name: family for family, members in FAMILIES.items() for name in members}

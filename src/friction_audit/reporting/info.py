@@ -98,8 +98,6 @@ TOPIC = Record(
     Column("readable", bool, "whether it can be read as a joint log"),
 )
 PATH, TOPICS = Column("path", str, "path as given"), Column("topics", [TOPIC], "topics or tables of the file")
-
-
 LOG = Record(
     PATH,
     TOPICS,

@@ -155,8 +155,8 @@ def choose_clock(times: Times) -> Clock:
     chosen = next((n for n in running if _late_s(clocks[n]) <= LONGEST_BACKWARDS_S), next(iter(running), "log_time"))
     texts = {n: f"goes back by {_late_s(clocks[n]):.4g} s" for n in running[: [*running, chosen].index(chosen)]}
     texts |= {n: "is the same (or not a number) in all messages" for n in clocks if n not in (*running, chosen)}
-    for name, text in texts.items():
-        findings.append(Finding("clock_stopped", f"{_TITLES[name]} {text}; {_TITLES[chosen]} was used"))
+    used = f"{_TITLES[chosen]} was used"
+    findings += [Finding("clock_stopped", f"{_TITLES[n]} {text}; {used}") for n, text in texts.items()]
     if chosen != "log_time":
         findings += _disagreement(clocks[chosen], clocks["log_time"], chosen)
     # The robot's clock counts from its start, so the log time stands in for it.

@@ -99,8 +99,6 @@ class TidyTable:
 HEAD: dict[str, type] = {"joint": int, "name": str}
 
 Lot = Mapping[str, Column]  # columns by name, all of one length
-
-
 _FORMULA = tuple("=+-@\t\r\n\uff1d\uff0b\uff0d\uff20")  # of what a spreadsheet computes, full-width forms included
 
 
