@@ -31,8 +31,8 @@ from friction_audit.preprocessing.interaction import Caution
 FOLDS = 10  # at most (R. Kohavi, Proc. IJCAI (1995) 1137); of ten cycles five folds would take two at once
 KNOTS = 6  # most of a curve, quantiles of its quantity
 MOST_CYCLES_PER_KNOT = 6  # a curve has at most so many numbers as a third of the cycles, two per knot
-# A sign smoothed by up to 10 mrad/s is a regularised drive, no effect.
 SIGNS = (np.tanh, lambda v: v / np.hypot(v, 1.0))  # smoothed, with a short tail and with a long one
+# A sign smoothed by up to 10 mrad/s is a regularised drive, no effect.
 SIGN_WIDTHS_RAD_S = np.geomspace(5e-4, 1.2e-2, 9)
 SMOOTHED: tuple[str, ...] = ("smoothed_sign",)  # what its columns are left out by
 SIGN_COLUMNS = 2.0  # the smoothed sign, and its change with the width

@@ -157,7 +157,7 @@ def _refitted(state: State) -> State:
     if np.mean((before - baseline.torque) ** 2) > CHANGED**2 * np.mean(before**2):
         others = [torque for block, torque in torques if not block.effect.transmits]
         state.dictionary.rebuild(baseline, problem.y - np.sum(others, axis=0))
-    # Gravity that the torque holds drowns the smoothing of the sign until it is named.
+    # Gravity in the torque hides the smoothing of the sign until it is named.
     nuisances = plausible(problem, baseline, gravity) if gravity else state.gram.nuisances
     made = State(problem, state.dictionary, nuisances, noise, state.search.most_numbers)
     made.active = state.active
