@@ -50,7 +50,7 @@ def log_of(seed: int, truth: str) -> tuple[JointLog, str]:
         since, left = t[own] - t[own][0], t[own][-1] - t[own]
         soft = np.sin(np.pi / 2 * np.minimum(1.0, np.minimum(since, left))) ** 4  # starts and ends at rest
         q[own, j] = soft * _motion(kind, rng, since)
-    dq, size = np.gradient(q, 1 / FINE_HZ, axis=0), np.exp(rng.uniform(-1.5, 1.2, joints))
+    dq, size = np.asarray(np.gradient(q, 1 / FINE_HZ, axis=0)), np.exp(rng.uniform(-1.5, 1.2, joints))
     width, coulomb = float(np.exp(rng.uniform(*np.log([1e-3, 1e-2])))), size * rng.uniform(0.6, 1.4, joints)
     sign, viscous = dq / np.sqrt(dq**2 + width**2), size * rng.uniform(0.2, 0.9, joints)
     strength, last, extra = rng.uniform(0.5, 2.0), q[:, -1], np.zeros_like(q)
@@ -61,7 +61,7 @@ def log_of(seed: int, truth: str) -> tuple[JointLog, str]:
         "asymmetric_coulomb": 0.1 * np.abs(sign[:, -1]),
         "nonlinear_viscous": 0.3 * dq[:, -1] * np.abs(dq[:, -1]),
     }.get(truth, np.zeros(len(t)))  # fmt: skip
-    torque = 0.4 * size * np.gradient(dq, 1 / FINE_HZ, axis=0) + coulomb * sign + viscous * dq + extra
+    torque = 0.4 * size * np.asarray(np.gradient(dq, 1 / FINE_HZ, axis=0)) + coulomb * sign + viscous * dq + extra
     angle, weight, phase = np.cumsum(q, axis=1), rng.uniform(2.0, 9.0, joints) * size, rng.uniform(0, 6.28, joints)
     torque += np.cumsum((weight * np.sin(angle + phase))[:, ::-1], axis=1)[:, ::-1]
     if truth == "time_delay":
