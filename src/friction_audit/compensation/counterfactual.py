@@ -9,19 +9,7 @@ from math import isfinite, isnan, nan
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.compensation import SAME_MOTION, SAME_OPERATOR
-from friction_audit.compensation.closed_loop import (
-    CYCLE,
-    SAMPLES,
-    SUMS,
-    TALLY,
-    Control,
-    Loop,
-    Recorded,
-    add_torque,
-    run_closed_loop,
-    run_same_motion,
-)
+from friction_audit.compensation import SAME_MOTION, SAME_OPERATOR, closed_loop
 from friction_audit.compensation.competitors import Compensator, JointModelCompensation
 from friction_audit.compensation.feed_forward import feed_of, refuse, straighten
 from friction_audit.compensation.records import fresh_memory, pack
@@ -46,12 +34,12 @@ LEAST_INERTIA_KG_M2 = 1e-3  # no motor with its gear has less; what seems to was
 class Scene:
     """One joint's recording or a part of it, n samples; and what moves otherwise than recorded, in all of it."""
 
-    recorded: Recorded
+    recorded: closed_loop.Recorded
     cuts: NDArray[np.int64]  # per sample FIND, or where cycles end, shape (n,) or (1,)
     motion: Motion | None = None  # the recording as a model reads it; None where no model does
     fitted: TorqueRegression | None = None  # the fit to the log that the joint is which moves otherwise, or None
     operator: FittedOperator | None = None  # the person's impedance, or None where the torque stays as recorded
-    loop: Loop | None = None  # the joint that moves otherwise in the person's hand
+    loop: closed_loop.Loop | None = None  # the joint that moves otherwise in the person's hand
 
 
 class Run:
@@ -61,39 +49,43 @@ class Run:
         """Take what runs, the step of the clock, and the largest power of the total torque in the recording."""
         self._compensator, self._settings = compensator, pack([compensator], 1.0 / step_s)[0]
         self._feed = feed_of((), Motion(t=np.arange(2.0), q=np.zeros(2), dq=np.zeros(2), ddq=np.zeros(2)))
-        self.memory, self.rows = fresh_memory(1)[0], [np.zeros(0, CYCLE)]
-        self.tally, self.felt = np.zeros(1, TALLY)[0], np.zeros(1, SUMS)[0]
+        self.memory, self.rows = fresh_memory(1)[0], [np.zeros(0, closed_loop.CYCLE)]
+        self.tally, self.felt = np.zeros(1, closed_loop.TALLY)[0], np.zeros(1, closed_loop.SUMS)[0]
         self.tally["activation_s"] = self.tally["diverged_s"] = nan
         payback_s = compensator.payback_s if compensator is not None and compensator.passivity else 0.0
-        self.tally["tolerance_j"] = peak_power_w * (SAMPLES * step_s + payback_s)
+        self.tally["tolerance_j"] = peak_power_w * (closed_loop.SAMPLES * step_s + payback_s)
 
     def take(self, scene: Scene) -> Signals:
         """Run on through a scene; return what happens in it, up to where it diverges."""
         recorded, motion, samples = scene.recorded, scene.motion, 0
         dq, torques = recorded.dq, np.zeros((4, len(recorded.t)))
-        rows = np.empty(len(recorded.t) // SHORTEST_CYCLE + 2, CYCLE)
+        rows = np.empty(len(recorded.t) // SHORTEST_CYCLE + 2, closed_loop.CYCLE)
         if motion is not None and isinstance(self._compensator, JointModelCompensation):
             self._feed = feed_of(self._compensator.terms, motion)
-        control = Control(self._settings, self.memory, self.tally, self._feed, scene.cuts, torques, rows)
+        control = closed_loop.Control(self._settings, self.memory, self.tally, self._feed, scene.cuts, torques, rows)
         if isnan(self.tally["diverged_s"]):
             if scene.loop is None:
-                samples = run_same_motion(control, recorded, read_only(np.empty(0) if motion is None else motion.q))
+                samples = closed_loop.run_same_motion(
+                    control, recorded, read_only(np.empty(0) if motion is None else motion.q)
+                )
             else:
                 dq = np.empty(len(recorded.t))
-                samples = run_closed_loop(control, recorded, scene.loop, dq)
+                samples = closed_loop.run_closed_loop(control, recorded, scene.loop, dq)
             if samples < len(recorded.t):
                 self.tally["diverged_s"] = recorded.t[samples]
         self.rows.append(rows[: int(self.tally["cycles"])].copy())
         self.tally["cycles"] = 0
         signals = Signals(recorded.t[:samples], *map(read_only, (dq[:samples], *torques[:, :samples])))
-        add_torque(self.felt, signals.t, signals.dq, signals.interaction_nm)
+        closed_loop.add_torque(self.felt, signals.t, signals.dq, signals.interaction_nm)
         return signals
 
 
-def recording_of(interaction: Interaction, column: int) -> Recorded:
+def recording_of(interaction: Interaction, column: int) -> closed_loop.Recorded:
     """Return the recording of a joint (0-based), column after column in memory."""
     logged = np.empty(0) if interaction.compensation is None else interaction.compensation[:, column]
-    return Recorded(*map(read_only, (interaction.t, interaction.dq[:, column], interaction.torque[:, column], logged)))
+    return closed_loop.Recorded(
+        *map(read_only, (interaction.t, interaction.dq[:, column], interaction.torque[:, column], logged))
+    )
 
 
 def recorded_motion(interaction: Interaction, column: int) -> Motion:
@@ -192,7 +184,7 @@ def make_scene(
 
 
 def _operator(
-    interaction: Interaction, settings: ReplaySettings, recorded: Recorded, motion: Motion
+    interaction: Interaction, settings: ReplaySettings, recorded: closed_loop.Recorded, motion: Motion
 ) -> FittedOperator | None:
     if settings.assume != SAME_OPERATOR:
         return None
@@ -205,18 +197,18 @@ def _operator(
 
 
 def _loop(
-    recorded: Recorded,
+    recorded: closed_loop.Recorded,
     motion: Motion,
     own: Tables,
     held: FittedOperator | None,
     lacking: Float,
     restart: NDArray[np.bool_],
-) -> Loop:
+) -> closed_loop.Loop:
     """Return the joint in the hand of its operator, driven by the recorded torque or the intention."""
     mass, damping, stiffness = (one.value for one in held[:3]) if held else (0.0, 0.0, 0.0)
     starts, step_s = np.append(0, np.flatnonzero(restart[1:]) + 1), median_step(recorded.t)
     tables = straighten(own._replace(inertia_kg_m2=own.inertia_kg_m2 + mass), damping_nms_per_rad=damping)
-    return Loop(
+    return closed_loop.Loop(
         tables=tables,
         own_kg_m2=own.inertia_kg_m2,
         inertia_kg_m2=mass,
@@ -246,7 +238,7 @@ LEAST_PERIODS = 2.75
 NORMAL_95 = 1.96
 
 
-def fit_operator(recorded: Recorded, q: Float) -> FittedOperator:
+def fit_operator(recorded: closed_loop.Recorded, q: Float) -> FittedOperator:
     """Fit the person's impedance at one joint, of position q."""
     from scipy.signal import butter, sosfiltfilt
 

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from friction_audit.friction import reasons
 from friction_audit.friction.history import (
     COLUMNS,
     NAN,
@@ -16,15 +17,6 @@ from friction_audit.friction.history import (
     CoefficientHistory,
     FrictionHistory,
     JointFriction,
-)
-from friction_audit.friction.reasons import (
-    Extremes,
-    cautions_of,
-    dead_channel,
-    missing_motion,
-    not_simultaneous,
-    one_speed,
-    repeated,
 )
 from friction_audit.friction.settings import PARTS, FrictionSettings
 from friction_audit.friction.torque_regression import CUTOFF_HZ, HIGHEST_CONDITION, RegressionRows, regress_torque
@@ -45,7 +37,7 @@ Columns = dict[str, tuple[Float, Float, Float]]
 class Gathered(NamedTuple):
     """What the friction of a joint is estimated from, apart from its cycles, from one part of a log after the other."""
 
-    seen: Extremes
+    seen: reasons.Extremes
     rows: RegressionRows
 
     def take(self, part: Interaction, around: Interaction, velocity: Float) -> None:
@@ -64,7 +56,7 @@ def estimate_friction(
     rate_hz, samples = 1.0 / median_step(interaction.t), len(interaction.t)
 
     def gathered(column: int) -> Gathered:
-        found = Gathered(Extremes(column, samples), RegressionRows(column, samples, rate_hz))
+        found = Gathered(reasons.Extremes(column, samples), RegressionRows(column, samples, rate_hz))
         velocity = filter_velocity(interaction.dq[:, column], rate_hz=rate_hz, cutoff_hz=CUTOFF_HZ)
         found.take(interaction, interaction, velocity)
         return found
@@ -101,11 +93,11 @@ def _estimate_joint(
 ) -> tuple[JointFriction, tuple[Caution, ...]]:
     number, seen, rows = port.joint_numbers[column], every[column].seen, [one.rows for one in every]
     kept = own if (own.reason == KEPT).all() else own.rows(own.reason == KEPT)
-    dead = dead_channel(seen, dead_torque=number in dead_torque)
-    reason = dead or missing_motion(own, settings, seen)
+    dead = reasons.dead_channel(seen, dead_torque=number in dead_torque)
+    reason = dead or reasons.missing_motion(own, settings, seen)
     alone = bool(reason) and not dead and settings.estimator == "weighted" and settings.model == "combined"
     if not reason and settings.model == "combined":
-        reason = one_speed(kept)
+        reason = reasons.one_speed(kept)
     standstill, regression = own.standstill_rad_s, None
     if settings.compare and (alone or not reason):
         others = {other: rows[k] for k, other in enumerate(port.joint_numbers) if k != column}
@@ -191,7 +183,7 @@ def _history(own: EnergyCycles, first: int, columns: Columns) -> CoefficientHist
 
 
 def _conclude(
-    joint: JointFriction, seen: Extremes, kept: EnergyCycles, standstill_rad_s: float
+    joint: JointFriction, seen: reasons.Extremes, kept: EnergyCycles, standstill_rad_s: float
 ) -> tuple[JointFriction, tuple[Caution, ...]]:
     """Choose the method of a joint, let its intervals cover both methods, and drop what is not determined."""
     found = joint.regression
@@ -202,19 +194,19 @@ def _conclude(
         taken = {name: getattr(found, name) for name in same}
         joint = replace(joint, method="regression", reason=(), no_energy=joint.reason, **taken)
     if joint.reason:
-        return joint, tuple(cautions_of(joint))
+        return joint, tuple(reasons.cautions_of(joint))
     torque, speed = seen.in_motion(standstill_rad_s)
     # The half width beyond which an interval says nothing, by coefficient.
     largest = {"coulomb": MOST_UNCERTAIN * torque, "viscous": MOST_UNCERTAIN * torque / speed}
     determined = _determined(joint, largest)
     if determined.reason:
-        return determined, tuple(cautions_of(determined))
+        return determined, tuple(reasons.cautions_of(determined))
     lost = tuple(
         Caution(code=f"{name}_not_determined", joint=joint.joint, numbers={"most": MOST_UNCERTAIN})
         for name in UNITS
         if np.isnan(getattr(determined, name).value) and not np.isnan(getattr(joint, name).value)
     )
-    lost = (*repeated(joint, kept), *not_simultaneous(joint), *lost)
+    lost = (*reasons.repeated(joint, kept), *reasons.not_simultaneous(joint), *lost)
     if joint.method == "regression":
         return determined, (Caution(code="from_regression", joint=joint.joint), *lost)
     alike = False
@@ -225,7 +217,7 @@ def _conclude(
         alike = not np.linalg.cond(columns / np.linalg.norm(columns, axis=0)) < HIGHEST_CONDITION
     if alike:
         lost = (Caution(code="one_speed_profile", joint=joint.joint), *lost)
-    return _covering(determined, alike=alike), (*cautions_of(determined), *lost)
+    return _covering(determined, alike=alike), (*reasons.cautions_of(determined), *lost)
 
 
 def _determined(joint: JointFriction, largest: dict[str, float]) -> JointFriction:

@@ -9,23 +9,12 @@ from friction_audit.compensation.law import Checked, within
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.robot import STANDARD_GRAVITY, load_arm
+from friction_audit.simulation import settings as shared
 from friction_audit.simulation.bench import JOINTS, PANDA_JOINTS, READY_RAD, Progress, assemble, moved_by, rotor_mass
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.mechanics.records import Mechanism
 from friction_audit.simulation.mechanics.tick import guide, load_masses, run, settle
 from friction_audit.simulation.periodic import Commanded, intend_joints
-from friction_audit.simulation.settings import (
-    CONTROL_RATE_HZ,
-    LONGEST_S,
-    PANDA_SENSORS,
-    AnyCompensator,
-    JointParameters,
-    Moved,
-    RecordingSettings,
-    Sensors,
-    Streams,
-    count_ticks,
-)
 from friction_audit.simulation.strokes import HandPath, plan_hand
 
 CHUNK_TICKS = 1000  # between two reports of the progress
@@ -54,21 +43,23 @@ class Servo(Checked):
     motion: Commanded = field(default_factory=Commanded)  # what the joints are commanded to do
 
 
-class ArmSettings(RecordingSettings):
+class ArmSettings(shared.RecordingSettings):
     """A Panda, who moves it, one recording; the tuples have one entry per joint."""
 
     robot = "panda"
 
-    joints: tuple[JointParameters, ...] = PANDA_JOINTS  # motors and friction
+    joints: tuple[shared.JointParameters, ...] = PANDA_JOINTS  # motors and friction
     hidden: tuple[Hidden, ...] = (Hidden(),) * 7  # what is hidden in each joint
-    sensors: tuple[Sensors, ...] = PANDA_SENSORS  # sensors of each joint; the recorder is that of the first
+    sensors: tuple[shared.Sensors, ...] = (
+        shared.PANDA_SENSORS
+    )  # sensors of each joint; the recorder is that of the first
     hand: Hand = field(default_factory=Hand)  # the person's hand at the flange
     servo: Servo = field(default_factory=Servo)  # the controller of an arm that moves by itself
     # False: the hand guides the arm and friction is on the motors' side of the sensors. True: the motors move it
     # without contact, and friction is on the links' side.
     driven: bool = False
     # a friction compensator active in every joint, the same or one for each, or None
-    compensator: AnyCompensator | None = None
+    compensator: shared.AnyCompensator | None = None
     # True: the speed of the hand ends the cycles of all compensators at once (paper, section V.B)
     hand_cycles: bool = True
     pose_rad: tuple[float, ...] = READY_RAD  # pose at the start [rad]
@@ -76,11 +67,11 @@ class ArmSettings(RecordingSettings):
     carried_kg: float = within(0.0, 0.0, 100.0)  # mass at the flange that gravity compensation does not know of [kg]
     compensates_gravity: bool = True  # whether the motors hold the arm against gravity
     logs_temperature: bool = False  # True: the log holds the temperature too
-    duration_s: float = within(60.0, 0.0, LONGEST_S)  # length of the recording [s]
-    rate_hz: float = within(1000.0, 0.0, CONTROL_RATE_HZ)  # at which states are kept [Hz]
+    duration_s: float = within(60.0, 0.0, shared.LONGEST_S)  # length of the recording [s]
+    rate_hz: float = within(1000.0, 0.0, shared.CONTROL_RATE_HZ)  # at which states are kept [Hz]
 
     def __post_init__(self) -> None:
-        RecordingSettings.__post_init__(self)
+        shared.RecordingSettings.__post_init__(self)
         counts = [len(part) for part in (self.joints, self.hidden, self.sensors, self.pose_rad)]
         if set(counts) != {JOINTS} or not set(self.braked) <= set(range(1, JOINTS + 1)):
             found = f"{', '.join(map(str, counts))} joints, hidden, sensors and angles, braked {self.braked}"
@@ -91,9 +82,9 @@ class ArmSettings(RecordingSettings):
         """Numbers of the joints that move."""
         return tuple(joint for joint in range(1, len(self.joints) + 1) if joint not in self.braked)
 
-    def move(self, streams: Streams, path: str, progress: Progress | None) -> Moved:
+    def move(self, streams: shared.Streams, path: str, progress: Progress | None) -> shared.Moved:
         """Move the arm from rest; masses, gravity and the pull of the hand are those of the pose at each tick."""
-        ticks, pose = count_ticks(self.duration_s, self.rate_hz), np.array(self.pose_rad)
+        ticks, pose = shared.count_ticks(self.duration_s, self.rate_hz), np.array(self.pose_rad)
         joints, hidden = list(self.joints), list(self.hidden)
         for number in self.braked:  # a brake holds its joint, in which nothing hidden can then be felt
             joints[number - 1] = replace(joints[number - 1], coulomb_nm=BRAKE_NM)

@@ -13,6 +13,7 @@ from friction_audit.compensation.records import FIELDS, TRACE, fresh_memory, pac
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.robot.arm import load_arm
+from friction_audit.simulation import settings as shared
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.sensors import torque_drift_nm
 from friction_audit.simulation.effects.slow_and_events import draw_events
@@ -21,22 +22,6 @@ from friction_audit.simulation.mechanics.records import KEPT, ROWS, STATE, Clock
 from friction_audit.simulation.mechanics.tick import run, settle
 from friction_audit.simulation.periodic import MotionSettings
 from friction_audit.simulation.sensors import draw_noise
-from friction_audit.simulation.settings import (
-    CONTROL_RATE_HZ,
-    LONGEST_S,
-    PANDA_SENSORS,
-    JointParameters,
-    Moved,
-    RecordingSettings,
-    Sensors,
-    SomeSettings,
-    Streams,
-    TorqueLoop,
-    TrueMotion,
-    count_ticks,
-    of_each_joint,
-    require_sane,
-)
 from friction_audit.simulation.strokes import StopAndGo
 
 Progress = Callable[[float], None]  # is given the share that is done, 0 to 1
@@ -52,15 +37,15 @@ class Operator(Checked):
     motion: MotionSettings = field(default_factory=StopAndGo)  # the intended motion
 
 
-class BenchSettings(RecordingSettings):
+class BenchSettings(shared.RecordingSettings):
     """One joint, who moves it, one recording."""
 
     robot = "unknown"
     moving = (1,)  # numbers of the joints that move
 
-    joints: tuple[JointParameters] = (JointParameters(),)  # the joint
+    joints: tuple[shared.JointParameters] = (shared.JointParameters(),)  # the joint
     hidden: tuple[Hidden] = (Hidden(),)  # what is hidden in it
-    sensors: tuple[Sensors] = (PANDA_SENSORS[0],)  # its sensors and the recorder
+    sensors: tuple[shared.Sensors] = (shared.PANDA_SENSORS[0],)  # its sensors and the recorder
     operator: Operator = field(default_factory=Operator)  # who moves it
     # False: a hand moves the link and friction is on the motor's side of the sensor. True: the motor moves the link,
     # nothing touches it, and friction is on the link's side.
@@ -71,26 +56,28 @@ class BenchSettings(RecordingSettings):
     # True: the log holds the torque at the sensor and gravity; False: the interaction torque itself
     logs_sensor: bool = False
     logs_temperature: bool = False  # True: the log holds the temperature too
-    duration_s: float = within(120.0, 0.0, LONGEST_S)  # length of the recording [s]
-    rate_hz: float = within(1000.0, 0.0, CONTROL_RATE_HZ)  # at which states are kept [Hz]
+    duration_s: float = within(120.0, 0.0, shared.LONGEST_S)  # length of the recording [s]
+    rate_hz: float = within(1000.0, 0.0, shared.CONTROL_RATE_HZ)  # at which states are kept [Hz]
 
     def __post_init__(self) -> None:
-        RecordingSettings.__post_init__(self)
+        shared.RecordingSettings.__post_init__(self)
         if (self.gravity_nm != 0.0 or self.driven) and not self.logs_sensor:
             found = "a joint with a gravity load, or one that moves by itself, cannot log the interaction torque"
             raise UsageError(f"simulation: {found}; expected logs_sensor=true")
 
-    def move(self, streams: Streams, path: str, progress: Progress | None) -> Moved:
+    def move(self, streams: shared.Streams, path: str, progress: Progress | None) -> shared.Moved:
         """Move one joint."""
         moved = moved_by(move(self, streams, progress), path)
         weight = self.gravity_nm * np.sin(moved.motion.q + self.gravity_phase_rad)
         return moved._replace(gravity=weight if self.logs_sensor else None)
 
 
-def move(settings: BenchSettings, streams: Streams, progress: Progress | None, *, start_rad: float = 0.0) -> Mechanism:
+def move(
+    settings: BenchSettings, streams: shared.Streams, progress: Progress | None, *, start_rad: float = 0.0
+) -> Mechanism:
     """Let the operator move the joint from rest at the start; return the mechanism with the truth written down."""
-    ticks, hand = count_ticks(settings.duration_s, settings.rate_hz), settings.operator
-    intended = hand.motion.intend(ticks, 1.0 / CONTROL_RATE_HZ, streams.person)
+    ticks, hand = shared.count_ticks(settings.duration_s, settings.rate_hz), settings.operator
+    intended = hand.motion.intend(ticks, 1.0 / shared.CONTROL_RATE_HZ, streams.person)
     position = start_rad + intended.position
     push = hand.stiffness_nm_per_rad * position + hand.damping_nms_per_rad * intended.velocity
     mechanism = assemble(settings, ticks, np.array([start_rad]), streams)
@@ -111,27 +98,27 @@ def move(settings: BenchSettings, streams: Streams, progress: Progress | None, *
     return mechanism
 
 
-def moved_by(mechanism: Mechanism, path: str, gravity: Float | None = None) -> Moved:
+def moved_by(mechanism: Mechanism, path: str, gravity: Float | None = None) -> shared.Moved:
     """Return what was written down, by its names."""
     row = dict(zip(KEPT, np.swapaxes(mechanism.out, 0, 1), strict=True))
     q, dq = row.pop("outer_q"), row.pop("outer_dq")
     if mechanism.states[0]["driven"]:
         q, dq = row["inner_q"], row["inner_dq"]
     t = np.arange(len(mechanism.out), dtype=np.float64) * mechanism.clock.dt
-    motion = TrueMotion(t=t, q=q, dq=dq, interaction_nm=row["port_nm"] + row["support_nm"], **row)
+    motion = shared.TrueMotion(t=t, q=q, dq=dq, interaction_nm=row["port_nm"] + row["support_nm"], **row)
     names = (TRACE.names or ()) if mechanism.traced.shape[2] else ()
     traces = {name: mechanism.traced.view(TRACE)[:, :, 0][name] for name in names}
-    return Moved(require_sane(motion, path), mechanism.loop, traces, gravity)
+    return shared.Moved(shared.require_sane(motion, path), mechanism.loop, traces, gravity)
 
 
 HALF_SUBSTEPS = 5  # integration steps in half a tick of the controller
 
 
-class _Joint(JointParameters):
+class _Joint(shared.JointParameters):
     hidden: Hidden
 
 
-def rotor_mass(joints: tuple[JointParameters, ...], hidden: tuple[Hidden, ...]) -> Float:
+def rotor_mass(joints: tuple[shared.JointParameters, ...], hidden: tuple[Hidden, ...]) -> Float:
     """Return the mass matrix of the motors, with what is hidden in it, shape (n, n). [kg m^2]"""
     pairs = zip(joints, hidden, strict=True)
     inertias = np.array([joint.inertia_kg_m2 + inside.inertia_error.extra_kg_m2 for joint, inside in pairs])
@@ -142,12 +129,12 @@ def rotor_mass(joints: tuple[JointParameters, ...], hidden: tuple[Hidden, ...]) 
     return coupled_mass(inertias, np.array([inside.inertial_coupling.ratio for inside in hidden]))
 
 
-def assemble(settings: SomeSettings, ticks: int, start: Float, streams: Streams) -> Mechanism:
+def assemble(settings: shared.SomeSettings, ticks: int, start: Float, streams: shared.Streams) -> Mechanism:
     """Build the mechanism at rest; its masses and its drive are the caller's to set."""
     n, hidden, driven = len(settings.joints), settings.hidden, settings.driven
     for number, (joint, inside) in enumerate(zip(settings.joints, hidden, strict=True), start=1):
         rigid = inside.joint_elasticity.compliance_rad_per_nm == 0.0
-        if joint.torque_loop != TorqueLoop() and (rigid or driven):
+        if joint.torque_loop != shared.TorqueLoop() and (rigid or driven):
             raise UsageError(
                 f"torque loop: joint {number} {'moves by itself' if driven else 'is rigid'}: expected a hand that "
                 "moves an elastic joint; add --effect joint_elasticity"
@@ -168,23 +155,23 @@ def assemble(settings: SomeSettings, ticks: int, start: Float, streams: Streams)
         events=events,
         body=make_body(np.array(two_sided), np.array(free), start),
         loop=make_loop(settings, ticks, streams),
-        clock=Clock(dt=1.0 / CONTROL_RATE_HZ, substeps=HALF_SUBSTEPS, duration=settings.duration_s),
+        clock=Clock(dt=1.0 / shared.CONTROL_RATE_HZ, substeps=HALF_SUBSTEPS, duration=settings.duration_s),
         out=np.zeros((ticks + 1, ROWS, n)),
         traced=np.zeros((ticks + 1, n, FIELDS if settings.compensator is not None else 0), np.int64),
     )
 
 
-def make_loop(settings: SomeSettings, ticks: int, streams: Streams) -> Loop:
+def make_loop(settings: shared.SomeSettings, ticks: int, streams: shared.Streams) -> Loop:
     """Draw the noise of the sensors and prepare the compensators."""
-    t = np.arange(ticks + 1) / CONTROL_RATE_HZ
+    t = np.arange(ticks + 1) / shared.CONTROL_RATE_HZ
     torque, velocity, position = (np.empty((ticks + 1, len(settings.joints))) for _ in range(3))
     for j, (sensors, inside) in enumerate(zip(settings.sensors, settings.hidden, strict=True)):
-        noise, velocity[:, j], position[:, j] = draw_noise(ticks, CONTROL_RATE_HZ, sensors, streams.sensors)
+        noise, velocity[:, j], position[:, j] = draw_noise(ticks, shared.CONTROL_RATE_HZ, sensors, streams.sensors)
         drift = torque_drift_nm(inside.torque_drift, t, streams.drifts[j])
         torque[:, j] = noise + inside.torque_bias.torque_nm + drift
     memory = fresh_memory(len(settings.joints))
     return Loop(
-        settings=pack_compensators(of_each_joint(settings.compensator, len(memory)), CONTROL_RATE_HZ),
+        settings=pack_compensators(shared.of_each_joint(settings.compensator, len(memory)), shared.CONTROL_RATE_HZ),
         memory=memory,
         words=memory.view(np.int64).reshape(len(memory), -1),
         torque_noise=torque,
@@ -207,32 +194,32 @@ _INERTIA_KG_M2 = (0.3, 0.3, 0.3, 0.3, 0.1, 0.1, 0.1)
 
 # Motors and friction of joints 1 to 7.
 PANDA_JOINTS = tuple(
-    JointParameters(inertia_kg_m2=inertia, coulomb_nm=coulomb, viscous_nms_per_rad=viscous)
+    shared.JointParameters(inertia_kg_m2=inertia, coulomb_nm=coulomb, viscous_nms_per_rad=viscous)
     for inertia, coulomb, viscous in zip(_INERTIA_KG_M2, _COULOMB_NM, _VISCOUS_NMS_PER_RAD, strict=True)
 )
 
 JOINTS = 7
 
 
-class HandGuidedPanda(RecordingSettings):
+class HandGuidedPanda(shared.RecordingSettings):
     """One joint of a Panda moved by hand; of the others only the sensors matter."""
 
     robot = "panda"
     driven = logs_temperature = False
 
     joint: int = 1  # number of the joint that is moved, 1..7
-    joints: tuple[JointParameters, ...] = PANDA_JOINTS  # the seven joints
+    joints: tuple[shared.JointParameters, ...] = PANDA_JOINTS  # the seven joints
     hidden: tuple[Hidden, ...] = (Hidden(),) * JOINTS  # what is hidden in them
-    sensors: tuple[Sensors, ...] = PANDA_SENSORS  # their sensors; the recorder is that of the first
+    sensors: tuple[shared.Sensors, ...] = shared.PANDA_SENSORS  # their sensors; the recorder is that of the first
     operator: Operator = field(default_factory=Operator)  # who moves the joint
     # an active friction compensator of the joint, whose torque is logged, or None
     compensator: Compensator | None = None
     pose_rad: tuple[float, ...] = READY_RAD  # pose at the start [rad]
-    duration_s: float = within(120.0, 0.0, LONGEST_S)  # length of the recording [s]
-    rate_hz: float = within(1000.0, 0.0, CONTROL_RATE_HZ)  # at which states are kept [Hz]
+    duration_s: float = within(120.0, 0.0, shared.LONGEST_S)  # length of the recording [s]
+    rate_hz: float = within(1000.0, 0.0, shared.CONTROL_RATE_HZ)  # at which states are kept [Hz]
 
     def __post_init__(self) -> None:
-        RecordingSettings.__post_init__(self)
+        shared.RecordingSettings.__post_init__(self)
         counts = [len(part) for part in (self.joints, self.hidden, self.sensors, self.pose_rad)]
         if not 1 <= self.joint <= JOINTS or set(counts) != {JOINTS}:
             found = f"joint {self.joint}, {', '.join(map(str, counts))} joints, hidden, sensors and angles"
@@ -250,7 +237,7 @@ class HandGuidedPanda(RecordingSettings):
         """Numbers of the joints that move."""
         return (self.joint,)
 
-    def move(self, streams: Streams, path: str, progress: Progress | None) -> Moved:
+    def move(self, streams: shared.Streams, path: str, progress: Progress | None) -> shared.Moved:
         """Move one joint by hand, as that of a bench with the seed; the sensors of the others bear gravity alone."""
         arm, moved = load_arm(), self.joint - 1
         # All that the joint carries turns as one rigid body: its gravity torque is a sine of its angle.
@@ -270,7 +257,7 @@ class HandGuidedPanda(RecordingSettings):
             return wide
 
         pose = np.array(self.pose_rad)
-        columns = {item.name: getattr(alone.motion, item.name) for item in fields(TrueMotion) if item.name != "t"}
+        columns = {item.name: getattr(alone.motion, item.name) for item in fields(alone.motion) if item.name != "t"}
         wide = {name: widened(column, pose if name in ("q", "inner_q") else None) for name, column in columns.items()}
         gravity = arm.gravity(wide["q"])
         rest = np.arange(JOINTS) != moved
@@ -281,4 +268,4 @@ class HandGuidedPanda(RecordingSettings):
         for name in ("torque_noise", "velocity_noise", "position_noise"):
             getattr(loop, name)[:, moved] = getattr(alone.loop, name)[:, 0]
         traces = {name: widened(trace) for name, trace in alone.compensators.items()}
-        return Moved(TrueMotion(t=alone.motion.t, **wide), loop, traces, gravity)
+        return shared.Moved(shared.TrueMotion(t=alone.motion.t, **wide), loop, traces, gravity)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from friction_audit.compensation.competitors import FixedCompensation
 from friction_audit.compensation.law import PUBLISHED, Coefficients, EnergyCompensator
 from friction_audit.errors import UsageError, near_misses
+from friction_audit.simulation import settings as shared
 from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.bench import BenchSettings, HandGuidedPanda, Operator, Progress
 from friction_audit.simulation.effects import Hidden
@@ -12,16 +13,6 @@ from friction_audit.simulation.effects.slow_and_events import FrictionStep
 from friction_audit.simulation.effects.structure import JointElasticity
 from friction_audit.simulation.periodic import Commanded, Sinusoid
 from friction_audit.simulation.sensors import read_log
-from friction_audit.simulation.settings import (
-    IDEAL_SENSORS,
-    PANDA_SENSORS,
-    JointParameters,
-    Sensors,
-    Simulation,
-    TorqueLoop,
-    Truth,
-    make_streams,
-)
 from friction_audit.simulation.strokes import SlowSweep, StopAndGo
 
 AnySettings = BenchSettings | HandGuidedPanda | ArmSettings
@@ -53,8 +44,8 @@ _DAMPED_HAND = replace(_FIRM_HAND, damping_nms_per_rad=30.0)
 
 def _sinusoidal(viscous: float, duration_s: float, coulomb_nm: float = 0.0) -> BenchSettings:
     """Return an ideal joint with a sinusoidal operator; every 2 s an energy cycle ends."""
-    joint = JointParameters(coulomb_nm=coulomb_nm, viscous_nms_per_rad=viscous)
-    return BenchSettings(joints=(joint,), sensors=(IDEAL_SENSORS,), operator=_FIRM_HAND, duration_s=duration_s)
+    joint = shared.JointParameters(coulomb_nm=coulomb_nm, viscous_nms_per_rad=viscous)
+    return BenchSettings(joints=(joint,), sensors=(shared.IDEAL_SENSORS,), operator=_FIRM_HAND, duration_s=duration_s)
 
 
 _VISCOUS_ONLY = EnergyCompensator(model="viscous", zero_crossings=True)
@@ -72,11 +63,11 @@ _PERSON = Operator(
 
 # The paper's experiment ran on a real Panda, whose torque noise was measured to be white; the part that wanders slowly
 # is an assumption of the other scenarios.
-_AS_MEASURED = replace(PANDA_SENSORS[0], slow_noise_share=0.0)
+_AS_MEASURED = replace(shared.PANDA_SENSORS[0], slow_noise_share=0.0)
 
 
-def _experiment(compensator: EnergyCompensator | None, sensors: Sensors = _AS_MEASURED) -> BenchSettings:
-    joint = JointParameters(inertia_kg_m2=0.15, coulomb_nm=0.311, viscous_nms_per_rad=0.6)
+def _experiment(compensator: EnergyCompensator | None, sensors: shared.Sensors = _AS_MEASURED) -> BenchSettings:
+    joint = shared.JointParameters(inertia_kg_m2=0.15, coulomb_nm=0.311, viscous_nms_per_rad=0.6)
     return BenchSettings(
         joints=(joint,), sensors=(sensors,), operator=_PERSON, compensator=compensator, duration_s=40.0
     )
@@ -128,7 +119,7 @@ PAPER_SCENARIOS: tuple[Scenario, ...] = (
     ),
     Scenario(
         "fig10-slow-noise", "the same, a tenth of the variance of the torque noise wandering over 50 ms",
-        _experiment(_COMBINED_OF_TWO, PANDA_SENSORS[0]),
+        _experiment(_COMBINED_OF_TWO, shared.PANDA_SENSORS[0]),
     ),
     Scenario(
         "fig12", "a Panda guided by a hand, all joints compensated from the last two cycles of the hand",
@@ -141,7 +132,7 @@ PAPER_SCENARIOS: tuple[Scenario, ...] = (
 )  # fmt: skip
 
 
-def with_torque_control(joint: JointParameters) -> JointParameters:
+def with_torque_control(joint: shared.JointParameters) -> shared.JointParameters:
     """Return a joint with torque control and so much friction in its motor that the link feels what it did without."""
     felt = 1.0 + TORQUE_LOOP.gain
     friction = {"coulomb_nm": felt * joint.coulomb_nm, "viscous_nms_per_rad": felt * joint.viscous_nms_per_rad}
@@ -149,7 +140,7 @@ def with_torque_control(joint: JointParameters) -> JointParameters:
 
 
 # A dead time of half a tick of the outer controller, and four times the damping at which the loop rings without end.
-TORQUE_LOOP = TorqueLoop(gain=4.0, damping_s=0.008, dead_time_s=0.0005)
+TORQUE_LOOP = shared.TorqueLoop(gain=4.0, damping_s=0.008, dead_time_s=0.0005)
 _SERVO = Operator(stiffness_nm_per_rad=2000.0, damping_nms_per_rad=60.0, motion=Commanded())
 _SOFT = Hidden(joint_elasticity=JointElasticity(compliance_rad_per_nm=1e-4, damping_ratio=0.1))
 
@@ -165,7 +156,7 @@ _ONE_JOINT = (
     ),
     Scenario(
         "joint-controlled", "one elastic joint moved by hand, whose torque control leaves a fifth of its friction",
-        BenchSettings(joints=(with_torque_control(JointParameters()),), hidden=(_SOFT,)),
+        BenchSettings(joints=(with_torque_control(shared.JointParameters()),), hidden=(_SOFT,)),
     ),
     Scenario(
         "joint-loaded", "one joint moved by hand that carries a lever of 10 N m; logs the sensor's torque and gravity",
@@ -200,9 +191,9 @@ def find_scenario(name: str | None) -> Scenario:
 
 def simulate(
     settings: AnySettings, seed: int, *, path: str = "simulation", progress: Progress | None = None
-) -> Simulation:
+) -> shared.Simulation:
     """Simulate a recording, with a path for its source; the same settings and seed give the same log to the bit."""
-    streams = make_streams(seed, len(settings.joints))
+    streams = shared.make_streams(seed, len(settings.joints))
     moved = settings.move(streams, path, progress)
-    truth = Truth(settings=settings, seed=seed, motion=moved.motion, compensators=moved.compensators)
-    return Simulation(log=read_log(settings, moved, streams, path), truth=truth)
+    truth = shared.Truth(settings=settings, seed=seed, motion=moved.motion, compensators=moved.compensators)
+    return shared.Simulation(log=read_log(settings, moved, streams, path), truth=truth)

@@ -7,32 +7,7 @@ from itertools import takewhile
 from math import ceil, inf, isinf, sqrt
 from typing import Any
 
-from friction_audit.compensation.comparison.methods import (
-    BEST,
-    FULL,
-    METHODS,
-    NO_COMPENSATION,
-    OTHER,
-    PAPER,
-    Method,
-    Scene,
-    Tuning,
-)
-from friction_audit.compensation.comparison.result import (
-    Comparison,
-    Course,
-    Curve,
-    Outcome,
-    Point,
-    Reference,
-    Row,
-    find_loss,
-    find_reference,
-    make_course,
-    mean_interval,
-    measure,
-    median_interval,
-)
+from friction_audit.compensation.comparison import methods as kinds, result as made
 from friction_audit.parallel import in_processes, workers_for
 from friction_audit.simulation.bench import Progress
 from friction_audit.simulation.scenarios import simulate
@@ -45,8 +20,8 @@ HALVINGS = 4  # the limit is then known to 2^(1/16), 4 %
 
 
 def compare(
-    scene: Scene, seeds: int, methods: Sequence[Method] = METHODS, progress: Progress | None = None
-) -> Comparison:
+    scene: kinds.Scene, seeds: int, methods: Sequence[kinds.Method] = kinds.METHODS, progress: Progress | None = None
+) -> made.Comparison:
     """Try methods on the same operator, arm, noise and persons, whose seeds are 0, 1, 2 and so on."""
     reported, first = tuple(range(seeds)), FIRST_TUNING_SEED
     tuning_seeds, margin_seeds = tuple(range(first, first + scene.tuning_seeds)), reported[: scene.margin_seeds]
@@ -56,7 +31,7 @@ def compare(
     tunings = [tuning for _, tuning, *_ in chosen]
     tried, margins = trials.of(tunings, reported, TRIED), trials.margins(tunings, margin_seeds)
     rows = [
-        Row(
+        made.Row(
             method=method.name,
             label=method.label,
             tuning=tuning,
@@ -64,12 +39,12 @@ def compare(
             tuning_losses=losses,
             outcomes=tuple(outcome for outcome, _ in trials),
             margins=own,
-            margin=median_interval(own),
+            margin=made.median_interval(own),
             course=trials[0][1],
         )
         for (method, tuning, role, losses), trials, own in zip(chosen, tried, margins, strict=True)
     ]
-    return Comparison(
+    return made.Comparison(
         scene=scene.name,
         duration_s=scene.settings.duration_s,
         seeds=reported,
@@ -80,32 +55,34 @@ def compare(
     )
 
 
-def _tunings(scene: Scene, method: Method, curves: Sequence[Curve]) -> Iterator[tuple[Tuning, str, int | None]]:
+def _tunings(
+    scene: kinds.Scene, method: kinds.Method, curves: Sequence[made.Curve]
+) -> Iterator[tuple[kinds.Tuning, str, int | None]]:
     """Yield the tunings of a method that are reported: role, and losses in the sweep that one was chosen from."""
-    chosen = [(method.paper, PAPER, None)] + ([(method.full, FULL, None)] if method.full else [])
+    chosen = [(method.paper, kinds.PAPER, None)] + ([(method.full, kinds.FULL, None)] if method.full else [])
     yield from chosen
     names = {tuning.name for tuning, *_ in chosen}
     points = [point for curve in curves if curve.method == method.name for point in curve.points]
     if points:
         best = choose_best(points)
-        yield best.tuning, BEST, len(best.lost_s)
+        yield best.tuning, kinds.BEST, len(best.lost_s)
         names.add(best.tuning.name)
     if scene.with_others:
         # A further tuning that is the best one has its row already.
-        yield from ((tuning, OTHER, None) for tuning in method.others if tuning.name not in names)
+        yield from ((tuning, kinds.OTHER, None) for tuning in method.others if tuning.name not in names)
 
 
 class _Trials:
     """The trials of one comparison."""
 
-    def __init__(self, scene: Scene, seeds: Sequence[int], progress: Progress) -> None:
+    def __init__(self, scene: kinds.Scene, seeds: Sequence[int], progress: Progress) -> None:
         self.scene, self.first, self.progress, self._share = scene, seeds[0], progress, 0.0
-        idle = scene.compensated(NO_COMPENSATION)
+        idle = scene.compensated(kinds.NO_COMPENSATION)
 
-        def refer(place: int) -> tuple[Reference, Outcome, Course]:
+        def refer(place: int) -> tuple[made.Reference, made.Outcome, made.Course]:
             simulation = simulate(idle, seeds[place])
-            reference = find_reference(simulation)
-            return reference, measure(simulation, reference), make_course(simulation, reference)
+            reference = made.find_reference(simulation)
+            return reference, made.measure(simulation, reference), made.make_course(simulation, reference)
 
         # Of each seed: the reference, and outcome and course of that trial, which is the one without compensation. The
         # first is made here: the loops that it compiles or loads are then those of all processes.
@@ -128,7 +105,7 @@ class _Trials:
         done = iter(self._map(lambda place: work(*jobs[place]), len(jobs), until))
         return [[next(done) for _ in seeds] for _ in settings]
 
-    def sweep(self, methods: Sequence[Method], seeds: Sequence[int]) -> tuple[Curve, ...]:
+    def sweep(self, methods: Sequence[kinds.Method], seeds: Sequence[int]) -> tuple[made.Curve, ...]:
         """Make the sweeps of methods, all trials at once."""
         scene = self.scene
         sweeps = [(method, sweep) for method in methods for sweep in method.sweeps[: scene.sweeps]]
@@ -138,43 +115,45 @@ class _Trials:
         curves = []
         for (method, sweep), some in zip(sweeps, values, strict=True):
             points = [
-                Point(value=value, tuning=tuning, outcomes=tuple(outcome for outcome, _ in trials))
+                made.Point(value=value, tuning=tuning, outcomes=tuple(outcome for outcome, _ in trials))
                 for value, (tuning, trials) in zip(some, tried, strict=False)
             ]
             held = [point.value for point in takewhile(lambda point: not point.lost_s, points)]
             boldest = held[-1] if held else None
-            curves.append(Curve(method.name, method.label, sweep.name, sweep.axis, tuple(points), boldest))
+            curves.append(made.Curve(method.name, method.label, sweep.name, sweep.axis, tuple(points), boldest))
         return tuple(curves)
 
-    def of(self, tunings: Sequence[Tuning], seeds: Sequence[int], until: float) -> list[list[tuple[Outcome, Any]]]:
+    def of(
+        self, tunings: Sequence[kinds.Tuning], seeds: Sequence[int], until: float
+    ) -> list[list[tuple[made.Outcome, Any]]]:
         """Return the outcome of every tuning and seed, and the course of the first person who is reported, or None."""
-        settings = [self.scene.compensated(tuning) for tuning in tunings if tuning is not NO_COMPENSATION]
+        settings = [self.scene.compensated(tuning) for tuning in tunings if tuning is not kinds.NO_COMPENSATION]
 
-        def work(one: SomeSettings, seed: int) -> tuple[Outcome, Course | None]:
+        def work(one: SomeSettings, seed: int) -> tuple[made.Outcome, made.Course | None]:
             simulation, reference = simulate(one, seed), self.idle[seed][0]
-            course = make_course(simulation, reference) if seed == self.first else None
-            return measure(simulation, reference), course
+            course = made.make_course(simulation, reference) if seed == self.first else None
+            return made.measure(simulation, reference), course
 
         tried, idle = iter(self._each(work, settings, seeds, until)), [self.idle[seed][1:] for seed in seeds]
-        return [idle if tuning is NO_COMPENSATION else next(tried) for tuning in tunings]
+        return [idle if tuning is kinds.NO_COMPENSATION else next(tried) for tuning in tunings]
 
-    def margins(self, tunings: Sequence[Tuning], seeds: Sequence[int]) -> list[tuple[float, ...]]:
+    def margins(self, tunings: Sequence[kinds.Tuning], seeds: Sequence[int]) -> list[tuple[float, ...]]:
         """Return the stability margins of every tuning, one per seed."""
         settings = self.scene.settings
         shorter = replace(settings, duration_s=self.scene.margin_share * settings.duration_s)
         short = replace(self.scene, settings=shorter)
 
-        def margin(tuning: Tuning, seed: int) -> float:
+        def margin(tuning: kinds.Tuning, seed: int) -> float:
             tried = partial(short.compensated, tuning)
-            return find_margin(lambda factor: isinf(find_loss(simulate(tried(factor), seed), self.idle[seed][0])))
+            return find_margin(lambda factor: isinf(made.find_loss(simulate(tried(factor), seed), self.idle[seed][0])))
 
         return [tuple(own) for own in self._each(margin, tunings, seeds, 1.0)]
 
 
-def choose_best(points: Sequence[Point]) -> Point:
+def choose_best(points: Sequence[made.Point]) -> made.Point:
     """Return the point of all sweeps with fewest losses and, of these, the energy slope closest to zero."""
     slopes = [[abs(one.energy_slope_w) for one in point.outcomes if isinf(one.lost_s)] for point in points]
-    badness = [(len(point.lost_s), mean_interval(own).value) for point, own in zip(points, slopes, strict=True)]
+    badness = [(len(point.lost_s), made.mean_interval(own).value) for point, own in zip(points, slopes, strict=True)]
     return points[badness.index(min(badness))]
 
 

@@ -6,15 +6,7 @@ from functools import partial
 from itertools import count
 from typing import Any, NamedTuple
 
-from friction_audit.compensation.competitors import (
-    PUBLISHED,
-    Compensator,
-    DisturbanceObserver,
-    FixedCompensation,
-    LugreCompensation,
-    TorqueRegulation,
-    fit_sigmoid,
-)
+from friction_audit.compensation import competitors
 from friction_audit.compensation.law import EnergyCompensator, Law, payback_s
 from friction_audit.compensation.settings import limits_of
 from friction_audit.simulation.arm import ArmSettings
@@ -99,26 +91,26 @@ OBSERVER = (0.8, 20.0)  # its motor inertia over the true one, and its gain [1/s
 SHARES = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)  # of the observed friction, compensated
 
 
-def _bristles(joint: Joint, coulomb_nm: float, viscous: float = 0.0) -> Compensator:
-    return LugreCompensation(
+def _bristles(joint: Joint, coulomb_nm: float, viscous: float = 0.0) -> competitors.Compensator:
+    return competitors.LugreCompensation(
         coulomb_nm=coulomb_nm, breakaway_nm=coulomb_nm, viscous_nms_per_rad=viscous, **joint.limits
     )
 
 
-Modelled = Callable[[Joint, float, float], Compensator]
+Modelled = Callable[[Joint, float, float], competitors.Compensator]
 
 
-def _scaled(law: Modelled, scale: float) -> Tuning:
-    """Return a law with the true Coulomb and viscous friction times a scale."""
-    words = f"{100 * (scale - 1):+.0f} %", f"friction {scale:g} times the true one"
-    return Tuning(
-        *(("right", "the true friction") if scale == 1.0 else words),
-        lambda joint: law(joint, scale * joint.parameters.coulomb_nm, scale * joint.parameters.viscous_nms_per_rad),
-    )
+def _model_based(name: str, label: str, law: Modelled, meaning: str, other: Callable[[Joint], Any]) -> Method:
+    """Return a law with the true Coulomb and viscous friction, each times a scale, or with those of another arm."""
 
+    def at(scale: float) -> Tuning:
+        words = f"{100 * (scale - 1):+.0f} %", f"friction {scale:g} times the true one"
+        return Tuning(
+            *(("right", "the true friction") if scale == 1.0 else words),
+            lambda joint: law(joint, scale * joint.parameters.coulomb_nm, scale * joint.parameters.viscous_nms_per_rad),
+        )
 
-def _model_based(name: str, label: str, law: Modelled, meaning: str, other: Callable[[Joint], Compensator]) -> Method:
-    at, another = partial(_scaled, law), Tuning("another arm", meaning, other)
+    another = Tuning("another arm", meaning, other)
     sweep = Sweep("scaled", "modelled over true friction", SCALES, at)
     return Method(name, label, at(MODELLED_SHARE), others=(another, at(1.0), at(0.8), at(1.2)), sweeps=(sweep,))
 
@@ -128,7 +120,7 @@ def _observer(inertia_ratio: float, gain_per_s: float, share: float = 1.0) -> Tu
         f"{inertia_ratio:g} B, {gain_per_s:.3g} 1/s, {100 * share:.0f} %",
         f"motor inertia {inertia_ratio:g} times the true one, observer gain {gain_per_s:.3g} 1/s, {share:g} of "
         "what is observed compensated",
-        lambda joint: DisturbanceObserver(
+        lambda joint: competitors.DisturbanceObserver(
             inertia_kg_m2=inertia_ratio * joint.parameters.inertia_kg_m2,
             observer_gain_per_s=gain_per_s,
             compensation_gain=share,
@@ -143,7 +135,7 @@ def _regulation(gain: float) -> Tuning:
     return Tuning(
         f"B_theta = {ratio:.2g} B",
         f"desired motor inertia {ratio:.2g} times the true one",
-        lambda joint: TorqueRegulation(
+        lambda joint: competitors.TorqueRegulation(
             inertia_kg_m2=joint.parameters.inertia_kg_m2,
             desired_inertia_kg_m2=joint.parameters.inertia_kg_m2 / (1.0 + gain),
             **joint.limits,
@@ -160,7 +152,7 @@ def _energy(window: float) -> Tuning:
 
 
 # A compensator that does nothing, but counts the cycles.
-IDLE = FixedCompensation(coulomb_nm=0.0, viscous_nms_per_rad=0.0)
+IDLE = competitors.FixedCompensation(coulomb_nm=0.0, viscous_nms_per_rad=0.0)
 NO_COMPENSATION = Tuning("none", "no compensation", lambda _: IDLE)
 OBSERVER_SWEEPS = (
     Sweep("share", "share of the observed friction", SHARES, partial(_observer, *OBSERVER)),
@@ -175,13 +167,15 @@ METHODS: tuple[Method, ...] = (
     Method(NONE, "none", NO_COMPENSATION),
     _model_based(
         "sigmoid", "model-based",
-        lambda joint, coulomb, viscous: replace(fit_sigmoid(coulomb, viscous, TOP_SPEED_RAD_S), **joint.limits),
+        lambda joint, coulomb, viscous: replace(
+            competitors.fit_sigmoid(coulomb, viscous, TOP_SPEED_RAD_S), **joint.limits
+        ),
         "as published for another Panda",
-        lambda joint: replace(PUBLISHED[joint.column], **joint.limits),
+        lambda joint: replace(competitors.PUBLISHED[joint.column], **joint.limits),
     ),
     _model_based(
         "lugre", "LuGre", _bristles, "plateaus as published for another Panda",
-        lambda joint: _bristles(joint, sum(PUBLISHED[joint.column].plateaus_nm) / 2),
+        lambda joint: _bristles(joint, sum(competitors.PUBLISHED[joint.column].plateaus_nm) / 2),
     ),
     Method(
         "disturbance_observer", "disturbance observer", _observer(*OBSERVER, OBSERVED_SHARE),
@@ -199,7 +193,7 @@ METHODS: tuple[Method, ...] = (
         "oracle", "oracle",
         Tuning(
             "true friction", "given the true Coulomb and viscous friction",
-            lambda joint: FixedCompensation(
+            lambda joint: competitors.FixedCompensation(
                 coulomb_nm=joint.parameters.coulomb_nm, viscous_nms_per_rad=joint.parameters.viscous_nms_per_rad
             ),
         ),

@@ -9,22 +9,13 @@ import numpy as np
 
 from friction_audit.effects.registry import effect_of, motion_to_decide
 from friction_audit.parallel import in_processes, workers_for
-from friction_audit.reporting import diagnosis_tables as tables, diagnosis_words as words, report as made
+from friction_audit.reporting import diagnosis_tables as tables, diagnosis_words as words, notices, report as made
 from friction_audit.reporting.documents import write_document
 from friction_audit.reporting.estimate import FRICTION
 from friction_audit.reporting.figures.panels import label_in_unit
 from friction_audit.reporting.figures.registry import FigureKind, figures_of
 from friction_audit.reporting.html import page as html
 from friction_audit.reporting.info import MOTION, facts_of, summarize_log
-from friction_audit.reporting.notices import (
-    estimate_notices,
-    notice_lines,
-    notices,
-    physics_of,
-    reason_lines,
-    sentence_of,
-    text_of,
-)
 from friction_audit.reporting.replay import JOINT_REPLAY, describe_compensator
 from friction_audit.reporting.table import Column, Record, joint_column
 from friction_audit.reporting.words import MARK, NOTHING, format_start, in_unit, joint_label, joints_label
@@ -89,7 +80,7 @@ def log_page(report: made.LogReport, *, figures: bool = True) -> html.Page:
     drawn = draw_figures(report) if figures else {}
     log, source = report.estimate.log, report.estimate.log.source
     answered = [one for one in report.joints if not one.friction.reason or one.answer]
-    warnings = notice_lines(made.report_notices(report))
+    warnings = notices.notice_lines(made.report_notices(report))
     listed = html.Text(warnings or ("There are none.",), listed=bool(warnings), tone="unsure" if warnings else "")
     joints = html.Section("joints", "Joints", sections=[_joint(report, one) for one in answered], on_paper=False)
     known = any(not one.friction.reason for one in report.joints)
@@ -119,12 +110,12 @@ def _answer(report: made.LogReport, answered: list[made.JointReport], drawn: Dra
     yield made.VERDICT.people(answered, caption=caption, unit=report.unit).filled()
     # Warnings about the replay stand in its section.
     joints = [one.friction for one in report.joints]
-    _, physics = physics_of(estimate_notices(report.estimate), joints)
+    _, physics = notices.physics_of(notices.estimate_notices(report.estimate), joints)
     yield html.Text([line.removeprefix(f"{MARK} ") for line in physics], listed=True, tone="unsure")
     if regressed := [one.joint for one in joints if one.method != "energy" and not one.reason]:
         text = f"From torque regression, as too few energy cycles count: {joints_label(regressed)}."
         yield html.Text(lines=(text,), tone="unsure")
-    without = [f"No estimate on {in_unit(line, report.unit)}." for line in reason_lines(joints)]
+    without = [f"No estimate on {in_unit(line, report.unit)}." for line in notices.reason_lines(joints)]
     yield html.Text(without, tone="off" if answered else "unsure")
     if all(one.reason for one in joints):
         yield html.Text((RECORD,))
@@ -183,8 +174,8 @@ def _compensator(report: made.LogReport) -> Iterator[html.Part]:
     found = report.replay.replay
     compensator = f"Compensator: {in_unit(describe_compensator(found.joints), report.unit)}."
     assumption = found.counterfactual
-    yield html.Text((compensator, f"Assumption {assumption.code}: {sentence_of(assumption)}."))
-    yield html.Text(notice_lines(notices(found.warnings)), listed=True, tone="unsure")
+    yield html.Text((compensator, f"Assumption {assumption.code}: {notices.sentence_of(assumption)}."))
+    yield html.Text(notices.notice_lines(notices.notices(found.warnings)), listed=True, tone="unsure")
 
 
 def _missing(report: made.LogReport) -> Iterator[html.Part]:
@@ -206,7 +197,7 @@ def _recording(report: made.LogReport) -> Iterator[html.Part]:
     summary, choice = summarize_log(log, estimate.interaction, estimate.cycles), estimate.interaction.choice
     source = {"file": log.source.path, "SHA-256": log.source.sha256, "serial number": log.source.serial}
     facts = (pair for pair in facts_of(summary) if pair[0] != "channel")
-    pairs = [*source.items(), *facts, ("torque source", text_of(choice.reason))]
+    pairs = [*source.items(), *facts, ("torque source", notices.text_of(choice.reason))]
     yield html.Terms([(name, in_unit(text, unit)) for name, text in pairs if text])
     yield MOTION.people(summary.joints, caption="How the joints moved")
     caption = "Channels as they are called in the log; {i} is the number of the joint"
