@@ -89,8 +89,14 @@ def _lack(name: str) -> str:
 
 
 def _logs_of(name: str, closed: set[str]) -> list[LogFile]:
-    if "://" in name:
-        return _logs_at(name)
+    if "://" in name:  # a file, or those in a folder or that match a glob
+        with _reached(name) as (system, place):
+            if any(mark in place for mark in "*["):
+                return [_at(system, match) for match in sorted(system.glob(place), key=natural)]
+            if place.lower().endswith(SUFFIXES) and not system.isdir(place):
+                return [_at(system, place)] if system.exists(place) else []
+            top = place.rstrip("/").rpartition("/")[2]
+            return list(_below(place, top, system.walk(place, detail=True), partial(_at, system)))
     path = Path(name)
     if path.is_dir():
         return list(_logs_in(path, closed))
@@ -160,17 +166,6 @@ def local_log(name: str, folders: tuple[str, ...] = ()) -> LogFile:
         size=stamp.size,
         changed=f"{stamp.changed_ns} {hashlib.sha256(which.encode()).hexdigest()[:16]}",
     )
-
-
-def _logs_at(url: str) -> list[LogFile]:
-    """Return the logs at a URL: the file itself, or those in a folder or that match a glob."""
-    with _reached(url) as (system, path):
-        if any(mark in path for mark in "*["):
-            return [_at(system, match) for match in sorted(system.glob(path), key=natural)]
-        if path.lower().endswith(SUFFIXES) and not system.isdir(path):
-            return [_at(system, path)] if system.exists(path) else []
-        name = path.rstrip("/").rpartition("/")[2]
-        return list(_below(path, name, system.walk(path, detail=True), partial(_at, system)))
 
 
 @contextmanager

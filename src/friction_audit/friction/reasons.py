@@ -124,7 +124,17 @@ def dead_channel(seen: Extremes, *, dead_torque: bool) -> Reason:
 def missing_motion(cycles: EnergyCycles, settings: FrictionSettings, seen: Extremes) -> Reason:
     """Say why all cycles of one joint, with its thresholds alone, allow no estimate; empty if they do."""
     if not len(cycles.start):
-        return _no_cycle(cycles, seen.duration_s, float(seen.high[1] - seen.low[1]))
+        initiation, fastest, travel_rad = cycles.initiation, cycles.fastest, float(seen.high[1] - seen.low[1])
+        cases = {
+            "did_not_move": fastest < STANDSTILL * initiation,
+            "hardly_moved": fastest <= initiation and travel_rad < LEAST_TRAVEL_RAD,
+            "moved_too_slowly": fastest <= initiation,
+            "short_log": seen.duration_s < SHORT_S,
+            "no_pause": True,
+        }
+        numbers = {"initiation": initiation, "termination": cycles.termination, "fastest": fastest}
+        numbers |= {"unit": cycles.speed_unit, "duration": seen.duration_s, "travel": travel_rad}
+        return (Caution(next(code for code, holds in cases.items() if holds), numbers=numbers),)
     if not cycles.sums.path_rad.any():
         return (Caution("constant_position"),)
     kept = int((cycles.reason == KEPT).sum())
@@ -144,17 +154,3 @@ def one_speed(cycles: EnergyCycles) -> Reason:
     spread = max(second / path - mean**2, 0.0) ** 0.5 / mean
     numbers = {"mean": mean, "percent": 100 * spread, "level": float(cycles.sums.dissipated_j.sum()) / path}
     return () if spread >= SMALLEST_SPREAD else (Caution("one_speed", numbers=numbers),)
-
-
-def _no_cycle(cycles: EnergyCycles, duration_s: float, travel_rad: float) -> Reason:
-    initiation, termination, fastest = cycles.initiation, cycles.termination, cycles.fastest
-    cases = {
-        "did_not_move": fastest < STANDSTILL * initiation,
-        "hardly_moved": fastest <= initiation and travel_rad < LEAST_TRAVEL_RAD,
-        "moved_too_slowly": fastest <= initiation,
-        "short_log": duration_s < SHORT_S,
-        "no_pause": True,
-    }
-    numbers = {"initiation": initiation, "termination": termination, "fastest": fastest, "unit": cycles.speed_unit}
-    numbers |= {"duration": duration_s, "travel": travel_rad}
-    return (Caution(next(code for code, holds in cases.items() if holds), numbers=numbers),)

@@ -50,13 +50,18 @@ def set_up(cycles: EnergyCycles, model: str) -> Equations:
     """Set up the equations of the cycles of one joint that count.
 
     The noise of an energy is the torque's noise weighted with the velocity, so its variance grows with the integral of
-    the squared speed; each row is divided by its square root. Columns are scaled to unit length.
+    the squared speed; each row is divided by its square root. Columns are scaled to unit length. Nuisance columns count
+    that are independent of the ones before.
     """
     place = np.zeros((len(BALANCE), len(BALANCE)), np.int64)  # of each product among those of a cycle
     place[PAIRS] = place.T[PAIRS] = np.arange(len(PAIRS[0]))
     total = cycles.products.sum(axis=0)[place]
     scale = np.sqrt(np.diag(total))
-    used = _independent(total / np.outer(scale, scale).clip(min=np.finfo(float).tiny), FRICTION[model])
+    gram, used = total / np.outer(scale, scale).clip(min=np.finfo(float).tiny), [*map(COLUMNS.index, FRICTION[model])]
+    for one in range(len(FRICTION["combined"]), len(COLUMNS)):
+        by_others = np.linalg.lstsq(gram[np.ix_(used, used)], gram[used, one], rcond=None)[0]
+        if gram[one, one] - gram[one, used] @ by_others > INDEPENDENT_SHARE**2:
+            used.append(one)
     scale = scale[used]
     return Equations(
         names=tuple(COLUMNS[one] for one in used),
@@ -64,16 +69,6 @@ def set_up(cycles: EnergyCycles, model: str) -> Equations:
         right=cycles.products[:, place[used, -1]] / scale,
         scale=scale,
     )
-
-
-def _independent(gram: Float, friction: tuple[str, ...]) -> list[int]:
-    """Return the friction columns and those nuisance columns that are independent of the ones before."""
-    used = [COLUMNS.index(name) for name in friction]
-    for one in range(len(FRICTION["combined"]), len(COLUMNS)):
-        by_others = np.linalg.lstsq(gram[np.ix_(used, used)], gram[used, one], rcond=None)[0]
-        if gram[one, one] - gram[one, used] @ by_others > INDEPENDENT_SHARE**2:
-            used.append(one)
-    return used
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

@@ -38,10 +38,14 @@ def _verdict(found: CoefficientDrift) -> str:
 
 def _draw_both(draw: Any, panels: Sequence[Axes], arm: ArmDrift, joint: JointDrift) -> None:
     """Draw Coulomb above or left of viscous friction over the sessions, or why there is nothing."""
+    places = range(1, len(arm.sessions) + 1, max(1, -(-len(arm.sessions) // MOST_TICKS)))
+    dates, (_, part) = [format_date(arm.sessions[place - 1].start_s) for place in places], _dates(arm)
+    ticks = [f"{k}" if date == NOTHING else f"{k}\n{date[part]}" for k, date in zip(places, dates, strict=True)]
     for axes, found in zip(panels, joint.coefficients, strict=True):
         if not parts.is_narrow(axes):
             axes.set_title(panels[0].get_title(loc="left"), loc="left")
-        _number_sessions(axes, arm)
+        axes.set_xlim(0.2, len(arm.sessions) + 0.8)
+        axes.set_xticks(places, ticks)
         axes.set_ylabel(TITLES[found.coefficient])
         if not any(math.isfinite(one.value) for one in found.values):
             axes.set_yticks([])
@@ -50,16 +54,6 @@ def _draw_both(draw: Any, panels: Sequence[Axes], arm: ArmDrift, joint: JointDri
         words, alert = draw(axes, arm, joint, found)
         # No panel has ticks above; to look for them takes a third of the time, and a place given ends it.
         axes.set_title(words, loc="right", y=1.0, color=FITTED if alert else "black")
-
-
-def _number_sessions(axes: Axes, arm: ArmDrift) -> None:
-    """Let an axis run over all sessions; at most MOST_TICKS ticks carry number and, where known, the day or month."""
-    places = list(range(1, len(arm.sessions) + 1, max(1, -(-len(arm.sessions) // MOST_TICKS))))
-    axes.set_xlim(0.2, len(arm.sessions) + 0.8)
-    dates = [format_date(arm.sessions[place - 1].start_s) for place in places]
-    _, part = _dates(arm)
-    named = zip(places, dates, strict=True)
-    axes.set_xticks(places, [str(k) if date == NOTHING else f"{k}\n{date[part]}" for k, date in named])
 
 
 def _dates(arm: ArmDrift) -> tuple[str, slice]:
@@ -89,13 +83,22 @@ def _draw_coefficient(axes: Axes, arm: ArmDrift, joint: JointDrift, found: Coeff
     separator = " " if parts.is_narrow(axes) else "\n"
     axes.set_ylabel(f"{TITLES[found.coefficient]}{separator}[{drift_words.UNITS[found.coefficient]}]")
     _shade_reference(axes, arm)
-    _draw_values(axes, found)
+    place = np.array([k + 1.0 for k in found.sessions])
+    value, low, high = np.array([(one.value, one.low, one.high) for one in found.values]).T
+    # One path for all intervals: a file of a thousand sessions stays small.
+    bars = np.stack([low, high, np.full(len(place), np.nan)], axis=1).ravel()
+    axes.plot(np.repeat(place, 3), bars, color=FILTERED, lw=0.7, alpha=0.5, label=INTERVAL)
+    style: Look = {"lw": 0.7} if len(place) > MOST_MARKED else {"ls": "none", "marker": "o", "ms": 2.6, "mew": 0.0}
+    axes.plot(place, value, color=FILTERED, label=SESSION, **style)
+    ringed = np.isin(found.sessions, found.isolated)
+    if ringed.any():
+        ring: Look = {"ls": "none", "marker": "D", "ms": 5.0, "mfc": "none", "mec": FITTED, "mew": 0.8}
+        axes.plot(place[ringed], value[ringed], label=ISOLATED, **ring)
     if found.change_points:
         _draw_levels(axes, found)
     elif math.isfinite(found.trend_per_session.value):
         _draw_trend(axes, found)
     # All values and levels; of intervals, and of sessions not compared (without any correction), what is near.
-    value, low, high = np.array([(one.value, one.low, one.high) for one in found.values]).T
     levels = [one for change in found.change_points for one in (change.before.value, change.after.value)]
     left_out = np.array([
         (k + 1, one.coefficients.get(found.coefficient, UNDETERMINED).value)
@@ -112,21 +115,6 @@ def _draw_coefficient(axes: Axes, arm: ArmDrift, joint: JointDrift, found: Coeff
         look: Look = {"ls": "none", "marker": "o", "ms": 2.8, "mfc": "none", "mec": MUTED, "mew": 0.6}
         axes.plot(*left_out.T, label=ALONE, **look)
     return _verdict(found), found.drift
-
-
-def _draw_values(axes: Axes, found: CoefficientDrift) -> None:
-    """Draw sessions, each with its interval, and ring the isolated ones."""
-    place = np.array([k + 1.0 for k in found.sessions])
-    value, low, high = np.array([(one.value, one.low, one.high) for one in found.values]).T
-    # One path for all intervals: a file of a thousand sessions stays small.
-    bars = np.stack([low, high, np.full(len(place), np.nan)], axis=1).ravel()
-    axes.plot(np.repeat(place, 3), bars, color=FILTERED, lw=0.7, alpha=0.5, label=INTERVAL)
-    style: Look = {"lw": 0.7} if len(place) > MOST_MARKED else {"ls": "none", "marker": "o", "ms": 2.6, "mew": 0.0}
-    axes.plot(place, value, color=FILTERED, label=SESSION, **style)
-    ringed = np.isin(found.sessions, found.isolated)
-    if ringed.any():
-        look: Look = {"ls": "none", "marker": "D", "ms": 5.0, "mfc": "none", "mec": FITTED, "mew": 0.8}
-        axes.plot(place[ringed], value[ringed], label=ISOLATED, **look)
 
 
 def _draw_levels(axes: Axes, found: CoefficientDrift) -> None:

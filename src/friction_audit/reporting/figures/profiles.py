@@ -60,28 +60,24 @@ def _draw_residual(panels: Sequence[Axes], _: Diagnosis, joint: JointDiagnosis) 
     """Draw the residual before and after along every axis that shows an effect; on a sheet of the largest alone."""
     narrow, left = parts.is_narrow(panels[0]), iter(panels)
     for row in rows_of(joint) if narrow else rows_of(joint)[:1]:
-        _draw_row([next(left) for _ in range(2 if row.after is not None else 1)], joint, row)
+        own, traces = [next(left) for _ in range(2 if row.after is not None else 1)], joint.traces
+        if row.before is None or traces is None:
+            write_verdict(own[0], joint)
+            continue
+        names = plain_names(enumerate_words(effect.name for effect in joint.added))
+        contacts = ", contacts left out" if len(joint.added) < len(joint.effects) else ""
+        titles = (f"{parts.joint_title(joint.joint, joint.name)}: nominal model{contacts}", f"with {names}")
+        models = zip(own, titles, (row.before, row.after), (traces.before, traces.after), strict=False)
+        for axes, title, profile, torque in models:
+            assert profile is not None
+            parts.label_panel(axes, fill(title, CHARACTERS), across=4)
+            along = traces.along[profile.axis] if row.own is None else row.own.values
+            draw_profile(axes, profile, along, traces.dq, traces.measured - torque)
+        lows, highs = zip(*(axes.get_ylim() for axes in own), strict=True)
+        for axes in own:
+            axes.set_ylim(min(lows), max(highs))
     for axes in left:
         axes.set_axis_off()
-
-
-def _draw_row(panels: list[Axes], joint: JointDiagnosis, row: Row) -> None:
-    traces = joint.traces
-    if row.before is None or traces is None:
-        write_verdict(panels[0], joint)
-        return
-    names = plain_names(enumerate_words(effect.name for effect in joint.added))
-    contacts = ", contacts left out" if len(joint.added) < len(joint.effects) else ""
-    titles = (f"{parts.joint_title(joint.joint, joint.name)}: nominal model{contacts}", f"with {names}")
-    models = zip(panels, titles, (row.before, row.after), (traces.before, traces.after), strict=False)
-    for axes, title, profile, torque in models:
-        assert profile is not None
-        parts.label_panel(axes, fill(title, CHARACTERS), across=4)
-        along = traces.along[profile.axis] if row.own is None else row.own.values
-        draw_profile(axes, profile, along, traces.dq, traces.measured - torque)
-    lows, highs = zip(*(axes.get_ylim() for axes in panels), strict=True)
-    for axes in panels:
-        axes.set_ylim(min(lows), max(highs))
 
 
 def _residual_label(found: Diagnosis) -> str:

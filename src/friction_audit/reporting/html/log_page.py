@@ -231,31 +231,28 @@ WRITERS: Mapping[str, Callable[[made.LogReport], bytes]] = {
 
 @lru_cache(maxsize=1)  # a page and its PDF have the same figures
 def draw_figures(report: made.LogReport) -> Drawn:
-    """Draw the figures sheet by sheet, all kinds of the first joints before those of the next."""
+    """Draw the figures of the sections asked for, all kinds of the first joints before those of the next."""
     from friction_audit.reporting.figures.style import load_matplotlib
 
-    drawn: dict[str, list[html.Figure]] = defaultdict(list)
-    sheets = list(_sheets(report))
-    load_matplotlib(["svg", "png"] if sheets else [])  # once, and not by every copy
-    work = in_processes(lambda k: _figure(report, *sheets[k]), len(sheets), workers_for(len(sheets)))
-    for (kind, _, _), figure in zip(sheets, work, strict=True):
-        drawn[PLACES[kind]].append(figure)
-    return drawn
-
-
-def _sheets(report: made.LogReport) -> Iterator[tuple[FigureKind, tuple[made.JointReport, ...], str]]:
-    """Yield kind, joints and title of every figure of the sections asked for."""
-    shown = {}
+    shown: dict[FigureKind, set[int]] = {}
     for kind in LOG_FIGURES:
         result = getattr(report, kind.result)
         if result is not None and PLACES[kind] in ("verdicts", *report.sections):
             layout = kind.layout()
             shown[kind] = {one.joint for one in layout.joints(result) if layout.has(result, one)}
     every = [one for one in report.joints if any(one.joint in numbers for numbers in shown.values())]
-    for own, which in html.sheets_of(every):
-        for kind, numbers in shown.items():
-            if joints := tuple(one for one in own if one.joint in numbers):
-                yield kind, joints, f"{kind.title}{which}"
+    sheets = [
+        (kind, joints, f"{kind.title}{which}")
+        for own, which in html.sheets_of(every)
+        for kind, numbers in shown.items()
+        if (joints := tuple(one for one in own if one.joint in numbers))
+    ]
+    drawn: dict[str, list[html.Figure]] = defaultdict(list)
+    load_matplotlib(["svg", "png"] if sheets else [])  # once, and not by every copy
+    work = in_processes(lambda k: _figure(report, *sheets[k]), len(sheets), workers_for(len(sheets)))
+    for (kind, _, _), figure in zip(sheets, work, strict=True):
+        drawn[PLACES[kind]].append(figure)
+    return drawn
 
 
 def _figure(report: made.LogReport, kind: FigureKind, joints: tuple[made.JointReport, ...], title: str) -> html.Figure:
