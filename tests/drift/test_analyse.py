@@ -5,7 +5,7 @@ import pytest
 from hypothesis import example, given, settings, strategies as st
 
 from friction_audit.drift.analyse import analyse_arm
-from friction_audit.drift.report import ArmDrift, CoefficientDrift, DriftReport, DriftSettings, parse_limit
+from friction_audit.drift.report import ArmDrift, CoefficientDrift, DriftSettings, parse_limit
 from friction_audit.drift.session import Session
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
@@ -41,7 +41,7 @@ def test_step_of_15_percent_of_one_joint_is_found_sized_and_dated_and_leaves_the
     assert joint_sentence(arm, arm.joints[0]).startswith("Coulomb friction rose by 1")
     assert joint_sentence(arm, arm.joints[0]).endswith("; nothing else changed")
     assert arm_sentence(arm).endswith("; nothing else changed")
-    (text,) = limits_beyond_all(DriftReport(arms=(arm,)), [parse_limit(one) for one in ("coulomb=15", "coulomb=15%")])
+    (text,) = limits_beyond_all([arm], [parse_limit(one) for one in ("coulomb=15", "coulomb=15%")])
     assert text.endswith(" N m; per cent is coulomb=15%")
     both = arm_sentence(replace(arm, joints=(*arm.joints[:1], replace(arm.joints[0], joint=4))))
     assert "; joint 4: Coulomb friction rose by 1" in both

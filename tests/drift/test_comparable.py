@@ -7,7 +7,7 @@ import pytest
 
 from friction_audit.drift.analyse import analyse_arm
 from friction_audit.drift.covariates import choose_comparable, known_by
-from friction_audit.drift.report import DriftReport, DriftSettings, judge, parse_baseline, parse_limit
+from friction_audit.drift.report import ArmDrift, DriftSettings, judge, parse_baseline, parse_limit
 from friction_audit.drift.session import Conditions, Session, put_in_order
 from friction_audit.errors import UsageError
 from friction_audit.reporting.drift_words import limit_sentences
@@ -70,9 +70,9 @@ def test_other_speeds_are_told() -> None:
 
 
 @pytest.fixture(scope="module")
-def stepped() -> DriftReport:
+def stepped() -> tuple[ArmDrift]:
     level = noisy(16) * np.where(np.arange(16) >= 9, 1.15, 1.0)
-    return DriftReport(arms=(analyse_arm(make_sessions(level), DriftSettings(permutations=199)),))
+    return (analyse_arm(make_sessions(level), DriftSettings(permutations=199)),)
 
 
 @pytest.mark.parametrize(
@@ -101,7 +101,7 @@ def test_what_is_no_limit_is_refused(text: str) -> None:
 
 
 @pytest.mark.parametrize("text", ["coulomb=10%", "joint1.coulomb=12%", "any=10%", "coulomb=0.03"])
-def test_proven_change_beyond_the_limit(stepped: DriftReport, text: str) -> None:
+def test_proven_change_beyond_the_limit(stepped: tuple[ArmDrift], text: str) -> None:
     ((sentence,), _) = limit_sentences(stepped, [parse_limit(text)])
     assert sentence.startswith("arm, joint 1: Coulomb friction rose by ")
     assert sentence.endswith(f"surely beyond the limit {text}")
@@ -121,8 +121,8 @@ def test_proven_change_beyond_the_limit(stepped: DriftReport, text: str) -> None
     ],
 )
 def test_a_limit_below_what_would_have_been_seen_is_not_tested(sessions: int, text: str, told: bool) -> None:
-    report = DriftReport(arms=(analyse_arm(make_sessions(noisy(sessions)), DriftSettings(permutations=199)),))
-    _, sentences = limit_sentences(report, [parse_limit(text)])
+    arm = analyse_arm(make_sessions(noisy(sessions)), DriftSettings(permutations=199))
+    _, sentences = limit_sentences([arm], [parse_limit(text)])
     assert len(sentences) == (not told)
     assert all(text in sentence for sentence in sentences)
 

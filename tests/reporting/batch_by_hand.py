@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from friction_audit.batch.identity import FailedLog
-from friction_audit.drift.report import ArmDrift, ChangePoint, CoefficientDrift, ControlPoint, DriftReport, JointDrift
+from friction_audit.drift.report import ArmDrift, ChangePoint, CoefficientDrift, ControlPoint, JointDrift
 from friction_audit.drift.session import Conditions, JointSummary, Session, SpeedCurve
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.preprocessing.interaction import quoted
@@ -132,7 +132,7 @@ SETTINGS: Mapping[str, object] = {"drift": {"alpha": 0.05, "fail_on": ["coulomb=
 
 def batch(*arms: ArmDrift) -> BatchSummary:
     return BatchSummary(
-        report=DriftReport(arms=arms or (arm(),)),
+        arms=arms or (arm(),),
         failed=(FailedLog(path="logs/broken.bag", message="broken.bag: is truncated after 12 kB; record it again"),),
         exceeded=("panda-1, joint 2: Coulomb friction changed by +15.0 %, the limit is 15 %",),
         command="friction-audit batch-report logs --fail-on coulomb=15% -o out", settings=SETTINGS, computed=20,
@@ -150,7 +150,7 @@ def hostile() -> BatchSummary:
     joints = tuple(replace(joint, name=HOSTILE) for joint in plain.joints)
     bad = replace(plain, robot=HOSTILE, sessions=sessions, joints=joints, warnings=quoted(HOSTILE))
     return BatchSummary(
-        report=DriftReport(arms=(replace(bad, left_out=((LEFT_OUT, quoted(HOSTILE)),)),)), exceeded=(HOSTILE,),
+        arms=(replace(bad, left_out=((LEFT_OUT, quoted(HOSTILE)),)),), exceeded=(HOSTILE,),
         failed=(FailedLog(path=HOSTILE, message=HOSTILE),), settings={HOSTILE: {HOSTILE: [HOSTILE]}},
         command=f"friction-audit batch-report {HOSTILE}",
     )  # fmt: skip
@@ -158,4 +158,4 @@ def hostile() -> BatchSummary:
 
 def empty() -> BatchSummary:
     failed = (FailedLog(path="a.csv", message="a.csv: no column for dq"),)
-    return BatchSummary(report=DriftReport(arms=()), failed=failed, settings=SETTINGS)
+    return BatchSummary(arms=(), failed=failed, settings=SETTINGS)

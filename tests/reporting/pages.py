@@ -56,7 +56,7 @@ def of_log(found: LogReport) -> str:
 
 
 def of_batch(summary: BatchSummary) -> str:
-    every = ((one.anchor, draw(one)[1]) for one in drawings_of(summary.report.arms, {}, ()) if one.anchor)
+    every = ((one.anchor, draw(one)[1]) for one in drawings_of(summary.arms, {}, ()) if one.anchor)
     return write_page(summary, {anchor: figure for anchor, figure in every if figure is not None})
 
 

@@ -79,7 +79,7 @@ def test_residual_is_measured_less_model_and_effects_are_words() -> None:
 
 def sessions_of(summary: BatchSummary, path: Path) -> pd.DataFrame:
     for kind in ("csv", "parquet"):
-        write_rows(*session_columns(summary.report.arms), path / f"sessions.{kind}", kind)
+        write_rows(*session_columns(summary.arms), path / f"sessions.{kind}", kind)
     frame: pd.DataFrame = pq.read_table(path / "sessions.parquet").to_pandas()
     assert len(pd.read_csv(path / "sessions.csv")) == len(frame)
     return frame

@@ -18,23 +18,23 @@ from friction_audit.batch.identity import FailedLog, Fault, Worked, identify, na
 from friction_audit.batch.ledger import BatchSettings, Ledger
 from friction_audit.batch.work import work_on
 from friction_audit.drift.analyse import analyse_arm
-from friction_audit.drift.report import ArmDrift, DriftReport, DriftSettings
+from friction_audit.drift.report import ArmDrift, DriftSettings
 from friction_audit.drift.session import Session
 from friction_audit.errors import AnalysisError, few
 
 
-def drift_of_arms(sessions: Sequence[Session], settings: DriftSettings, executor: Executor) -> DriftReport:
+def drift_of_arms(sessions: Sequence[Session], settings: DriftSettings, executor: Executor) -> tuple[ArmDrift, ...]:
     """Find what changed between the sessions of each arm; a single arm is analysed here, where its sessions are."""
     by_robot = attrgetter("robot")
     arms = [tuple(own) for _, own in groupby(sorted(sessions, key=by_robot), by_robot)]
     if len(arms) == 1:
-        return DriftReport(arms=(analyse_arm(arms[0], settings),))
+        return (analyse_arm(arms[0], settings),)
     found: list[ArmDrift] = []
     for arm, drift in executor.run(partial(analyse_arm, settings=settings), arms):
         if isinstance(drift, Lost):
             raise AnalysisError(f"{arm[0].robot}: its drift cannot be analysed: {drift.message}")
         found.append(drift)
-    return DriftReport(arms=tuple(sorted(found, key=lambda one: one.robot)))
+    return tuple(sorted(found, key=by_robot))
 
 
 MOST_NAMED = 3  # copies that a warning names; more are counted

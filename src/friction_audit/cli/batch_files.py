@@ -31,7 +31,7 @@ def write_results(batch: Batch, standing: Standing, command: str) -> tuple[Batch
     voice, folder = batch.voice, batch.folder
     with voice.step("look for drift"):
         summary = _summarise(batch, standing, command)
-        junit = junit_text("batch-report", summary.report, batch.limits) if batch.limits else ""
+        junit = junit_text("batch-report", summary.arms, batch.limits) if batch.limits else ""
     with ThreadPoolExecutor(max_workers=1, thread_name_prefix="tables") as pool, voice.step("draw the figures"):
         tables = pool.submit(_write_tables, summary, folder)  # while others draw
         drawn, pictures = _draw(summary, batch)
@@ -55,14 +55,14 @@ def _summarise(batch: Batch, standing: Standing, command: str) -> BatchSummary:
     if all(joint.reason for session in sessions for joint in session.joints):
         lines = [f"{session.path}: {'; '.join(reason_lines(session.joints))}" for session in sessions]
         raise AnalysisError("\n  ".join(["no joint of any session has an estimate:", *few(lines)]))
-    report = drift_of_arms(sessions, batch.drift, batch.processes)
+    arms = drift_of_arms(sessions, batch.drift, batch.processes)
     asked = batch.settings
     every = {"reading": chain.reading_settings(asked.reading), **asdict(asked.audit), "drift": asdict(batch.drift)}
     every["diagnosis"] = None if asked.diagnosis is None else asdict(asked.diagnosis)
-    beyond, unknown = limit_sentences(report, batch.limits)
-    warnings = (*warnings, *limits_beyond_all(report, batch.limits))
+    beyond, unknown = limit_sentences(arms, batch.limits)
+    warnings = (*warnings, *limits_beyond_all(arms, batch.limits))
     return BatchSummary(
-        report=report, failed=failed, exceeded=beyond, cannot_tell=unknown, warnings=warnings,
+        arms=arms, failed=failed, exceeded=beyond, cannot_tell=unknown, warnings=warnings,
         settings=to_json(every), command=command, computed=standing.new, known=standing.known,
     )  # fmt: skip
 
@@ -73,13 +73,13 @@ def _write_tables(summary: BatchSummary, folder: Path) -> None:
         file.writelines(write_batch_document(summary))
     for path in tables:
         with whole_file(path, overwrite=True) as draft:
-            write_rows(*session_columns(summary.report.arms), draft, path.suffix.removeprefix("."))
+            write_rows(*session_columns(summary.arms), draft, path.suffix.removeprefix("."))
 
 
 def _draw(summary: BatchSummary, batch: Batch) -> tuple[list[str], dict[str, Figure]]:
     """Draw the figures side by side and write their files; return the names of those, and what is for the page."""
     names, pictures = [], {}
-    drawings = drawings_of(summary.report.arms, _prefixes(summary.report.arms), batch.formats)
+    drawings = drawings_of(summary.arms, _prefixes(summary.arms), batch.formats)
     for drawing, drawn in batch.processes.run(draw, drawings):
         if isinstance(drawn, Lost):
             raise AnalysisError(f"{drawing.name or drawing.anchor}: cannot be drawn: {drawn.message}")

@@ -68,7 +68,7 @@ def command(
     if junit is not None:
         from friction_audit.reporting.drift_words import junit_text
 
-        write_junit(junit, junit_text("diff", sides.report, limits, sides.unit), overwrite=shared.overwrite)
+        write_junit(junit, junit_text("diff", sides.arms, limits, sides.unit), overwrite=shared.overwrite)
     own = ("the comparison", [one.code for one in notices])
     every = ((one.session.path, one.session.codes) for one in (*sides.before, *sides.after))
     chain.exit_if_strict(dict([own, *every]), strict=strict)
@@ -133,14 +133,14 @@ def _report(
     from friction_audit.reporting.words import in_unit
 
     voice, json = shared.general.voice, shared.general.json
-    beyond, unknown = ([in_unit(text, sides.unit) for text in some] for some in limit_sentences(sides.report, limits))
+    beyond, unknown = ([in_unit(text, sides.unit) for text in some] for some in limit_sentences(sides.arms, limits))
     values = {"sides": sides, "settings": to_json(chain.audit_settings(shared, friction)), "warnings": warnings}
     document = partial(DIFF.json, values | {"exceeded": beyond, "cannot_tell": unknown}, sides.unit)
     text = out.write_document(DOCUMENT, document, json=json)
     out.write_csv(TABLE, CHANGES.file(sides.joints, "coefficients"))
     out.write_figures({"diff": sides}, [joint.joint for joint in sides.joints], sides.unit, voice)
     if not json:
-        voice.warn([*notice_lines(warnings), *limits_beyond_all(sides.report, limits)])
+        voice.warn([*notice_lines(warnings), *limits_beyond_all(sides.arms, limits)])
     show(text, lambda: diff_lines(sides, beyond, unknown), json=json)
     if beyond or unknown:
         return EXCEEDED if beyond else UNTESTABLE

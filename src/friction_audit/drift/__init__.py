@@ -1,1 +1,1 @@
-"""Session summaries -> DriftReport: trends, change points, and how sure we are."""
+"""Session summaries -> ArmDrift: trends, change points, and how sure we are."""

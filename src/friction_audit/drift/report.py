@@ -1,4 +1,4 @@
-"""DriftReport: what changed between sessions, when, and how sure we are; and what a user asks: settings and limits."""
+"""ArmDrift: what changed between sessions, when, and how sure we are; and what a user asks: settings and limits."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -138,18 +138,6 @@ class ArmDrift:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class DriftReport:
-    """All arms of a batch."""
-
-    arms: tuple[ArmDrift, ...]
-
-    @property
-    def drift(self) -> bool:
-        """Whether an arm drifts."""
-        return any(arm.drift for arm in self.arms)
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Limit:
     """How far a coefficient may go from the reference."""
 
@@ -192,8 +180,8 @@ class Judged(NamedTuple):
     found: CoefficientDrift | None = None
 
 
-def judge(report: DriftReport, limits: Sequence[Limit]) -> Iterator[Judged]:
-    """Judge each coefficient by each limit that is meant for it.
+def judge(arms: Sequence[ArmDrift], limits: Sequence[Limit]) -> Iterator[Judged]:
+    """Judge each coefficient of some arms by each limit that is meant for it.
 
     A limit is exceeded if drift is proven and the estimated change at least as large; it is untestable where the
     sessions cannot show a change as small. A limit of 0 asks for any drift that is proven, which every test answers.
@@ -201,7 +189,7 @@ def judge(report: DriftReport, limits: Sequence[Limit]) -> Iterator[Judged]:
     for limit in limits:
         meant = [
             Judged(limit, _verdict(found, limit), arm.robot, joint.joint, found)
-            for arm in report.arms
+            for arm in arms
             for joint in arm.joints
             for found in joint.coefficients
             if limit.joint in {None, joint.joint} and limit.coefficient in {None, found.coefficient}

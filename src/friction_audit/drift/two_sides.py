@@ -10,7 +10,7 @@ from scipy.special import stdtr, stdtrit
 
 from friction_audit.drift.covariates import Condition, Recording, differences, known_by
 from friction_audit.drift.regression import holm, random_effects, relative_change
-from friction_audit.drift.report import ArmDrift, CoefficientDrift, DriftReport, DriftSettings, JointDrift
+from friction_audit.drift.report import ArmDrift, CoefficientDrift, DriftSettings, JointDrift
 from friction_audit.drift.session import COEFFICIENTS, JointSummary, SpeedCurve
 from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.friction.history import NAN, UNDETERMINED, Coefficient
@@ -71,14 +71,14 @@ class TwoSides:
     unit: str  # of the torque
 
     @property
-    def report(self) -> DriftReport:
-        """The same as the drift of an arm, for limits that hold for both."""
+    def arms(self) -> tuple[ArmDrift]:
+        """The same as the drift of one arm, for limits that hold for both."""
         robot = ", ".join(dict.fromkeys(one.session.robot or one.session.path for one in self.after))
         joints = tuple(
             JointDrift(joint=one.joint, name=one.name, coefficients=tuple(change.found for change in one.coefficients))
             for one in self.joints
         )
-        return DriftReport(arms=(ArmDrift(robot=robot, joints=joints),))
+        return (ArmDrift(robot=robot, joints=joints),)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

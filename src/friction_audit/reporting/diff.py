@@ -90,7 +90,7 @@ DIFF = Document(
     Column("after", [RECORDING], "recordings of the second side", "sides.after"),
     SETTINGS,
     WARNINGS,
-    Column("changed", bool, "whether a coefficient of a joint changed", "sides.report.drift"),
+    Column("changed", bool, "whether a coefficient of a joint changed", "sides.arms.0.drift"),
     Column("exceeded", [str], "limits that are exceeded, a sentence each"),
     Column("cannot_tell", [str], "limits that the two sides cannot test"),
     Column("joints", [JOINT_CHANGE], "joints that both sides have", "sides.joints"),

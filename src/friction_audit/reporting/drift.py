@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from friction_audit import __version__
 from friction_audit.batch.identity import FailedLog
-from friction_audit.drift.report import SHAPES, ArmDrift, ChangePoint, CoefficientDrift, DriftReport, JointDrift
+from friction_audit.drift.report import SHAPES, ArmDrift, ChangePoint, CoefficientDrift, JointDrift
 from friction_audit.drift.session import Session
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.preprocessing.interaction import Caution
@@ -30,7 +30,7 @@ MOST_NAMED = 8  # sessions that a line names; more are counted
 class BatchSummary:
     """A batch of recordings and how the friction in them drifts."""
 
-    report: DriftReport  # drift, arm by arm
+    arms: tuple[ArmDrift, ...]  # drift, arm by arm
     failed: tuple[FailedLog, ...] = ()  # files that gave no session
     exceeded: tuple[str, ...] = ()  # limits that were exceeded, a sentence each
     cannot_tell: tuple[str, ...] = ()  # limits that the sessions cannot test, a sentence each
@@ -44,7 +44,7 @@ class BatchSummary:
     @property
     def sessions(self) -> tuple[Session, ...]:
         """The sessions of all arms, in order."""
-        return tuple(session for arm in self.report.arms for session in arm.sessions)
+        return tuple(session for arm in self.arms for session in arm.sessions)
 
 
 class CoefficientRow(NamedTuple):
@@ -251,19 +251,19 @@ BATCH = Document(
     Column("settings", dict, "every setting, defaults included"),
     Column("computed", int, "sessions computed in this run"),
     Column("known", int, "sessions that the ledger held"),
-    Column("drift", bool, "whether an arm drifts", "report.drift"),
+    Column("drift", bool, "whether an arm drifts", lambda one: any(arm.drift for arm in one.arms)),
     Column("exceeded", [str], "limits that were exceeded, a sentence each"),
     Column("cannot_tell", [str], "limits that the sessions cannot test"),
     Column("warnings", [str], "what was noticed about the logs as a whole"),
     Column("failed", [FAILED], "files that gave no session"),
-    Column("robots", [ARM], "per arm", "report.arms"),
+    Column("robots", [ARM], "per arm", "arms"),
     Column(
         "joints", [JOINT_DRIFT], "per joint of every arm",
-        lambda one: ((arm, joint) for arm in one.report.arms for joint in arm.joints),
+        lambda one: ((arm, joint) for arm in one.arms for joint in arm.joints),
     ),
     Column(
         "sessions", [SESSION], "per session of every arm",
-        lambda batch: (SessionRow(k, one) for arm in batch.report.arms for k, one in enumerate(arm.sessions)),
+        lambda batch: (SessionRow(k, one) for arm in batch.arms for k, one in enumerate(arm.sessions)),
     ),
 )  # fmt: skip
 
@@ -284,13 +284,13 @@ def write_batch_document(summary: BatchSummary) -> Iterator[str]:
 
 def batch_lines(summary: BatchSummary, *, verbose: bool = False) -> list[str]:
     """Return per arm a table and its verdict in words, and the files that failed; with ``verbose`` also the reasons."""
-    sessions, arms = words.count_of(len(summary.sessions), "session"), words.count_of(len(summary.report.arms), "arm")
+    sessions, arms = words.count_of(len(summary.sessions), "session"), words.count_of(len(summary.arms), "arm")
     done = f"{summary.computed} computed, {summary.known} known from the ledger, {len(summary.failed)} of these failed"
     last = phrases.limit_lines(summary.exceeded, summary.cannot_tell)
     last += [f"failed: {path}: {message}" for path, message in summary.failed]
-    by_arm = (line for arm in summary.report.arms for line in ("", *_arm_lines(arm, verbose=verbose)))
-    advice = ["", phrases.TO_DO] if summary.report.drift else []
-    several = ["", phrases.batch_sentence(summary.report.arms)] if len(summary.report.arms) > 1 else []
+    by_arm = (line for arm in summary.arms for line in ("", *_arm_lines(arm, verbose=verbose)))
+    advice = ["", phrases.TO_DO] if any(arm.drift for arm in summary.arms) else []
+    several = ["", phrases.batch_sentence(summary.arms)] if len(summary.arms) > 1 else []
     return [f"{sessions} of {arms}: {done}", *several, *by_arm, *advice, *([""] if last else []), *last]
 
 

@@ -266,16 +266,16 @@ def limit_lines(exceeded: Iterable[str], cannot_tell: Iterable[str]) -> list[str
 OUTCOMES = {"exceeded": ("failure", "failures"), "untestable": ("error", "errors")}
 
 
-def limit_sentences(report: made.DriftReport, asked: Iterable[made.Limit]) -> tuple[tuple[str, ...], ...]:
+def limit_sentences(arms: Sequence[made.ArmDrift], asked: Iterable[made.Limit]) -> tuple[tuple[str, ...], ...]:
     """Return one sentence for each coefficient beyond a limit, and for each that cannot be tested by one."""
-    judged = list(made.judge(report, tuple(asked)))
+    judged = list(made.judge(arms, tuple(asked)))
     return tuple(tuple(_limit_sentence(one) for one in judged if one.verdict == kind) for kind in OUTCOMES)
 
 
-def limits_beyond_all(report: made.DriftReport, asked: Iterable[made.Limit]) -> Iterator[str]:
+def limits_beyond_all(arms: Sequence[made.ArmDrift], asked: Iterable[made.Limit]) -> Iterator[str]:
     """Name the limits in the unit of a coefficient that are larger than all of it: they were meant in per cent."""
     for limit in asked:
-        judged = made.judge(report, [] if limit.relative else [limit])
+        judged = made.judge(arms, [] if limit.relative else [limit])
         levels = [abs(one.found.level.value) for one in judged if one.found and isfinite(one.found.level.value)]
         if levels and max(levels) < limit.size:
             unit = UNITS[limit.coefficient or "coulomb_nm"]
@@ -308,12 +308,14 @@ def _limit_sentence(one: made.Judged) -> str:
     return f"{name}: the limit {limit.text} cannot be tested: {why}"
 
 
-def junit_text(command: str, report: made.DriftReport, asked: Sequence[made.Limit], unit: str = NEWTON_METRES) -> str:
+def junit_text(
+    command: str, arms: Sequence[made.ArmDrift], asked: Sequence[made.Limit], unit: str = NEWTON_METRES
+) -> str:
     """Return the XML of the limits of a command, a suite per limit; torques are in a unit."""
     root = ET.Element("testsuites", name=f"friction-audit {command}")
     for limit in asked:
         suite = ET.SubElement(root, "testsuite", name=limit.text)
-        for one in made.judge(report, [limit]):
+        for one in made.judge(arms, [limit]):
             words = () if one.found is None else (f"joint {one.joint}", f"{NAMES[one.found.coefficient]} friction, ")
             place = (printable(part).replace(".", "_") for part in ("friction-audit", command, one.robot or "no arm"))
             name = f"{': '.join(words)}limit {limit.text}"

@@ -41,13 +41,13 @@ WITHIN = (
 
 def write_page(summary: tables.BatchSummary, drawn: Mapping[str, html.Figure]) -> str:
     """Return the page of a batch as HTML text, with figures by their anchors."""
-    arms = summary.report.arms
+    arms = summary.arms
     verdicts = tables.ARM.people(arms, caption="Drift of each arm")
     limits = [one[:1].upper() + one[1:] for one in phrases.limit_lines(summary.exceeded, summary.cannot_tell)]
     lead = html.Text(("These files gave no session. They do not affect the others.",))
     files = tables.FAILED.people(summary.failed, caption="Files that gave no session")
     failed = html.Section("failed", "Files that failed", (lead, files))
-    noted = [*summary.warnings, *([phrases.TO_DO] if summary.report.drift else [])]
+    noted = [*summary.warnings, *([phrases.TO_DO] if any(arm.drift for arm in arms) else [])]
     advice = html.Text(noted, listed=True, tone="unsure")
     exceeded = html.Text(limits, listed=True, tone="alert")
     pictures = _pictures(arms, drawn)
