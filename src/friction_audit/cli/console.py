@@ -140,12 +140,7 @@ def _bar() -> "Progress":
     from rich import progress
     from rich.console import Console
 
-    columns = (
-        progress.BarColumn,
-        progress.TaskProgressColumn,
-        progress.TimeElapsedColumn,
-        progress.TimeRemainingColumn,
-    )
     name = progress.TextColumn("{task.description}", markup=False)
-    made = (progress.SpinnerColumn(), name, *(column() for column in columns))
-    return progress.Progress(*made, console=Console(stderr=True), transient=True)
+    _, done, share, left = progress.Progress.get_default_columns()
+    columns = (progress.SpinnerColumn(), name, done, share, progress.TimeElapsedColumn(), left)
+    return progress.Progress(*columns, console=Console(stderr=True), transient=True)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from friction_audit.cli.chain import check_outputs
 from friction_audit.cli.console import Voice, remark, say
 from friction_audit.errors import UsageError
-from friction_audit.reporting.figures.registry import FIGURES
+from friction_audit.reporting.figures.registry import FIGURES, FigureKind
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -109,17 +109,16 @@ class ResultFolder:
         alone = joints if each_joint and sheet is None else ()
         kinds = [kind for kind in FIGURES if kind.result in results and kind.name in self.figures]
         load_matplotlib(self.formats)  # once, and not by every copy
-        tasks = [(kind, sheet) for kind in kinds]
+        tasks: list[tuple[FigureKind, int | None]] = []
         for kind in kinds:
             layout, result = kind.layout(), results[kind.result]
             shown = {one.joint for one in layout.joints(result) if layout.has(result, one)}
             empty = [one for one in alone if one not in shown]
-            tasks += [(kind, one) for one in alone if one not in empty]
+            tasks += [(kind, sheet), *((kind, one) for one in alone if one in shown)]
             if empty and not voice.quiet:
                 from friction_audit.reporting.words import joints_label
 
                 remark(f"{kind.name}: no figure of {joints_label(empty)} alone: {layout.lacks}")
-        tasks.sort(key=lambda task: kinds.index(task[0]))
 
         def draw(k: int) -> list[bytes]:
             kind, joint = tasks[k]

@@ -171,13 +171,7 @@ def follow(q: Float, dq: Float, load: Float, step_s: float, link: Link, far: Tab
 
 
 def move_two_sides(
-    drive: Float,
-    load: Float,
-    near: tuple[Float, Float],
-    step_s: float,
-    pieces: Int,
-    link: Link,
-    far: Tables,
+    drive: Float, load: Float, near: tuple[Float, Float], step_s: float, pieces: Int, link: Link, far: Tables
 ) -> Float:
     """Move a joint through pieces of a recording, each from the recorded start.
 
