@@ -7,17 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from friction_audit.friction import reasons
-from friction_audit.friction.history import (
-    COLUMNS,
-    NAN,
-    UNDETERMINED,
-    UNITS,
-    Coefficient,
-    CoefficientHistory,
-    FrictionHistory,
-    JointFriction,
-)
+from friction_audit.friction import history as made, reasons
 from friction_audit.friction.settings import PARTS, FrictionSettings
 from friction_audit.friction.torque_regression import CUTOFF_HZ, HIGHEST_CONDITION, RegressionRows, regress_torque
 from friction_audit.friction.weighted import FRICTION, fit_windows, set_up
@@ -51,7 +41,7 @@ def estimate_friction(
     cycles: Sequence[EnergyCycles],
     settings: FrictionSettings,
     dead_torque: frozenset[int] = frozenset(),
-) -> FrictionHistory:
+) -> made.FrictionHistory:
     """Estimate the friction of every joint of a log in memory; some, by numbers from 1, have a dead torque channel."""
     rate_hz, samples = 1.0 / median_step(interaction.t), len(interaction.t)
 
@@ -71,12 +61,12 @@ def friction_of(
     cycles_of: Callable[[int], EnergyCycles],
     settings: FrictionSettings,
     dead_torque: frozenset[int],
-) -> FrictionHistory:
+) -> made.FrictionHistory:
     """Estimate the friction of every joint (0-based) from what was gathered of it and its own cycles."""
     found = per_joint(
         lambda column: _estimate_joint(port, column, every, cycles_of(column), settings, dead_torque), len(every)
     )
-    return FrictionHistory(
+    return made.FrictionHistory(
         estimator=settings.estimator,
         joints=tuple(joint for joint, _ in found),
         warnings=tuple(caution for _, cautions in found for caution in cautions),
@@ -90,7 +80,7 @@ def _estimate_joint(
     own: EnergyCycles,
     settings: FrictionSettings,
     dead_torque: frozenset[int],
-) -> tuple[JointFriction, tuple[Caution, ...]]:
+) -> tuple[made.JointFriction, tuple[Caution, ...]]:
     number, seen, rows = port.joint_numbers[column], every[column].seen, [one.rows for one in every]
     kept = own if (own.reason == KEPT).all() else own.rows(own.reason == KEPT)
     dead = reasons.dead_channel(seen, dead_torque=number in dead_torque)
@@ -104,7 +94,7 @@ def _estimate_joint(
         regression = regress_torque(rows[column], standstill, others if alone else None)
     many = len(kept.start)
     window = settings.window or max(min(many // PARTS, settings.cycles_per_point), settings.fewest_cycles)
-    joint = JointFriction(
+    joint = made.JointFriction(
         joint=number,
         name=port.joint_names[column],
         model=settings.model,
@@ -128,7 +118,7 @@ def _solve_weighted(own: EnergyCycles, kept: EnergyCycles, model: str, window: i
     window = min(window, len(kept.start))
     offset, x, y = (whole.coefficient(name).value for name in ("offset", "gravity_x", "gravity_y"))
     moved = fit_windows(equations, window)  # over the first cycles together a change would hide in the mean
-    found = ((name, *moved.column(name)) for name in UNITS)
+    found = ((name, *moved.column(name)) for name in made.UNITS)
     columns = {name: (value, value - half, value + half) for name, value, half in found}
     return {
         "coulomb": whole.coefficient("coulomb"),
@@ -146,7 +136,7 @@ def _solve_paper(own: EnergyCycles, kept: EnergyCycles, model: str, window: int)
     sums, used = kept.sums, FRICTION[model]
     lengths = {"coulomb": sums.rectified_path_rad, "viscous": sums.square_speed_rad2_s}
     matrix = np.stack([lengths[name] for name in used], axis=1)
-    found = {name: np.full(max(len(matrix) - window + 1, 0), NAN) for name in UNITS}
+    found = {name: np.full(max(len(matrix) - window + 1, 0), made.NAN) for name in made.UNITS}
     for first in range(len(found["coulomb"])):
         rows = matrix[first : first + window]
         scale = np.linalg.norm(rows, axis=0)
@@ -156,21 +146,23 @@ def _solve_paper(own: EnergyCycles, kept: EnergyCycles, model: str, window: int)
             for name, value in zip(used, solution / scale, strict=True):
                 found[name][first] = value
     medians = {
-        name: Coefficient(value=float(np.nanmedian(values)), low=NAN, high=NAN)
+        name: made.Coefficient(value=float(np.nanmedian(values)), low=made.NAN, high=made.NAN)
         for name, values in found.items()
         if np.isfinite(values).any()
     }
-    nothing = np.full(len(found["coulomb"]), NAN)
+    nothing = np.full(len(found["coulomb"]), made.NAN)
     history = _history(own, window, {name: (values, nothing, nothing) for name, values in found.items()})
     printed = own.sums.printed_net_j[history.cycle - 1]
     return {**medians, "history": replace(history, dissipated_j=printed)}
 
 
-def _history(own: EnergyCycles, first: int, columns: Columns) -> CoefficientHistory:
+def _history(own: EnergyCycles, first: int, columns: Columns) -> made.CoefficientHistory:
     """Return one row per cycle that counts, from the first one with an estimate on."""
     kept = np.flatnonzero(own.reason == KEPT)[first - 1 :]
-    coefficients = {name: column for one in UNITS for name, column in zip(COLUMNS[one], columns[one], strict=True)}
-    return CoefficientHistory(
+    coefficients = {
+        name: column for one in made.UNITS for name, column in zip(made.COLUMNS[one], columns[one], strict=True)
+    }
+    return made.CoefficientHistory(
         cycle=kept + 1,
         start_s=own.start_s[kept],
         stop_s=own.stop_s[kept],
@@ -183,8 +175,8 @@ def _history(own: EnergyCycles, first: int, columns: Columns) -> CoefficientHist
 
 
 def _conclude(
-    joint: JointFriction, seen: reasons.Extremes, kept: EnergyCycles, standstill_rad_s: float
-) -> tuple[JointFriction, tuple[Caution, ...]]:
+    joint: made.JointFriction, seen: reasons.Extremes, kept: EnergyCycles, standstill_rad_s: float
+) -> tuple[made.JointFriction, tuple[Caution, ...]]:
     """Choose the method of a joint, let its intervals cover both methods, and drop what is not determined."""
     found = joint.regression
     if joint.reason and found is not None and found.doubt:
@@ -203,7 +195,7 @@ def _conclude(
         return determined, tuple(reasons.cautions_of(determined))
     lost = tuple(
         Caution(code=f"{name}_not_determined", joint=joint.joint, numbers={"most": MOST_UNCERTAIN})
-        for name in UNITS
+        for name in made.UNITS
         if np.isnan(getattr(determined, name).value) and not np.isnan(getattr(joint, name).value)
     )
     lost = (*reasons.repeated(joint, kept), *reasons.not_simultaneous(joint), *lost)
@@ -220,24 +212,24 @@ def _conclude(
     return _covering(determined, alike=alike), (*reasons.cautions_of(determined), *lost)
 
 
-def _determined(joint: JointFriction, largest: dict[str, float]) -> JointFriction:
+def _determined(joint: made.JointFriction, largest: dict[str, float]) -> made.JointFriction:
     """Drop the coefficients, of the log and of its history, whose intervals are too wide."""
     changed: dict[str, Any] = {}
     history = joint.history
-    for name in UNITS:
-        one: Coefficient = getattr(joint, name)
+    for name in made.UNITS:
+        one: made.Coefficient = getattr(joint, name)
         if one.high - one.low > 2.0 * largest[name]:
-            changed[name] = UNDETERMINED
+            changed[name] = made.UNDETERMINED
         columns = history.of(name)
         wide = columns[2] - columns[1] > 2.0 * largest[name]
-        history = history.with_coefficient(name, *(np.where(wide, NAN, column) for column in columns))
+        history = history.with_coefficient(name, *(np.where(wide, made.NAN, column) for column in columns))
     found = replace(joint, history=history, **changed)
-    if not changed or not all(np.isnan(getattr(found, name).value) for name in UNITS):
+    if not changed or not all(np.isnan(getattr(found, name).value) for name in made.UNITS):
         return found
     return replace(found, reason=(Caution("wide_intervals", numbers={"most": MOST_UNCERTAIN}),))
 
 
-def _covering(joint: JointFriction, *, alike: bool) -> JointFriction:
+def _covering(joint: made.JointFriction, *, alike: bool) -> made.JointFriction:
     """Widen the intervals of the log and of its history to the union with those of the regression.
 
     Where two methods disagree beyond their intervals neither interval holds what the method itself gets wrong, and a
@@ -245,7 +237,7 @@ def _covering(joint: JointFriction, *, alike: bool) -> JointFriction:
     """
     if joint.regression is None:
         return joint
-    for name in UNITS:
+    for name in made.UNITS:
         one, other = getattr(joint, name), getattr(joint.regression, name)
         if (alike and np.isfinite(one.low)) or one.low > other.high or other.low > one.high:
             low, high = float(np.fmin(one.low, other.low)), float(np.fmax(one.high, other.high))
