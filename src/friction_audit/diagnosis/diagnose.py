@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from friction_audit import parallel
 from friction_audit.diagnosis import profiles, residual_checks, selection
 from friction_audit.diagnosis.augmented_model import gap_in_motion
 from friction_audit.diagnosis.dictionary import Block
@@ -22,15 +23,6 @@ from friction_audit.effects.joint_data import displacement
 from friction_audit.effects.registry import GRAVITY, effects
 from friction_audit.errors import AnalysisError, FrictionAuditError, bug
 from friction_audit.joint_log import Float
-from friction_audit.parallel import (
-    KEPT,
-    WORKERS,
-    in_processes,
-    one_joint_at_a_time,
-    per_joint,
-    release_memory,
-    workers_for,
-)
 from friction_audit.preprocessing.interaction import Caution, Reason, quoted, reason_of
 
 WORKING_BYTES = 1000  # of a process per sample of the fine grid (benchmarks/bench_diagnose.py)
@@ -54,9 +46,9 @@ def diagnose_subjects(
         """Diagnose a joint; an error is the result of this joint and not the end of the others."""
         subject = subjects[k]
         # The last of an odd number of joints has a second core to itself, for the columns of its effects.
-        last = k == joints - 1 and joints % (workers if workers > 1 else WORKERS) == 1
+        last = k == joints - 1 and joints % (workers if workers > 1 else parallel.WORKERS) == 1
         try:
-            with nullcontext() if last else one_joint_at_a_time():
+            with nullcontext() if last else parallel.one_joint_at_a_time():
                 return diagnose_joint(subject, candidates, settings)
         except AnalysisError as error:
             return _answer(subject, "not_testable", reason_of(error))
@@ -66,13 +58,14 @@ def diagnose_subjects(
             sentence, traceback = bug("the diagnosis", error)
             return replace(_answer(subject, "failed", quoted(sentence)), findings=(), traceback=traceback)
         finally:
-            if WORKING_BYTES * len(subject.data.t) > KEPT:  # to map less of it anew would take longer than it frees
-                release_memory()
+            # To map less of it anew would take longer than it frees.
+            if WORKING_BYTES * len(subject.data.t) > parallel.KEPT:
+                parallel.release_memory()
 
     joints = len(subjects)
-    workers = workers_for(joints, WORKING_BYTES * max(len(subject.data.t) for subject in subjects))
+    workers = parallel.workers_for(joints, WORKING_BYTES * max(len(subject.data.t) for subject in subjects))
     # Half of the work is in the interpreter, for which threads would wait.
-    found = in_processes(one, joints, workers) if workers > 1 else per_joint(one, joints)
+    found = parallel.in_processes(one, joints, workers) if workers > 1 else parallel.per_joint(one, joints)
     diagnosed: list[JointDiagnosis] = []
     for joint in found:
         diagnosed.append(joint)

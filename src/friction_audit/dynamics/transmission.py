@@ -29,9 +29,7 @@ MOST_STEPS = 100
 # diagnosis looks above 40 Hz, where both look the same.
 HIGHEST_HZ = 150.0
 LANES = 16  # transmissions that are followed side by side: so many fill the registers of a processor
-BLOCK = (
-    64  # samples whose torques are written at once: one by one, all rows are written to by turns, half as fast again
-)
+BLOCK = 64  # samples whose torques are written at once: one by one, with all rows by turns, takes half as long again
 MANY_SAMPLES = 4096  # so many, spread evenly, determine inertia and friction
 Lanes = tuple[float, ...]  # numba compiles a loop for each length of a tuple
 
