@@ -87,7 +87,6 @@ def test_urls(tree: Path) -> None:
     root = f"file://{tree}"
     assert names(find_logs([f"{root}/lab"], {})) == [f"{root}/{name}" for name in IN_THE_LAB]
     one = find_logs([f"{root}/lab/run2.csv"], {})[0]
-    assert one.is_remote
     assert (one.folders, one.size) == (("lab",), len("lab/run2.csv"))
     assert one.changed
     assert names(find_logs([f"{root}/lab/run*.csv"], {})) == [f"{root}/lab/run2.csv", f"{root}/lab/run10.csv"]

@@ -102,8 +102,8 @@ def test_processes_find_what_is_found_here() -> None:
     sessions = sessions_of("right", "left", "middle")
     with LocalExecutor(workers=2) as executor:
         found = drift_of_arms(sessions, QUICK, executor)
-    assert [arm.robot for arm in found.arms] == ["left", "middle", "right"]
-    assert repr(found.arms[2]) == repr(analyse_arm(sessions[:8], QUICK))
+    assert [arm.robot for arm in found] == ["left", "middle", "right"]
+    assert repr(found[2]) == repr(analyse_arm(sessions[:8], QUICK))
 
 
 def test_an_arm_that_nobody_finishes_is_named() -> None:

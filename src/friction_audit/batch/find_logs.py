@@ -53,11 +53,6 @@ class LogFile:
     changed: str  # when it was last changed, in the words of its file system; empty where it is not known
     row: ManifestRow | None = None  # what the manifest says of it, or None
 
-    @property
-    def is_remote(self) -> bool:
-        """True if it is named by a URL."""
-        return "://" in self.place
-
 
 def find_logs(
     names: Sequence[str], rows: Mapping[str, ManifestRow], *, leave_out: Iterable[Path] = ()
@@ -71,7 +66,7 @@ def find_logs(
         if not logs:
             lost.append(encodable(f"{name}: {_lack(name)}"))
         for log in logs:
-            key = log.place if log.is_remote else os.path.realpath(log.place)
+            key = log.place if "://" in log.place else os.path.realpath(log.place)
             found.setdefault(key, replace(log, row=rows.get(log.place)))
     if lost:
         raise InputError("; ".join(lost))

@@ -107,7 +107,7 @@ class Ledger(AbstractContextManager["Ledger"]):
     def hashes(self, logs: Sequence[LogFile]) -> dict[str, str]:
         """Return the hash of each log that is known or as large as another, by its place; workers hash the others."""
         known = self.known_hashes(logs)
-        strange = [log for log in logs if log.place not in known and not log.is_remote]
+        strange = [log for log in logs if log.place not in known and "://" not in log.place]
         sizes = {row["size"] for row in self._ask("SELECT DISTINCT size FROM files")}
         of_size = Counter(log.size for log in strange)
         familiar = [log for log in strange if log.size in sizes or of_size[log.size] > 1]

@@ -42,7 +42,7 @@ OUTERMOST = 0.002  # share of the samples beyond each end of the curve: single g
 def work_on(settings: BatchSettings, log: LogFile) -> Worked:
     """Estimate every arm of a log; a fault of the log, or of the program, is part of the result."""
     try:
-        with fetched(log.place) if log.is_remote else nullcontext(_at_hand(log.place)) as path, one_joint_at_a_time():
+        with fetched(log.place) if "://" in log.place else _at_hand(log.place) as path, one_joint_at_a_time():
             for _ in range(READINGS):  # what comes of a log is kept by its content, which has to stay what it is
                 before, worked = local_log(str(path)), _arms(settings, path)
                 if local_log(str(path)) == before:
@@ -53,15 +53,15 @@ def work_on(settings: BatchSettings, log: LogFile) -> Worked:
         return Worked(sha256="", faults=(Fault(message=message, lasting=False),))
 
 
-def _at_hand(place: str) -> Path:
-    """Return the place of a log on this machine; refuse what cannot be seen from here."""
+def _at_hand(place: str) -> "nullcontext[Path]":
+    """Return the place of a log on this machine for a block; refuse what cannot be seen from here."""
     path = Path(place)
     if path.is_symlink() and not path.exists():
         raise InputError(f"{path}: a link to {path.readlink()}, where there is nothing to be read; repair or remove it")
     if not path.exists():
         here = f"not to be found on {socket.gethostname()}, where it should be read"
         raise InputError(f"{path}: {here}; give a path that every worker sees")
-    return path
+    return nullcontext(path)
 
 
 def _arms(settings: BatchSettings, path: Path, topic: str = "") -> Worked:

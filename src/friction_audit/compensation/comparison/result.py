@@ -73,18 +73,13 @@ def find_reference(simulation: Simulation) -> Reference:
             f"compare: seed {simulation.truth.seed}: {len(ends)} cycles in {motion.t[-1]:g} s, expected at least "
             f"{FEWEST}; choose a longer --duration"
         )
-    resting = np.stack([_settled(column) for column in (motion.inner_dq == 0.0).T], axis=1)
+    resting = np.zeros(motion.inner_dq.shape, dtype=np.bool_)
+    for joint, at_rest in enumerate((motion.inner_dq == 0.0).T):
+        edges = np.diff(np.concatenate([[0], at_rest.view(np.int8), [0]]))
+        for start, stop in zip(np.flatnonzero(edges == 1), np.flatnonzero(edges == -1), strict=True):
+            if stop - start >= REST_S * CONTROL_RATE_HZ:
+                resting[stop - int(SETTLED_S * CONTROL_RATE_HZ) : stop, joint] = True
     return Reference(ends=ends, resting=resting, rms_torque_nm=_rms(motion.interaction_nm[ends[SECOND] :]))
-
-
-def _settled(at_rest: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return where a long rest is about to end, shape (n,)."""
-    edges = np.diff(np.concatenate([[0], at_rest.view(np.int8), [0]]))
-    marks = np.zeros(len(at_rest), dtype=np.bool_)
-    for start, stop in zip(np.flatnonzero(edges == 1), np.flatnonzero(edges == -1), strict=True):
-        if stop - start >= REST_S * CONTROL_RATE_HZ:
-            marks[stop - int(SETTLED_S * CONTROL_RATE_HZ) : stop] = True
-    return marks
 
 
 def measure(simulation: Simulation, reference: Reference) -> Outcome:
