@@ -132,7 +132,7 @@ def missing_motion(cycles: EnergyCycles, settings: FrictionSettings, seen: Extre
             "short_log": seen.duration_s < SHORT_S,
             "no_pause": True,
         }
-        numbers = {"initiation": initiation, "termination": cycles.termination, "fastest": fastest}
+        numbers: dict[str, Any] = {"initiation": initiation, "termination": cycles.termination, "fastest": fastest}
         numbers |= {"unit": cycles.speed_unit, "duration": seen.duration_s, "travel": travel_rad}
         return (Caution(next(code for code, holds in cases.items() if holds), numbers=numbers),)
     if not cycles.sums.path_rad.any():
