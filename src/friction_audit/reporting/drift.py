@@ -172,7 +172,6 @@ COEFFICIENT = Record(
     Column("values", [VALUE], "as compared", lambda r: zip(r.found.sessions, r.found.values, strict=True), on="j"),
 )  # fmt: skip
 
-
 # A joint, and of its sessions that were diagnosed the verdicts and effects, with how often each was given.
 DIAGNOSED = Record(joint_column("0"), Column("verdicts", str, get="1", on="p"), Column("effects", str, get="2", on="p"))
 
@@ -215,7 +214,6 @@ ARM = Record(
     Column("warnings", [str], "what limits the comparison", lambda arm: [*map(sentence_of, arm.warnings)]),
 )  # fmt: skip
 
-
 # An arm and a joint of it.
 JOINT_DRIFT = Record(
     Column("robot", str, "which arm", "0.robot"),
@@ -238,7 +236,6 @@ JOINT_DRIFT = Record(
         lambda row: {one.found.coefficient: one for one in coefficient_rows(*row)},
     ),
 )  # fmt: skip
-
 
 FAILED = Record(
     Column("path", str, "as found", title="file", code=True, on="jp"),

@@ -97,7 +97,6 @@ SESSION = Record(
 )  # fmt: skip
 LEFT_OUT = Record(NUMBER, FILE, Column("reason", str, get="note", on="p"))
 
-
 INTERVAL_ENDS = {"value": "value", "ci95_low": "low", "ci95_high": "high"}  # column in a file: field
 SESSIONS = Record(
     *HEAD,

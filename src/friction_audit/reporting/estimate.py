@@ -16,7 +16,6 @@ from friction_audit.reporting.words import format_coefficient, in_unit, joint_la
 MARK = "*"  # of a joint whose coefficients are not from energy cycles
 SIGN = ("sign undecided", "sign consistent with dissipation")
 
-
 REGRESSION = Record(
     Column("coulomb", Coefficient, "Coulomb friction", "coulomb", unit="N m"),
     Column("viscous", Coefficient, "viscous friction", "viscous", unit="N m s/rad"),
@@ -50,7 +49,6 @@ HISTORY = Record(
     summary="friction coefficients of a joint after a cycle that counts, from the last cycles, with 95 % intervals",
     over="stop_s",
 )  # fmt: skip
-
 
 # Of the torque regression the terminal has the value alone, for a comparison by eye.
 REGRESSED: dict[str, Any] = {"form": lambda one: format_coefficient(one).split()[0], "title": "regr.", "on": "t"}

@@ -158,7 +158,6 @@ JOINT_REPLAY = Record(
     summary="numbers of a compensator on a joint, over the whole log",
 )  # fmt: skip
 
-
 # A replay that diverged has fewer samples than the recording.
 SIGNALS = Record(
     Column("time", get="replayed.t", unit="s"),

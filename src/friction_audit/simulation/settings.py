@@ -136,7 +136,6 @@ _PANDA_PROXIMAL = Sensors(
 _PANDA_DISTAL = replace(_PANDA_PROXIMAL, torque_noise_nm=0.03, torque_step_nm=0.006)
 PANDA_SENSORS = (_PANDA_PROXIMAL,) * 4 + (_PANDA_DISTAL,) * 3  # of joints 1 to 7
 
-
 # What runs in an arm, the same in every joint or one for each; None where nothing does.
 AnyCompensator = Compensator | tuple[Compensator, ...]
 

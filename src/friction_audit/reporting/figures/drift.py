@@ -23,7 +23,6 @@ from friction_audit.reporting.words import NOTHING, count_of, format_date, scale
 MOST_MARKED = 150  # sessions in a panel above which markers would only be a blot; a line takes their place
 MOST_TICKS = 6
 
-
 TITLES = {coefficient: word.capitalize() for coefficient, word in drift_words.NAMES.items()}
 
 

@@ -102,7 +102,6 @@ PANELS: dict[str, Callable[..., None]] = {
     "Coulomb\n[N m]": partial(_draw_coefficient, name="coulomb_nm", colour=theme.DISSIPATED),
 }
 
-
 REPLAY = parts.Layout(
     joints=lambda found: found.replay.joints, has=lambda _, joint: not joint.reason, lacks="not replayed",
     draw=_draw_over_time, panels=lambda _, __, sheet: 4 if sheet else 5, height_in=(1.0, 0.95), head_in=0.9,

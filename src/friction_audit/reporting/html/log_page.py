@@ -27,7 +27,6 @@ PLACES = {kind: "verdicts" if kind.name == FIRST else SECTION_OF[kind.result] fo
 CLOUD = 60  # dots in a panel from which on they are an image: text would be larger than the rest of the page
 COARSE_PT = 0.5  # invisible deviation of a drawn line
 
-
 Drawn = Mapping[str, list[html.Figure]]
 """The figures of a page by section, in order."""
 WORDS = {
