@@ -16,8 +16,8 @@ import numpy as np
 
 from benchmarks.answers import share, table
 from friction_audit import estimate_log, simulate_log
-from friction_audit.batch.work import recording_of
-from friction_audit.drift.covariates import Recording
+from friction_audit.batch.work import session_of
+from friction_audit.drift.session import Session
 from friction_audit.drift.two_sides import compare_sides
 from friction_audit.simulation import JointParameters
 
@@ -26,10 +26,10 @@ CHANGE = 0.1
 COEFFICIENTS = ("Coulomb", "viscous")
 
 
-def record(seed: int, joint: JointParameters) -> Recording:
+def record(seed: int, joint: JointParameters) -> Session:
     """Simulate and estimate one side."""
     log = simulate_log("joint", seed=seed, duration_s=60.0, joints=(joint,)).log
-    return recording_of(estimate_log(log))
+    return session_of(estimate_log(log))
 
 
 def compare(first: int, pair: int) -> list[tuple[int, bool, float, float, float, float]]:

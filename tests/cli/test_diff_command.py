@@ -12,7 +12,7 @@ from scipy.special import stdtrit
 from scipy.stats import t as student
 from statsmodels.stats.multitest import multipletests
 
-from friction_audit.drift.covariates import Recording
+from friction_audit.drift.session import Session
 from friction_audit.drift.two_sides import compare_sides
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from tests.cli.conftest import Run
@@ -194,14 +194,13 @@ def test_the_interval_holds_the_scatter_between_recordings(first: int, second: i
     rng, freedom, runs = np.random.default_rng(5), 20, 200
     known = float(stdtrit(freedom, 0.975))
 
-    def recorded() -> Recording:
+    def recorded() -> Session:
         value = 10.0 + between * rng.normal() + rng.normal()
         half = known * (rng.chisquare(freedom) / freedom) ** 0.5
         own = make_joint(1, value)
         found = Coefficient(value=value, low=value - half, high=value + half)
         coefficients = {"coulomb_nm": found, "viscous_nms_per_rad": UNDETERMINED}
-        session = make_session(0, [replace(own, coefficients=coefficients, cycles=freedom + 1)])
-        return Recording(session=session, joints=1, unit="N m", method="")
+        return make_session(0, [replace(own, coefficients=coefficients, cycles=freedom + 1)])
 
     held = 0
     for _ in range(runs):

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from friction_audit.batch.work import recording_of
+from friction_audit.batch.work import session_of
 from friction_audit.compensation.settings import ReplaySettings
 from friction_audit.drift.two_sides import compare_sides
 from friction_audit.errors import UsageError
@@ -46,7 +46,7 @@ def result_of(kind: str, name: str = "") -> Any:
     log = replace(log, joint_names=(name or log.joint_names[0], *log.joint_names[1:]))
     estimate = estimate_log(log, AuditSettings())
     if kind == "diff":
-        return compare_sides([recording_of(estimate)], [recording_of(estimate)])
+        return compare_sides([session_of(estimate)], [session_of(estimate)])
     return estimate if kind == "estimate" else replay_estimate(estimate, ReplaySettings())
 
 

@@ -14,7 +14,6 @@ import numpy as np
 from friction_audit.batch.find_logs import LogFile, fetched, local_log
 from friction_audit.batch.identity import Fault, Worked
 from friction_audit.batch.ledger import BatchSettings
-from friction_audit.drift.covariates import Recording
 from friction_audit.drift.regression import relative_change
 from friction_audit.drift.session import BY_REGRESSION, COEFFICIENTS, Conditions, JointSummary, Session, SpeedCurve
 from friction_audit.errors import FrictionAuditError, InputError, encodable
@@ -112,6 +111,9 @@ def session_of(estimate: Estimate, diagnoses: "Sequence[JointDiagnosis]" = ()) -
         damaged=any(finding.damaged for finding in source.findings),
         kind=source.robot,
         named_by_serial=bool(source.serial),
+        log_joints=len(log.joint_names),
+        torque_unit=source.torque_unit,
+        method=f"{estimate.settings.friction.model} ({estimate.friction.estimator})",
     )
 
 
@@ -144,6 +146,7 @@ def _summaries(estimate: Estimate, diagnoses: "Sequence[JointDiagnosis]") -> tup
                 reason=joint.reason if by_energy else BY_REGRESSION,
                 verdict=None if diagnosed is None else diagnosed.verdict,
                 effects=() if diagnosed is None else tuple(effect.name for effect in diagnosed.effects),
+                correlation=joint.correlation,
             )
         )
     return tuple(found)
@@ -186,20 +189,8 @@ def _renamed(worked: Worked, here: str, name: str) -> Worked:
     return replace(worked, sessions=tuple(sessions), faults=tuple(faults))
 
 
-def recording_of(estimate: Estimate) -> Recording:
-    """Return what is compared of an estimate."""
-    friction = estimate.settings.friction
-    return Recording(
-        session=session_of(estimate),
-        joints=len(estimate.log.joint_names),
-        unit=estimate.log.source.torque_unit,
-        method=f"{friction.model} ({friction.estimator})",
-        correlation={joint.joint: joint.correlation for joint in estimate.friction.joints},
-    )
-
-
-def recording_of_document(document: Mapping[str, Any], path: Path, wanted: tuple[int, ...] | None) -> Recording:
-    """Return what is compared of a document of ``estimate``; it holds no curves, speeds and temperatures."""
+def session_of_document(document: Mapping[str, Any], path: Path, wanted: tuple[int, ...] | None) -> Session:
+    """Return what a document of ``estimate`` holds, which has no curves, speeds and temperatures."""
     try:
         source, settings = document["source"], document["settings"]
         chosen, friction = settings["torque_chosen"], settings["friction"]
@@ -209,7 +200,7 @@ def recording_of_document(document: Mapping[str, Any], path: Path, wanted: tuple
             payload=", ".join(f"{number:g}" for number in settings["torque"]["payload"] or ()),
             rate_hz=float(source["rate_hz"]),
         )
-        session = Session(
+        return Session(
             path=str(path),
             sha256=str(source["sha256"]),
             robot=str(source["robot"]),
@@ -219,13 +210,9 @@ def recording_of_document(document: Mapping[str, Any], path: Path, wanted: tuple
             conditions=conditions,
             joints=tuple(_joint(one) for one in document["joints"] if wanted is None or one["joint"] in wanted),
             codes=tuple(str(one["code"]) for one in document.get("warnings", ())),
-        )
-        return Recording(
-            session=session,
-            joints=int(source["joints"]),
-            unit=str(source["torque_unit"]),
+            log_joints=int(source["joints"]),
+            torque_unit=str(source["torque_unit"]),
             method=f"{friction['model']} ({friction['estimator']})",
-            correlation={int(one["joint"]): _number(one["correlation"]) for one in document["joints"]},
         )
     except (KeyError, TypeError, ValueError, IndexError) as error:
         raise InputError(f"{path}: is no whole document of `estimate` ({error!r}); write it again") from error
@@ -246,6 +233,7 @@ def _joint(found: Mapping[str, Any]) -> JointSummary:
         moving_s=float(found["moving_s"]),
         speed_rad_s=(NAN, NAN, NAN),
         reason=quoted(str(found["reason"] or "")) if by_energy else BY_REGRESSION,
+        correlation=_number(found["correlation"]),
     )
 
 

@@ -15,8 +15,8 @@ from friction_audit.errors import FrictionAuditError, InputError, UsageError
 from friction_audit.io.files import read_document
 
 if TYPE_CHECKING:
-    from friction_audit.drift.covariates import Recording
     from friction_audit.drift.report import Limit
+    from friction_audit.drift.session import Session
     from friction_audit.drift.two_sides import TwoSides
     from friction_audit.reporting.notices import Notice
 
@@ -70,25 +70,25 @@ def command(
 
         write_junit(junit, junit_text("diff", sides.arms, limits, sides.unit), overwrite=shared.overwrite)
     own = ("the comparison", [one.code for one in notices])
-    every = ((one.session.path, one.session.codes) for one in (*sides.before, *sides.after))
+    every = ((one.path, one.codes) for one in (*sides.before, *sides.after))
     chain.exit_if_strict(dict([own, *every]), strict=strict)
     if code:
         raise typer.Exit(code)
 
 
 def _recordings(
-    source: Path, of_log: "Callable[[Path], Recording]", shared: opt.LogOptions, folder: Path | None
-) -> "tuple[list[Recording], list[Notice]]":
+    source: Path, of_log: "Callable[[Path], Session]", shared: opt.LogOptions, folder: Path | None
+) -> "tuple[list[Session], list[Notice]]":
     """Return the recordings of a side, and which of several logs were left out."""
     from friction_audit.batch.find_logs import find_logs
-    from friction_audit.batch.work import recording_of_document
+    from friction_audit.batch.work import session_of_document
     from friction_audit.reporting.notices import notice
 
     is_result = source.suffix.lower() == ".json"
     results = [source] if is_result else [*source.glob(RESULT)] or sorted(source.glob(f"*/{RESULT}"))
     if results:
         wanted = parse_joints(shared.selection.joints)
-        return [recording_of_document(read_document(path, ("estimate",)), path, wanted) for path in results], []
+        return [session_of_document(read_document(path, ("estimate",)), path, wanted) for path in results], []
     if source.suffix.lower() == ".toml":
         raise UsageError(f"{source}: a joint model has no intervals; give an {RESULT} or a log")
     logs = [Path(log.path) for log in find_logs([str(source)], {}, leave_out=[] if folder is None else [folder])]
@@ -105,9 +105,9 @@ def _recordings(
     return found, lost
 
 
-def _of_log(shared: opt.LogOptions, own: opt.EstimateOptions, noticed: dict[str, list[str]], path: Path) -> "Recording":
+def _of_log(shared: opt.LogOptions, own: opt.EstimateOptions, noticed: dict[str, list[str]], path: Path) -> "Session":
     """Return the recording of a log; note its warnings."""
-    from friction_audit.batch.work import recording_of
+    from friction_audit.batch.work import session_of
     from friction_audit.reporting.notices import estimate_notices, notice_lines
 
     voice = shared.general.voice
@@ -115,7 +115,7 @@ def _of_log(shared: opt.LogOptions, own: opt.EstimateOptions, noticed: dict[str,
     estimate = chain.estimate(log, chain.audit_settings(shared, own), voice)
     for line in notice_lines(chain.untabled(log, estimate_notices(estimate), voice)):
         noticed.setdefault(line, []).append(str(path))
-    return recording_of(estimate)
+    return session_of(estimate)
 
 
 def _report(
@@ -144,5 +144,5 @@ def _report(
     show(text, lambda: diff_lines(sides, beyond, unknown), json=json)
     if beyond or unknown:
         return EXCEEDED if beyond else UNTESTABLE
-    damaged = any(one.session.damaged for one in (*sides.before, *sides.after))
+    damaged = any(one.damaged for one in (*sides.before, *sides.after))
     return DAMAGED if damaged or any(one.code == "log_left_out" for one in warnings) else 0

@@ -3,7 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from operator import attrgetter
 
 import numpy as np
@@ -132,17 +132,6 @@ def shared(column: Float, other: Float) -> float:
     return float(np.corrcoef(column, other)[0, 1] ** 2)
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Recording:
-    """A session with what a comparison of two needs besides."""
-
-    session: Session  # its coefficients, conditions and curves
-    joints: int  # number of joints of its log, also those that were not estimated
-    unit: str  # of the torque: ``"N m"``, ``"A"`` or ``"mA"``
-    method: str  # estimator and friction model
-    correlation: Mapping[int, float] = field(default_factory=dict)  # between both coefficients, by number of the joint
-
-
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Condition:
     """A condition that differs between the sides, of one joint or of all (None)."""
@@ -153,25 +142,25 @@ class Condition:
     joint: int | None = None
 
 
-def differences(before: Sequence[Recording], after: Sequence[Recording]) -> Iterator[Condition]:
+def differences(before: Sequence[Session], after: Sequence[Session]) -> Iterator[Condition]:
     """Yield the conditions that differ, those that forbid a comparison first."""
-    values = {name: [{str(of(one.session)) for one in side} for side in (before, after)] for name, of in LIKE.items()}
+    values = {name: [{str(of(one)) for one in side} for side in (before, after)] for name, of in LIKE.items()}
     values["friction model"] = [{one.method for one in side} for side in (before, after)]
     del values["joints"]
     for name, sides in sorted(values.items(), key=lambda one: one[0] not in INVALID):
         if sides[0] != sides[1]:
             words = [", ".join(sorted(side)) for side in sides]
             yield Condition(name=name, before=words[0], after=words[1])
-    rates = [float(np.median([one.session.conditions.rate_hz for one in side])) for side in (before, after)]
+    rates = [float(np.median([one.conditions.rate_hz for one in side])) for side in (before, after)]
     if not 1.0 / RATE_RATIO <= rates[1] / rates[0] <= RATE_RATIO:
         yield Condition(name="rate", before=f"{rates[0]:.4g} Hz", after=f"{rates[1]:.4g} Hz")
-    for number in sorted({joint.joint for one in before for joint in one.session.joints}):
+    for number in sorted({joint.joint for one in before for joint in one.joints}):
         yield from _of_joint(number, before, after)
 
 
-def _of_joint(number: int, before: Sequence[Recording], after: Sequence[Recording]) -> Iterator[Condition]:
+def _of_joint(number: int, before: Sequence[Session], after: Sequence[Session]) -> Iterator[Condition]:
     """Yield speed and temperature of a joint where they differ."""
-    own = [[found for one in side for found in one.session.joints if found.joint == number] for side in (before, after)]
+    own = [[found for one in side for found in one.joints if found.joint == number] for side in (before, after)]
     speeds = [np.array([found.speed_rad_s for found in side if np.isfinite(found.speed_rad_s[1])]) for side in own]
     if all(len(side) for side in speeds):
         (low, _, high), (other_low, _, other_high) = (np.median(side, axis=0) for side in speeds)

@@ -51,6 +51,7 @@ class JointSummary:
     reason: Reason = ()  # why there is no estimate; empty if there is one
     verdict: str | None = None  # what ``diagnose`` says, or None if it was not asked
     effects: tuple[str, ...] = ()  # names of the effects that it found
+    correlation: float | None = None  # between the errors of both coefficients, or None where it is not known
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -85,6 +86,9 @@ class Session:
     topic: str = ""  # what ``--topic`` would have to say to read this arm of several; empty where the log holds one
     kind: str = "unknown"  # name of a preset, or ``"unknown"``
     named_by_serial: bool = False  # whether the log's name for the arm is a serial number, which no other arm has
+    log_joints: int = 0  # number of joints of its log, also those that were not estimated
+    torque_unit: str = "N m"  # or, of a motor current, ``"A"`` or ``"mA"``
+    method: str = ""  # friction model and estimator
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

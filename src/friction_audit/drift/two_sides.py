@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import stdtr, stdtrit
 
-from friction_audit.drift.covariates import Condition, Recording, differences, known_by
+from friction_audit.drift.covariates import Condition, differences, known_by
 from friction_audit.drift.regression import holm, random_effects, relative_change
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, DriftSettings, JointDrift
-from friction_audit.drift.session import COEFFICIENTS, JointSummary, SpeedCurve
+from friction_audit.drift.session import COEFFICIENTS, JointSummary, Session, SpeedCurve
 from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.friction.history import NAN, UNDETERMINED, Coefficient
 from friction_audit.friction.weighted import CONFIDENCE
@@ -62,8 +62,8 @@ class JointChange:
 class TwoSides:
     """What changed from one side to the other."""
 
-    before: tuple[Recording, ...]  # recordings of the first side
-    after: tuple[Recording, ...]  # of the second side
+    before: tuple[Session, ...]  # recordings of the first side
+    after: tuple[Session, ...]  # of the second side
     joints: tuple[JointChange, ...]  # joints that both sides have
     one_sided: tuple[tuple[int, bool], ...]  # number of each other joint, and whether it is on the first side
     conditions: tuple[Condition, ...]  # what differs
@@ -73,7 +73,7 @@ class TwoSides:
     @property
     def arms(self) -> tuple[ArmDrift]:
         """The same as the drift of one arm, for limits that hold for both."""
-        robot = ", ".join(dict.fromkeys(one.session.robot or one.session.path for one in self.after))
+        robot = ", ".join(dict.fromkeys(one.robot or one.path for one in self.after))
         joints = tuple(
             JointDrift(joint=one.joint, name=one.name, coefficients=tuple(change.found for change in one.coefficients))
             for one in self.joints
@@ -98,66 +98,68 @@ class _Mean:
         return Coefficient(value=self.value, low=self.value - half, high=self.value + half)
 
 
-_Pairs = Sequence[Sequence[tuple[Recording, JointSummary]]]  # recordings of each side that have a joint, with that
+_Sides = Sequence[Sequence[JointSummary]]  # a joint in the recordings of each side that have it
 
 
-def compare_sides(before: Sequence[Recording], after: Sequence[Recording]) -> TwoSides:
+def compare_sides(before: Sequence[Session], after: Sequence[Session]) -> TwoSides:
     """Compare the friction of every joint that both sides have."""
     _check_alike([*before, *after])
     sides = (before, after)
-    numbers = [{joint.joint for one in side for joint in one.session.joints} for side in sides]
+    numbers = [{joint.joint for one in side for joint in one.joints} for side in sides]
     own = {
-        number: [[(one, own) for one in side for own in one.session.joints if own.joint == number] for side in sides]
+        number: [[joint for one in side for joint in one.joints if joint.joint == number] for side in sides]
         for number in sorted(numbers[0] & numbers[1])
     }
     changes = _tested({(n, name): _sides(own[n], parts) for n in own for name, parts in UNITS.items()})
     joints = [
         JointChange(
             joint=number,
-            name=pairs[0][0][1].name,
+            name=both[0][0].name,
             coefficients=tuple(changes[number, name] for name in UNITS),
-            law=_law(pairs),
-            curves=tuple(tuple(found.curve for _, found in side) for side in pairs),
-            reason=tuple(dict.fromkeys(one for side in pairs for _, found in side for one in found.reason)),
+            law=_law(both),
+            curves=tuple(tuple(found.curve for found in side) for side in both),
+            reason=tuple(dict.fromkeys(one for side in both for found in side for one in found.reason)),
         )
-        for number, pairs in own.items()
+        for number, both in own.items()
     ]
     if not any(np.isfinite(change.found.change.value) for joint in joints for change in joint.coefficients):
         lacking = [(joint.joint, joint.reason) for joint in joints if joint.reason]
         held = " and ".join(write_joint_numbers(side) or "none" for side in numbers)
         why = f"no joint has an estimate on both sides, which have joints {held}:{'' if lacking else ' no match'}"
         raise AnalysisError(why, lacking)
-    content = {key for one in before for key in known_by(one.session)}
+    content = {key for one in before for key in known_by(one)}
     return TwoSides(
         before=tuple(before),
         after=tuple(after),
         joints=tuple(joints),
         one_sided=tuple((number, number in numbers[0]) for number in sorted(numbers[0] ^ numbers[1])),
         conditions=tuple(differences(before, after)),
-        twice=tuple(one.session.path for one in after if not content.isdisjoint(known_by(one.session))),
-        unit=before[0].unit,
+        twice=tuple(one.path for one in after if not content.isdisjoint(known_by(one))),
+        unit=before[0].torque_unit,
     )
 
 
-def _check_alike(recordings: Iterable[Recording]) -> None:
+def _check_alike(recordings: Iterable[Session]) -> None:
     for first, second in pairwise(recordings):
-        paths = f"{first.session.path}, {second.session.path}"
-        if first.unit != second.unit:
+        paths = f"{first.path}, {second.path}"
+        if first.torque_unit != second.torque_unit:
             raise UsageError(
-                f"{paths}: torque in {first.unit} and in {second.unit}; expected one unit; multiply a motor current by "
-                "torque constant and gear ratio"
+                f"{paths}: torque in {first.torque_unit} and in {second.torque_unit}; expected one unit; multiply a "
+                "motor current by torque constant and gear ratio"
             )
-        if first.joints != second.joints:
-            raise UsageError(f"{paths}: {first.joints} and {second.joints} joints; expected recordings of one arm")
+        if first.log_joints != second.log_joints:
+            raise UsageError(
+                f"{paths}: {first.log_joints} and {second.log_joints} joints; expected recordings of one arm"
+            )
 
 
-def _sides(own: _Pairs, parts: tuple[float, float]) -> tuple[_Mean, _Mean]:
+def _sides(own: _Sides, parts: tuple[float, float]) -> tuple[_Mean, _Mean]:
     """Return the mean of a combination on each side; one recording takes the variance between those of the other."""
-    first, second = (_random_effects([_combined(*one, parts) for one in side]) for side in own)
+    first, second = (_random_effects([_combined(one, parts) for one in side]) for side in own)
     return _with_between(first, second), _with_between(second, first)
 
 
-def _combined(recording: Recording, joint: JointSummary, parts: tuple[float, float]) -> _Mean:
+def _combined(joint: JointSummary, parts: tuple[float, float]) -> _Mean:
     """Return a combination of the two coefficients of a joint, with the covariance of their errors."""
     freedom = max(joint.cycles - 1, 1)  # of the jackknife over cycles
     some = [(part, joint.coefficients[name]) for part, name in zip(parts, COEFFICIENTS, strict=True) if part]
@@ -166,7 +168,7 @@ def _combined(recording: Recording, joint: JointSummary, parts: tuple[float, flo
     errors = [part * max(one.high - one.value, one.value - one.low) / quantile for part, one in some]
     variance = sum(error**2 for error in errors)
     if all(parts):
-        variance += 2.0 * recording.correlation.get(joint.joint, NAN) * errors[0] * errors[1]
+        variance += 2.0 * (NAN if joint.correlation is None else joint.correlation) * errors[0] * errors[1]
     return _Mean(value=sum(part * one.value for part, one in some), variance=variance, freedom=freedom)
 
 
@@ -253,9 +255,9 @@ def _change(name: str, sides: tuple[_Mean, _Mean], single: float, p_value: float
     )
 
 
-def _law(own: _Pairs) -> LawChange | None:
+def _law(own: _Sides) -> LawChange | None:
     """Return the change of Coulomb plus viscous friction over the speeds that both sides reach."""
-    reached = [[abs(speed) for _, found in side for speed in found.curve.speed_rad_s] for side in own]
+    reached = [[abs(speed) for found in side for speed in found.curve.speed_rad_s] for side in own]
     top = min((max(side) for side in reached if side), default=TOP_SPEED_RAD_S)
     speeds = np.linspace(top / SPEEDS, top, SPEEDS)
     found = [_difference(*_sides(own, (1.0, float(speed)))).interval() for speed in speeds]

@@ -15,16 +15,16 @@ from friction_audit.reporting.words import NOTHING, format_p, in_unit, iso_start
 
 ADJUSTED = "p value of no change, adjusted over all joints and coefficients (Holm)"
 RECORDING = Record(
-    Column("path", str, "as given or found", "session.path"),
-    Column("sha256", str, "of the log", "session.sha256"),
-    Column("start", str, "ISO 8601, UTC", lambda one: iso_start(one.session.start_s), null=True),
-    Column("duration", float, "length", "session.duration_s", unit="s"),
-    Column("joints", int, "number of joints of the log"),
-    Column("torque_unit", ("N m", "A", "mA"), "of the torque", "unit"),
+    Column("path", str, "as given or found"),
+    Column("sha256", str, "of the log"),
+    Column("start", str, "ISO 8601, UTC", lambda one: iso_start(one.start_s), null=True),
+    Column("duration", float, "length", unit="s"),
+    Column("joints", int, "number of joints of the log", "log_joints"),
+    Column("torque_unit", ("N m", "A", "mA"), "of the torque"),
     Column("method", str, "friction model and estimator"),
-    Column("conditions", dict, "how it was recorded and read", "session.conditions"),
-    Column("damaged", bool, "whether part of the file was left out", "session.damaged"),
-    Column("warnings", [str], "what was noticed", lambda one: session_sentences(one.session.warnings)),
+    Column("conditions", dict, "how it was recorded and read"),
+    Column("damaged", bool, "whether part of the file was left out"),
+    Column("warnings", [str], "what was noticed", lambda one: session_sentences(one.warnings)),
 )
 
 
@@ -120,7 +120,7 @@ def diff_lines(sides: TwoSides, exceeded: Iterable[str] = (), cannot_tell: Itera
     """Return what was compared, a row and a sentence per joint, and the limits."""
     lines = []
     for name, side in (("before", sides.before), ("after", sides.after)):
-        first, last = side[0].session.path, side[-1].session.path
+        first, last = side[0].path, side[-1].path
         lines.append(f"{name}: {first if len(side) == 1 else f'{len(side)} recordings, {first} to {last}'}")
     tests = sum(isfinite(one.single_p_value) for joint in sides.joints for one in joint.coefficients)
     lines += [f"changes with 95 % intervals; p adjusted over {tests} tests (Holm)"]
