@@ -14,23 +14,16 @@ from friction_audit.joint_log import Float
 from friction_audit.preprocessing.interaction import Caution
 
 UNABLE: Mapping[str, str] = {  # why a term cannot run in the loop: what it follows from, which the loop does not have
-    "stiction": "past",
-    "frictional_lag": "past",
+    **dict.fromkeys(("stiction", "frictional_lag"), "past"),
+    **dict.fromkeys(("joint_elasticity", "backlash"), "two_sides"),
+    **dict.fromkeys(("torque_crosstalk", "inertial_coupling"), "neighbours"),
     "load_dependent_friction": "load",
     "time_delay": "late",
-    "joint_elasticity": "two_sides",
-    "backlash": "two_sides",
-    "torque_crosstalk": "neighbours",
-    "inertial_coupling": "neighbours",
 }
 # Terms that belong to friction though the work of the term alone may be given back.
 OF_FRICTION = (
-    "asymmetric_coulomb",
-    "asymmetric_viscous",
-    "presliding",
-    "stiction",
-    "frictional_lag",
-    "load_dependent_friction",
+    *("asymmetric_coulomb", "asymmetric_viscous", "presliding"),
+    *("stiction", "frictional_lag", "load_dependent_friction"),
 )
 
 
