@@ -188,8 +188,7 @@ def _guessed_groups(
         own = [(cell, name.index, name.joint or labels.get(cell)) for cell, name in cells.items()]
         groups[channel] = group_of(template, own, degrees=next(iter(cells.values())).degrees)
     tied = [key[1] for key in found.get("q", {}) if key[0] == best["q"][0][0]]
-    heads = {channel: next(iter(cells.values())).head for channel, (_, cells) in best.items()}
-    return groups, tied[1:], heads
+    return groups, tied[1:], {channel: next(iter(cells.values())).head for channel, (_, cells) in best.items()}
 
 
 def _missing_message(names: Sequence[str], groups: Mapping[str, Group], *, found_time: bool, path: str) -> str:
