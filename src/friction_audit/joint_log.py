@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,8 +31,7 @@ class Finding:
     damaged: bool = False  # True if part of the input was lost or left out (exit code 6)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Joined:
+class Joined(NamedTuple):
     """A further file that channels of a log came from: path as given, content hash, name of the reader."""
 
     path: str
