@@ -20,8 +20,7 @@ _MOST_STEPS = 10_000  # of which the median step is taken
 TORQUE_CHANNELS = ("tau_interaction", "tau_J", "tau_ext_hat_filtered")
 
 
-@dataclass(frozen=True, slots=True)
-class Finding:
+class Finding(NamedTuple):
     """Something noticed about a recording while it was read, with its amount and what was done about it."""
 
     code: str  # stable short name, e.g. "stale_samples"

@@ -6,8 +6,7 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass, replace
-from typing import Any, TextIO
+from typing import Any, NamedTuple, TextIO
 
 import typer
 
@@ -65,8 +64,7 @@ def open_streams() -> None:
             setattr(sys, name, stream)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Voice:
+class Voice(NamedTuple):
     """How much a command says on standard error."""
 
     quiet: bool  # no warnings and no progress
@@ -106,7 +104,7 @@ class Voice:
         timer.daemon = True
         timer.start()
         try:
-            yield replace(self, course=course)
+            yield self._replace(course=course)
         finally:
             timer.cancel()
             timer.join()

@@ -5,7 +5,7 @@ import math
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, asdict, dataclass, is_dataclass, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -199,8 +199,7 @@ class Record:
         return Table(columns=self.on(form), rows=tuple(rows), **shown)
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Table:
+class Table(NamedTuple):
     """A table for people."""
 
     columns: Sequence[Column]  # its columns; the first heads the row
@@ -216,7 +215,7 @@ class Table:
     def filled(self, *, without: str = "") -> "Table":
         """Return the table without the columns that hold nothing in any row, and without those of a name."""
         named = (column for column in self.columns if column.name != without)
-        return replace(self, columns=[one for one in named if any(one.text(row) != NOTHING for row in self.rows)])
+        return self._replace(columns=[one for one in named if any(one.text(row) != NOTHING for row in self.rows)])
 
     def lines(self, marked: Collection[int] = ()) -> list[str]:
         """Return it as text as wide as the terminal, and wider where numbers would be cut; ``marked`` rows get a mark.
