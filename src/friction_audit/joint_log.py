@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +20,7 @@ _MOST_STEPS = 10_000  # of which the median step is taken
 TORQUE_CHANNELS = ("tau_interaction", "tau_J", "tau_ext_hat_filtered")
 
 
-@dataclass(frozen=True, slots=True)
-class Finding:
+class Finding(NamedTuple):
     """Something noticed about a recording while it was read, with its amount and what was done about it."""
 
     code: str  # stable short name, e.g. "stale_samples"
@@ -31,8 +30,7 @@ class Finding:
     damaged: bool = False  # True if part of the input was lost or left out (exit code 6)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Joined:
+class Joined(NamedTuple):
     """A further file that channels of a log came from: path as given, content hash, name of the reader."""
 
     path: str

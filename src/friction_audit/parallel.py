@@ -9,7 +9,7 @@ import threading
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor, wait as wait_for
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from contextvars import ContextVar
 from functools import lru_cache
 from pathlib import Path
@@ -23,6 +23,7 @@ Result = TypeVar("Result")
 
 M_TRIM_THRESHOLD, M_MMAP_THRESHOLD, M_ARENA_MAX = -1, -3, -8  # of mallopt(3)
 LARGE, KEPT = 1 << 25, 1 << 26  # bytes: to map the arrays of every block anew takes a tenth of the time
+BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")  # read by the library when numpy loads it
 WORKERS = min(4, os.cpu_count() or 1)  # each one needs working memory for a joint of its own
 
 _OWN = ContextVar("_OWN", default=False)
@@ -64,8 +65,9 @@ def per_joint(work: Callable[[int], Result], joints: int) -> list[Result]:
             except Exception as error:  # noqa: BLE001 - raised below, in the order of the joints
                 one.set_exception(error)
 
-    # Matrices of a joint are tall and narrow: threads inside a product would only wait for each other.
-    with _libraries(len(sys.modules)).limit(limits=1, user_api="blas"):
+    # Matrices of a joint are tall and narrow: threads inside a product would only wait. Our own process asked for none.
+    single = _OWN.get() and all(os.environ.get(name) == "1" for name in BLAS_THREADS)
+    with nullcontext() if single else _libraries(len(sys.modules)).limit(limits=1, user_api="blas"):
         helpers = [_threads(os.getpid()).submit(share) for _ in range(min(WORKERS, joints) - 1)]
         try:
             share()

@@ -5,8 +5,8 @@ Figures are those of the sources only; what has no source is left out. Angles in
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import inf, pi, radians, tau
+from typing import NamedTuple
 
 BUILT_IN = "panda"  # the arm whose rigid-body model comes with this package
 FRANKA = ("panda", "fr3")  # arms with one ready pose, published static friction, and torque loops in their joints
@@ -20,8 +20,7 @@ TORQUES = {
 }
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Preset:
+class Preset(NamedTuple):
     """An arm of a make."""
 
     label: str  # make and model

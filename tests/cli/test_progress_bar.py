@@ -4,6 +4,7 @@ import io
 import time
 
 import pytest
+import rich.progress  # noqa: F401 - to load it takes longer than some stages here
 
 from friction_audit.cli import console
 from friction_audit.cli.console import Voice

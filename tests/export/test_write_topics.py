@@ -1,7 +1,6 @@
 """Tables as CSV, Parquet, frames and topics of an MCAP: the same, read back by the libraries."""
 
 import json
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -102,7 +101,7 @@ def test_a_window_keeps_the_clock_and_nothing_lies_outside_it(
 
 
 def test_no_rows_make_a_file_without_topics(tmp_path: Path) -> None:
-    write_topics([replace(tables()[0], rows=())], log(), tmp_path / "none.mcap")
+    write_topics([tables()[0]._replace(rows=())], log(), tmp_path / "none.mcap")
     assert messages(tmp_path / "none.mcap") == []
 
 
@@ -137,6 +136,6 @@ def test_csv_and_parquet_read_back_to_the_bit(tmp_path: Path) -> None:
 
 def test_a_table_without_rows_keeps_its_columns(tmp_path: Path) -> None:
     for kind in ("csv", "parquet"):
-        write_table(replace(TABLE, rows=()), tmp_path / f"none.{kind}", kind)
+        write_table(TABLE._replace(rows=()), tmp_path / f"none.{kind}", kind)
     assert list(pd.read_csv(tmp_path / "none.csv").columns) == list(to_frame(TABLE).columns)
     assert pq.read_table(tmp_path / "none.parquet").num_rows == 0

@@ -1,7 +1,7 @@
 """A log that is read block by block gives what it gives in memory, in every format and whatever the blocks."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -126,7 +126,7 @@ def assert_same_log(
     usual, log = read_log(path, options), read_log(path, replace(options, in_blocks=True), while_read(settings))
     assert isinstance(log, LogInBlocks)
     assert replace(log.source, findings=(), **loose) == replace(usual.source, findings=(), **loose)
-    found, expected = ([asdict(one) for one in source.findings] for source in (log.source, usual.source))
+    found, expected = ([one._asdict() for one in source.findings] for source in (log.source, usual.source))
     assert_same(found, expected)
     parts = list(log.blocks())
     assert (log.samples, log.rate_hz) == (len(usual.t), usual.rate_hz)

@@ -18,7 +18,7 @@ from friction_audit import __version__
 from friction_audit.cli.console import discard, open_streams, remark, say
 from friction_audit.cli.grouped_help import GroupedCommand, LateParams, with_option_groups
 from friction_audit.errors import AnalysisError, FrictionAuditError, InputError, UsageError, shortened
-from friction_audit.parallel import own_process
+from friction_audit.parallel import BLAS_THREADS, own_process
 
 NAMES = (
     *("info", "estimate", "plot", "replay", "diagnose", "report", "plan", "export", "diff"),
@@ -79,7 +79,7 @@ def main(argv: list[str] | None = None) -> None:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
     # Joints run side by side and their matrices are tall and narrow: threads inside a product only wait for each other.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    os.environ.update(dict.fromkeys(BLAS_THREADS, "1") | os.environ)
     if argv is None and not sys.warnoptions:
         # Warnings of libraries are for developers, who ask for them with -W or PYTHONWARNINGS.
         warnings.simplefilter("ignore")

@@ -5,7 +5,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import asdict
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -36,9 +35,11 @@ BUG = 1  # exit code: part of the result is missing because of a bug
 @contextmanager
 def loading(*modules: str) -> Iterator[None]:
     """Load modules during the work of a block; reading a log mostly waits for decoders that need no interpreter."""
+    from friction_audit.compiled import load
+
     with ThreadPoolExecutor(max_workers=1, thread_name_prefix="import") as pool:
         for module in modules:
-            pool.submit(import_module, module)
+            pool.submit(load, module)
         yield
 
 

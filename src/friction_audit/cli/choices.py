@@ -52,7 +52,7 @@ def group(heading: str) -> Callable[[type[Group]], type[Group]]:
     """Return what makes a class a group of options under a heading of the help, but those with another one."""
 
     def make(of: type[Group]) -> type[Group]:
-        made = dataclass(frozen=True, kw_only=True, slots=True)(of)
+        made = dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)(of)
         for one in fields(made):  # type: ignore[arg-type] # it is a dataclass by now
             info = one.metadata.get(OPTION)
             if info and info.rich_help_panel is None:

@@ -6,16 +6,11 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass, replace
-from functools import partial
-from typing import TYPE_CHECKING, TextIO
+from typing import Any, NamedTuple, TextIO
 
 import typer
 
 from friction_audit.errors import UsageError, printable
-
-if TYPE_CHECKING:
-    from rich.progress import Progress
 
 Report = Callable[..., None]  # takes the share of the work that is done, 0 to 1, and, if there is more to say, a note
 
@@ -69,8 +64,7 @@ def open_streams() -> None:
             setattr(sys, name, stream)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Voice:
+class Voice(NamedTuple):
     """How much a command says on standard error."""
 
     quiet: bool  # no warnings and no progress
@@ -105,42 +99,53 @@ class Voice:
         if self.quiet or not sys.stderr.isatty():
             yield self
             return
-        bar = _bar()
-        timer = threading.Timer(PATIENCE_S, bar.start)
+        course = Course([1.0] * lengths if isinstance(lengths, int) else lengths)
+        timer = threading.Timer(PATIENCE_S, course.show)
         timer.daemon = True
         timer.start()
         try:
-            yield replace(self, course=Course(bar, [1.0] * lengths if isinstance(lengths, int) else lengths))
+            yield self._replace(course=course)
         finally:
             timer.cancel()
             timer.join()
-            bar.stop()
+            if course.bar is not None:
+                course.bar.stop()
 
 
 class Course:
-    """Stages on the way to a result, on one bar."""
+    """Stages on the way to a result, on one bar; rich is loaded when the bar is shown."""
 
-    def __init__(self, bar: "Progress", lengths: Sequence[float]) -> None:
-        self._bar, self._task = bar, bar.add_task("", total=sum(lengths))
-        self._lengths, self._done = iter(lengths), 0.0
+    def __init__(self, lengths: Sequence[float]) -> None:
+        self.bar: Any = None  # of rich
+        self._lengths, self._done, self._begin = iter(lengths), 0.0, time.monotonic()
+        self._state: dict[str, Any] = {"description": "", "total": sum(lengths)}
+
+    def show(self) -> None:
+        """Show, from another thread, a bar with the time so far and the time left, that vanishes at the end."""
+        from rich import progress
+        from rich.console import Console
+
+        times = (progress.TaskProgressColumn, progress.TimeElapsedColumn, progress.TimeRemainingColumn)
+        name = progress.TextColumn("{task.description}", markup=False)
+        made = (progress.SpinnerColumn(), name, progress.BarColumn(), *(column() for column in times))
+        bar = progress.Progress(*made, console=Console(stderr=True), transient=True)
+        bar.add_task("")
+        bar.tasks[0].start_time = self._begin
+        self.bar = bar
+        self._move()
+        bar.start()
+
+    def _move(self, **state: Any) -> None:  # noqa: ANN401 - of a task
+        self._state |= state
+        if self.bar is not None:
+            self.bar.update(self.bar.task_ids[0], **self._state)
 
     @contextmanager
     def stage(self, name: str) -> Iterator[Report]:
         """Name the stage that is under way; yield what takes the share of it that is done."""
-        move, begin, length = partial(self._bar.update, self._task), self._done, next(self._lengths, 0.0)
+        begin, length = self._done, next(self._lengths, 0.0)
         name = f"{printable(name)} ..."
-        move(completed=begin, description=name)
-        yield lambda share, note="": move(completed=begin + share * length, description=f"{name} {note}")
+        self._move(completed=begin, description=name)
+        yield lambda share, note="": self._move(completed=begin + share * length, description=f"{name} {note}")
         self._done += length
-        move(completed=self._done)
-
-
-def _bar() -> "Progress":
-    """Return a bar on standard error that vanishes when the work is done, with the time so far and the time left."""
-    from rich import progress
-    from rich.console import Console
-
-    name = progress.TextColumn("{task.description}", markup=False)
-    _, done, share, left = progress.Progress.get_default_columns()
-    columns = (progress.SpinnerColumn(), name, done, share, progress.TimeElapsedColumn(), left)
-    return progress.Progress(*columns, console=Console(stderr=True), transient=True)
+        self._move(completed=self._done)

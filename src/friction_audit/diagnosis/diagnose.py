@@ -74,7 +74,9 @@ def diagnose_subjects(
     return tuple(diagnosed)
 
 
-def diagnose_joint(subject: Subject, effects: Sequence[Effect], settings: DiagnosisSettings) -> JointDiagnosis:
+def diagnose_joint(
+    subject: Subject, effects: Sequence[Effect], settings: DiagnosisSettings, *, simulated: bool = True
+) -> JointDiagnosis:
     """Say whether anything is missing in the nominal model of a joint, and what: of some effects, those that count."""
     # What is kept with a copy, columns of the arm's model above all, is freed with it.
     rigid = subject.data.rigid
@@ -94,7 +96,7 @@ def diagnose_joint(subject: Subject, effects: Sequence[Effect], settings: Diagno
     except (AnalysisError, np.linalg.LinAlgError) as error:
         return _answer(subject, "not_testable", reason_of(error))
     test = np.unique(state.problem.samples.cycle[SIMULATED * state.problem.fold < state.problem.folds])
-    return replace(found, simulation=gap_in_motion(found, subject, test))
+    return replace(found, simulation=gap_in_motion(found, subject, test)) if simulated else found
 
 
 def _answer(subject: Subject, verdict: Verdict, reason: Reason = ()) -> JointDiagnosis:

@@ -79,19 +79,18 @@ class Gram:
         self.names = np.array([b.name for b in self.blocks])
         self.starts = np.array([b.start for b in self.blocks], int)
         self.widths = np.diff(self.starts, append=self.used)
-        self._kinds.clear()
+        kinds: dict[tuple[str, int, frozenset[str]], list[int]] = {}
+        for k in range(len(self.blocks) - len(blocks), len(self.blocks)):
+            block = self.blocks[k]
+            kinds.setdefault((block.name, len(block.there), frozenset(block.shape)), []).append(k)
+        for places in kinds.values():
+            some = [self.blocks[k] for k in places]
+            at = {name: np.array([block.shape[name] for block in some]) for name in some[0].shape}
+            self._kinds.append((some[0].effect, np.array(places), np.stack([block.there for block in some]), at))
         self.version += 1
 
     def possible(self, coefficients: Float) -> NDArray[np.bool_]:
         """Whether coefficients of all blocks, shape (blocks, most), are physically possible."""
-        if not self._kinds:
-            kinds: dict[tuple[str, int, frozenset[str]], list[int]] = {}
-            for k, block in enumerate(self.blocks):
-                kinds.setdefault((block.name, len(block.there), frozenset(block.shape)), []).append(k)
-            for places in kinds.values():
-                some = [self.blocks[k] for k in places]
-                at = {name: np.array([block.shape[name] for block in some]) for name in some[0].shape}
-                self._kinds.append((some[0].effect, np.array(places), np.stack([block.there for block in some]), at))
         out, columns = np.zeros(len(self.blocks), bool), np.arange(coefficients.shape[1])
         for effect, which, there, at in self._kinds:
             whole = np.zeros(there.shape)
@@ -197,13 +196,13 @@ class Training:
             self._version, self._sums, self._own = self.gram.version, {}, {}
         key = None if block is None else id(block)
         if key not in self._sums:
-            by_fold = self.gram.cross[None][:, 1:] if block is None else self.gram.products(block)
+            by_fold = self.gram.cross[None] if block is None else self.gram.products(block)
             self._sums[key] = by_fold[list(self.folds)].sum(axis=0)
         return self._sums[key]
 
     def cross(self, active: Sequence[Block], fit: Fit) -> Float:
         """Products of the model with all columns of the blocks, scaled as its factor is, shape (b, columns)."""
-        return np.vstack([self._cross(None)[fit.kept], *(self._cross(b) for b in active)]) / fit.scale[:, None]
+        return np.vstack([self._cross(None)[1 + fit.kept], *(self._cross(b) for b in active)]) / fit.scale[:, None]
 
     def fit(self, active: Sequence[Block], unpinned: Sequence[str] = ()) -> Fit:
         """Fit the nominal model, nuisances and some blocks; nuisances of some names are left out."""
@@ -215,13 +214,13 @@ class Training:
         out = [len(gram.problem.X) + k for k, one in enumerate(gram.nuisances) if names & set(one.replaced_by)]
         kept = np.setdiff1d(np.arange(len(gram.base)), out)
         at = np.concatenate([np.zeros(0, int), *(np.arange(b.start, b.start + b.p) for b in active)])
-        n, cross = len(kept), self._cross(None)[kept][:, at]
+        n, cross = len(kept), self._cross(None)[np.append(0, 1 + kept)[:, None], at]
         whole = np.empty((n + len(at),) * 2)
         whole[:n, :n] = gram.bb[folds].sum(axis=0)[np.ix_(kept, kept)] + np.diag(gram.precision[kept])
-        whole[:n, n:], whole[n:, :n] = cross, cross.T
+        whole[:n, n:], whole[n:, :n] = cross[1:], cross[1:].T
         for block, rows in zip(active, np.split(whole[n:, n:], np.cumsum([b.p for b in active])), strict=False):
             rows[:] = self._cross(block)[:, at]
-        right = np.append(gram.by[folds].sum(axis=0)[kept], gram.cross[None][folds, 0].sum(axis=0)[at])
+        right = np.append(gram.by[folds].sum(axis=0)[kept], cross[0])
         scale = np.sqrt(np.diag(whole))
         scale[scale == 0] = 1.0
         factor = np.linalg.cholesky(whole / scale[:, None] / scale + RIDGE * np.eye(len(whole)))
@@ -252,7 +251,7 @@ class Training:
 
         fit = self.fit(active, (unpinned,) if unpinned else ())
         cross = self.cross(active, fit)
-        zy_all = self.gram.cross[None][list(self.folds), 0].sum(axis=0)
+        zy_all = self._cross(None)[0]
         for members, cols, own in self._by_width(unpinned, which):
             t = solve_triangular(fit.factor, cross[:, cols.ravel()], lower=True, check_finite=False)
             t = np.asarray(t).reshape(-1, *cols.shape)

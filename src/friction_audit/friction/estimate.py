@@ -152,8 +152,7 @@ def _solve_paper(own: EnergyCycles, kept: EnergyCycles, model: str, window: int)
     }
     nothing = np.full(len(found["coulomb"]), made.NAN)
     history = _history(own, window, {name: (values, nothing, nothing) for name, values in found.items()})
-    printed = own.sums.printed_net_j[history.cycle - 1]
-    return {**medians, "history": replace(history, dissipated_j=printed)}
+    return {**medians, "history": replace(history, dissipated_j=own.sums.printed_net_j[history.cycle - 1])}
 
 
 def _history(own: EnergyCycles, first: int, columns: Columns) -> made.CoefficientHistory:

@@ -13,8 +13,8 @@ Rows of one stroke share their errors, so strokes are left out one at a time, as
 
 from collections import defaultdict
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -118,7 +118,7 @@ def _turning(rows: "_Rows") -> tuple[float, float] | None:
 def _fit_with(rows: "_Rows", name: str, *others: str) -> list[tuple[float, float]]:
     """Return value and half width of one more column and of others that were there, fitted together."""
     columns, instruments = (np.vstack([one.T, rows.more[name]]).T for one in (rows.columns, rows.instruments))
-    _, fit = _fit(replace(rows, names=(*rows.names, name), columns=columns, instruments=instruments))
+    _, fit = _fit(rows._replace(names=(*rows.names, name), columns=columns, instruments=instruments))
     return [(float(value[0]), float(half[0])) for value, half in map(fit.column, (name, *others))]
 
 
@@ -161,8 +161,7 @@ def _left_by(columns: Float, torque: Float) -> float:
     return float(np.sum((torque - columns @ np.linalg.lstsq(columns, torque, rcond=None)[0]) ** 2))
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class _Rows:
+class _Rows(NamedTuple):
     """Rows of the regression, m rows and p columns, their instruments, strokes and places among all rows."""
 
     names: tuple[str, ...]
@@ -313,7 +312,7 @@ def _fit(rows: _Rows) -> tuple[Equations, Fit]:
         scale=scale,
     )
     fit = fit_windows(equations, len(first))
-    return equations, replace(fit, error=float(weights.mean() / np.mean(weights >= 1.0)) * fit.error)
+    return equations, fit._replace(error=float(weights.mean() / np.mean(weights >= 1.0)) * fit.error)
 
 
 def huber_weights(design: Float, target: Float, instruments: Float | None = None) -> Float:

@@ -7,8 +7,8 @@ offset, an error of the gravity torque, and the kinetic energy at the borders of
 """
 
 import math
-from dataclasses import dataclass
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,8 +25,7 @@ CONFIDENCE = 0.95
 RIDGE = 1e-10  # relative to unit columns: keeps a window without any motion of one kind solvable
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Equations:
+class Equations(NamedTuple):
     """Weighted equations of one joint, summed by group (a cycle, or a stroke)."""
 
     names: tuple[str, ...]  # names of the p columns; those of the friction model come first
@@ -71,8 +70,7 @@ def set_up(cycles: EnergyCycles, model: str) -> Equations:
     )
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Fit:
+class Fit(NamedTuple):
     """Solutions of w windows: values and standard errors of the p columns, shape (w, p), and degrees of freedom."""
 
     names: tuple[str, ...]

@@ -9,9 +9,8 @@ import shutil
 import stat
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from friction_audit.errors import InputError, UsageError
 
@@ -28,8 +27,7 @@ _BIGGEST = 256 << 20  # bytes of a document; an hour with seven joints has 10 MB
 _STRING = re.compile(rb'"(?:[^"\\\n]|\\.)*"|\'[^\'\n]*\'')
 
 
-@dataclass(frozen=True, slots=True)
-class Stamp:
+class Stamp(NamedTuple):
     """What distinguishes a file, or all files of a directory, from a changed one without reading it."""
 
     size: int  # bytes, of all files

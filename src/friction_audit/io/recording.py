@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,8 +26,7 @@ class WholeLogError(Exception):
     """A recording cannot be read block by block: what is wrong with it needs all samples at once."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Blocks:
+class Blocks(NamedTuple):
     """A recording that is read block by block, anew for every pass; what the checks found is as in ``LogInBlocks``."""
 
     rows: int  # number of samples
@@ -36,9 +35,9 @@ class Blocks:
     # to be read to come to a row.
     since: Callable[[int], tuple[int, Callable[[Collection[str]], Iterator[Block]]]] | None = None
     clock: tuple[int, float, float] = (0, 0.0, 0.0)
-    gaps: Float = field(default_factory=lambda: np.zeros((0, 3)))
+    gaps: Float = np.zeros((0, 3))
     mean_of: int = 1
-    numbers: Int = field(default_factory=lambda: np.zeros(0, np.int64))
+    numbers: Int = np.zeros(0, np.int64)
     listener: Any = None
 
 
@@ -123,7 +122,7 @@ class Recording:
                 found = ((t, {n: np.require(a, requirements="W") for n, a in some.items()}) for t, some in own(names))
                 yield from (block for block in mend(found) if len(block[0]))
 
-            blocks = replace(blocks, rows=rows, read=read, since=None)
+            blocks = blocks._replace(rows=rows, read=read, since=None)
         return replace(self, t=t, channels=dict(channels), blocks=blocks)
 
     def changed(self, change: Callable[[Float, dict[str, Float]], Block]) -> "Recording":

@@ -186,7 +186,7 @@ def answer(plan: JointPlan, name: str, terms: Sequence[FittedTerm]) -> Answer:
     pairs = [one for one in (_hidden(term, joint, settings) for term in terms) if one is not None]
     own = next((one for one, _ in pairs if one.name == EQUALS[name].name), None)
     settings = replace(settings, hidden=(Hidden().holding(*(one for one, _ in pairs)),))
-    found = diagnose_joint(subject_of(joint, settings, SEED), effects(), DiagnosisSettings())
+    found = diagnose_joint(subject_of(joint, settings, SEED), effects(), DiagnosisSettings(), simulated=False)
     sets = tuple((one.name, *one.alternatives) for one in found.effects)
     # What no motion separates from the effect counts as the same.
     same, named = same_as(name), {one for each in sets for one in each}

@@ -1,7 +1,6 @@
 """A row of the balance: which torques are removed from the source, with which sign, and what the energy says of it."""
 
-from dataclasses import dataclass
-from typing import cast
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -15,8 +14,7 @@ from friction_audit.preprocessing.torque_source import CHANNELS, Plan
 SIGNS = {"hand": -1, "robot": 1}  # factor on tau_J and on tau_ext in each row
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Balance:
+class Balance(NamedTuple):
     """One row of the balance: F_m = sign * (source - each of the torques removed)."""
 
     plan: Plan

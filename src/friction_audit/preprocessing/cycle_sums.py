@@ -57,8 +57,7 @@ def events(velocity: Float, initiation: float, termination: float, *, moving: bo
     """Return the samples at which motion stops and starts, in turns, and those at which the velocity turns."""
     found: tuple[list[Int], list[Int], list[Int]] = ([], [], [])
     for first in range(0, len(velocity), BLOCK):
-        piece = velocity[first : first + BLOCK]
-        speed = np.abs(piece)
+        speed = np.abs(velocity[first : first + BLOCK])
         # Between both thresholds the joint keeps the state of the sample before: it changes at one of these edges.
         slow, fast = (
             np.flatnonzero(np.append(one[:1], one[1:] > one[:-1])) for one in (speed < termination, speed > initiation)

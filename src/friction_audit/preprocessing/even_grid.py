@@ -241,8 +241,7 @@ def within(starts: Int, stops: Int, n: int) -> Int:
 
 def gaps(t: Float) -> Int:
     """Return the samples after which a gap begins, shape (g,)."""
-    step = np.diff(t)
-    return np.flatnonzero(step > max(GAP_S, GAP_STEPS * median_step(t)))
+    return np.flatnonzero(np.diff(t) > max(GAP_S, GAP_STEPS * median_step(t)))
 
 
 def fresh_samples(log: JointLog) -> Bool:

@@ -1,8 +1,9 @@
 """The torque at the friction port of a log: source, gravity, inertia and sign chosen, proved and applied."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import chain
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,8 +22,7 @@ from friction_audit.preprocessing.velocity import on_time
 FURTHER = 1.1
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class PortTorque:
+class PortTorque(NamedTuple):
     """How the torque at the friction port of a log is made, in all of it or in a part."""
 
     log: JointLog  # the log, its velocities on time
@@ -115,7 +115,7 @@ def choose_torque(
         ),
     )
     direction = None if plan.arm is None else plan.arm.gravity_direction(coarse.q)[:, columns]
-    return replace(port, warnings=port.warnings + gravity_cautions(log, coarse, balance, columns, direction))
+    return port._replace(warnings=port.warnings + gravity_cautions(log, coarse, balance, columns, direction))
 
 
 def _columns(log: JointLog, joints: tuple[int, ...] | None) -> list[int]:
@@ -133,9 +133,9 @@ def _choose_row(log: JointLog, coarse: CoarseLog, plan: Plan, settings: TorqueSe
     """Return the row of the balance whose energy rises, and whether it is not the one tried first."""
     rows = (_row(log, coarse, plan, drive, settings.model_rate_hz) for drive in plan.drives)
     first, tried = next(rows), list[Balance]()
-    others = [replace(first, sign=-first.sign)] if plan.source == "interaction" else rows
+    others = [first._replace(sign=-first.sign)] if plan.source == "interaction" else rows
     for row in chain([first], others):
-        tried.append(replace(row, evidence=prove_sign(coarse, row.driving(log, coarse), log.source.dead_torque)))
+        tried.append(row._replace(evidence=prove_sign(coarse, row.driving(log, coarse), log.source.dead_torque)))
         if most(tried[-1].evidence, "rises"):
             return tried[-1], len(tried) > 1
     return tried[0], False

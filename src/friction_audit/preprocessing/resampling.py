@@ -6,8 +6,8 @@ never filtered: the energy sums multiply it with the measured velocity.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,8 +25,7 @@ BLOCK = 1 << 16  # samples interpolated at a time
 SPLINE_REACH = 20  # knots beyond a block that its spline takes along: their influence falls by 3.7 per step, to 1e-11
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Grid:
+class Grid(NamedTuple):
     """A uniform grid of times over one stretch of a log without a hole."""
 
     rows: slice  # the stretch's samples in the log
@@ -34,8 +33,7 @@ class Grid:
     rate_hz: float  # rate asked for; the spacing is a little less than its inverse [Hz]
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class GridTorque:
+class GridTorque(NamedTuple):
     """A torque of all joints known on the grids of a log, one array of shape (k, j) per grid. [N m]"""
 
     grids: tuple[Grid, ...]

@@ -11,8 +11,8 @@ is the energy taken. The noise is not white (vibration, gravity of other joints)
 independent strokes: a stroke is the motion between two reversals. Few strokes know their error badly: Student's t.
 """
 
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import replace
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -33,8 +33,7 @@ BRIDGED_S = 0.1  # a step of the clock up to this is no hole here: the motion of
 Verdict = Literal["rises", "falls", "undecided", "still", "no_torque"]
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class CoarseLog:
+class CoarseLog(NamedTuple):
     """Means of a log over blocks of samples, m blocks."""
 
     samples: int  # samples per block

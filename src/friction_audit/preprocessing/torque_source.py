@@ -1,7 +1,8 @@
 """What the interaction torque is made of: decided from what the log holds and what the user said."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,8 +25,7 @@ EXPLAINED_BY_OWN_MODEL = 0.1  # share of the torque's variance that the model of
 VENDOR_DISAGREES_NM = 1.0
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Plan:
+class Plan(NamedTuple):
     """How the torque will be made."""
 
     source: str  # key of CHANNELS

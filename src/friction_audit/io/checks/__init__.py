@@ -113,8 +113,7 @@ class _Survey:
         assert blocks is not None
         assert means is not None
         read, (t, channels) = blocks.read, means.found
-        blocks = replace(
-            blocks,
+        blocks = blocks._replace(
             read=read if first_s == 0.0 else lambda names: ((t - first_s, channels) for t, channels in read(names)),
             clock=(clock.rows, clock.last_s - first_s, clock.step_s),
             gaps=np.array(self.steps.holes).reshape(-1, 3) - (0.0, first_s, first_s),

@@ -291,7 +291,7 @@ def leave_out_far(recording: Recording, start_s: float, stop_s: float) -> Record
         return recording
     if blocks.since is not None:
         skipped, read = blocks.since(kept[0])
-        recording = replace(recording, blocks=replace(blocks, rows=blocks.rows - skipped, read=read, since=None))
+        recording = replace(recording, blocks=blocks._replace(rows=blocks.rows - skipped, read=read, since=None))
         rest, marks = marks.of(skipped, blocks.rows - skipped), Marks(blocks.rows - skipped)
         marks.add(0, rest)
     return replace(recording.without(marks), first_s=origin_s)

@@ -90,8 +90,7 @@ def _period(values: Float, moving: Bool) -> float:
     if len(length) < _FEWEST_UPDATES:
         return 0.0
     usual = float(np.median(length))
-    regular = np.mean(length < 0.5 * usual) < _IRREGULAR
-    return usual if usual >= _SHORTEST and regular else 0.0
+    return usual if usual >= _SHORTEST and np.mean(length < 0.5 * usual) < _IRREGULAR else 0.0
 
 
 def _interpolated(blocks: Iterator[Block], periods: Mapping[str, list[float]]) -> Iterator[Block]:

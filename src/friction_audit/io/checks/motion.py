@@ -7,7 +7,8 @@ well, 57.3 if q is in degrees, 1000 if the clock was read in the wrong unit, 1.0
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,8 +31,7 @@ _FEWEST_WINDOWS = 5
 _TRUSTED_R2, _UNRELATED_R2 = 0.8, 0.5
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class MotionRatio:
+class MotionRatio(NamedTuple):
     """Change of q over integral of dq."""
 
     ratio: Float  # one per joint, NaN where the joint hardly moves, shape (j,)

@@ -6,7 +6,7 @@ dq arrives at another q, and a torque that large changes dq.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,8 +35,7 @@ _SHOWN = 3
 _AROUND = 2 * _REACH  # rows on both sides of a jump that decide about it
 
 
-@dataclass(frozen=True, slots=True)
-class _Run:
+class _Run(NamedTuple):
     """Rows ``first`` to ``last`` of a channel that deviate from ``usual``, most of all with ``value``."""
 
     channel: str
@@ -150,7 +149,7 @@ class _Wild:
                 value = float(max(column[first:end], key=lambda one: abs(one - usual)))
                 if abs(value - usual) > scale:
                     run = _Run(name, begin + first, begin + end - 1, float(t[first]), value, usual)
-                    return [replace(run, impossible=_is_impossible(run, first, end, columns, t, self._usual_dq))]
+                    return [run._replace(impossible=_is_impossible(run, first, end, columns, t, self._usual_dq))]
         return []
 
 

@@ -2,8 +2,7 @@
 
 import re
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,8 +31,7 @@ _EPOCH_S = (1.1e9, 4.1e9)  # Unix time between the years 2004 and 2099
 _LONGEST_S = 1e10  # three centuries: from no stamp to the last one in nanoseconds
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class TimeColumn:
+class TimeColumn(NamedTuple):
     """The column that is the clock."""
 
     cells: tuple[int, ...]  # its position; two for seconds and nanoseconds kept apart
@@ -42,8 +40,7 @@ class TimeColumn:
     clock: str  # "robot_time", "header_stamp", "log_time" or "column"
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Clock:
+class Clock(NamedTuple):
     """A clock read."""
 
     t: Float  # time since the first sample, of messages since the earliest, shape (n,) [s]

@@ -3,9 +3,8 @@
 import difflib
 import re
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
 from itertools import chain
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from friction_audit.errors import InputError, near_misses
 from friction_audit.io.readers.channel_names import (
@@ -44,8 +43,7 @@ _SEVERAL = re.compile(r"\{i\}|,|-")  # in a --map entry that names a column per 
 _AMBIGUOUS = ("torque", "tau", "effort")
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class ColumnMap:
+class ColumnMap(NamedTuple):
     """Which column is what."""
 
     time: TimeColumn  # the clock
@@ -106,9 +104,9 @@ def map_columns(
     if joint is not None:
         first = {channel: next(iter(group.cells.values())) for channel, group in groups.items()}
         alone = {c: Group(bare[cell], {0: cell}, per_turn=groups[c].per_turn) for c, cell in first.items()}
-        return replace(_align(alone, time, bare, path, needed), joint=joint)
+        return _align(alone, time, bare, path, needed)._replace(joint=joint)
     columns = _align(groups, time, bare, path, needed)
-    return replace(columns, findings=(*columns.findings, *_choices(columns, others, heads)))
+    return columns._replace(findings=(*columns.findings, *_choices(columns, others, heads)))
 
 
 def _choices(columns: ColumnMap, others: Sequence[str], heads: Mapping[str, str]) -> list[Finding]:
@@ -188,8 +186,7 @@ def _guessed_groups(
         own = [(cell, name.index, name.joint or labels.get(cell)) for cell, name in cells.items()]
         groups[channel] = group_of(template, own, degrees=next(iter(cells.values())).degrees)
     tied = [key[1] for key in found.get("q", {}) if key[0] == best["q"][0][0]]
-    heads = {channel: next(iter(cells.values())).head for channel, (_, cells) in best.items()}
-    return groups, tied[1:], heads
+    return groups, tied[1:], {channel: next(iter(cells.values())).head for channel, (_, cells) in best.items()}
 
 
 def _missing_message(names: Sequence[str], groups: Mapping[str, Group], *, found_time: bool, path: str) -> str:

@@ -93,7 +93,7 @@ def _with_channels(first: Recording, other: Recording, stamps: Float) -> Recordi
         columns = [interpolated(first.t, stamps, other.channels[channel][:, joint]) for joint in order]
         channels[channel] = np.asfortranarray(np.column_stack(columns))
     name = Path(other.path).name
-    findings = [replace(one, message=f"{name}: {one.message}") for one in other.findings]
+    findings = [one._replace(message=f"{name}: {one.message}") for one in other.findings]
     if both := [channel for channel in other.channels if channel in first.channels]:
         message = f"{', '.join(both)} of {name} are left out: {Path(first.path).name} has them"
         findings.append(Finding("not_joined", message))

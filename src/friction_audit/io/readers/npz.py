@@ -68,8 +68,7 @@ class NpzTable(ArrayTable):
         named = entries.get("joint_names")
         if named is not None and named.dtype.kind == "U" and named.info.file_size <= _NAMES_BYTES:
             self.joint_names = [str(name) for name in _array(archive, named).ravel()]
-        joints = len(self.joint_names)
-        wide = {name for name, entry in self._entries.items() if entry.width == joints > 1}
+        wide = {name for name, entry in self._entries.items() if entry.width == len(self.joint_names) > 1}
         self.labels = {cell: self.joint_names[j] for cell, (name, j) in enumerate(self._cells) if name in wide}
         self.clock = _PANDA_PY_CLOCK if self._entries.keys() >= _PANDA_PY else None
 
@@ -133,8 +132,7 @@ def _entry(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> Entry:
     if info.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
         raise ValueError("compressed in another way than NumPy does")
     with archive.open(info) as stream:
-        version = npy.read_magic(stream)
-        read = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
+        read = npy.read_array_header_1_0 if npy.read_magic(stream) == (1, 0) else npy.read_array_header_2_0
         shape, by_column, dtype = read(stream)
         sizes = {"width": prod(shape[1:]), "nbytes": info.compress_size, "offset": stream.tell()}
         entry = Entry(info=info, shape=shape, dtype=dtype, by_column=by_column, **sizes)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from importlib import import_module
 from math import inf
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from friction_audit.errors import InputError, UsageError, near_misses
 from friction_audit.io.files import starts_with
@@ -146,8 +146,7 @@ class Topic:
         return f"{self.name} ({self.type}, {self.messages} messages)"
 
 
-@dataclass(frozen=True, slots=True)
-class Reader:
+class Reader(NamedTuple):
     """A container format; its module is loaded when a file may be of it."""
 
     name: str  # shown to people and stored in results

@@ -3,11 +3,11 @@
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import reduce
 from math import inf, isfinite
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +25,7 @@ ROBOT_COLUMN = re.compile(r"\s*(?:robot|arm)(?:[ _-]?(?:name|id|number|no|serial
 _WHOLE = re.compile(r"^(\d+)\.0+$")  # a joint's number in a column that was written as floats
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Part:
+class Part(NamedTuple):
     """The numbers that were read of a table: all of it, or the part asked for."""
 
     clock: Clock  # its clock, n rows
@@ -97,9 +96,9 @@ class ColumnTable(Table):
         if not kept.any():
             times = np.sort(since[np.isfinite(since)]) * options.time_scale
             find_window(times, options.t_start_s, options.t_end_s, str(self.path))
-        clock = replace(clock, t=clock.t[kept])
+        clock = clock._replace(t=clock.t[kept])
         refuse_too_large(self.path, len(clock.t) * row_bytes, packed)
-        return replace(self.read_rows(columns, clock, kept), first_s=first_s)
+        return self.read_rows(columns, clock, kept)._replace(first_s=first_s)
 
     @abstractmethod
     def size(self, columns: ColumnMap) -> tuple[int, int]:
@@ -153,7 +152,7 @@ def part_in_blocks(
 
     nothing = {channel: np.empty((0, len(cells))) for channel, cells in columns.channels.items()}
     blocks = Blocks(rows=rows, read=read, since=since if groups else None)
-    return Part(clock=replace(clock, t=np.empty(0)), channels=nothing, blocks=blocks)
+    return Part(clock=clock._replace(t=np.empty(0)), channels=nothing, blocks=blocks)
 
 
 def read_table(table: Table, options: ReadOptions) -> Recording:
@@ -173,12 +172,12 @@ def read_table(table: Table, options: ReadOptions) -> Recording:
         damage = (finding.message for finding in table.findings())
         raise InputError("; ".join((str(error), *damage))) from error
     if table.clock is not None and table.clock.name == columns.time.name:
-        columns = replace(columns, time=replace(table.clock, cells=columns.time.cells))
+        columns = columns._replace(time=table.clock._replace(cells=columns.time.cells))
     part = table.read(columns, options)
-    columns = replace(columns, findings=(*columns.findings, *table.findings()))
+    columns = columns._replace(findings=(*columns.findings, *table.findings()))
     if part.joint is not None:
         columns, part = _pivot(columns, part, arm, path)
-    columns = replace(columns, findings=(*columns.findings, *doubt_torque(columns, table.names, mapping)))
+    columns = columns._replace(findings=(*columns.findings, *doubt_torque(columns, table.names, mapping)))
     recording = Recording(
         t=part.clock.t,
         channels=part.channels,
@@ -244,8 +243,8 @@ def _pivot(columns: ColumnMap, part: Part, arm: str, path: str) -> tuple[ColumnM
     if all(map(str.isdigit, names)):
         base = 0 if any(int(name) == 0 for name in names) else 1
         names = [f"joint{int(name) - base + 1}" for name in names]
-    columns = replace(columns, joint_names=tuple(names), findings=(*columns.findings, *found))
-    return columns, replace(part, clock=replace(clock, t=t), channels=channels)
+    columns = columns._replace(joint_names=tuple(names), findings=(*columns.findings, *found))
+    return columns, part._replace(clock=clock._replace(t=t), channels=channels)
 
 
 def _at_stamps_of_first(

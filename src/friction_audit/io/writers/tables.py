@@ -17,8 +17,7 @@ if TYPE_CHECKING:
     import pyarrow as pa
 
 
-@dataclass(frozen=True, slots=True)
-class Writer:
+class Writer(NamedTuple):
     """A file format or dialect; of several of one suffix the first in WRITERS is its default."""
 
     name: str  # unique, e.g. "parquet", "rosbag1-franka-state"
@@ -84,8 +83,7 @@ class JointRows:
         return len(next(iter(self.columns.values())))
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class TidyTable:
+class TidyTable(NamedTuple):
     """A table: one row per joint and the quantity of its name."""
 
     name: str  # what a file of it is called
