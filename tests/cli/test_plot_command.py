@@ -30,6 +30,7 @@ def test_a_joint_that_did_not_move_has_no_figure_of_its_own(run: Run, logs: Path
     assert "velocity-torque: no figure of joint 2 alone: did not move" in answer.err
 
 
+@pytest.mark.thorough
 def test_copies_of_the_process_draw_the_same_files(run: Run, logs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     drawn = []
     for workers in (1, 3):
