@@ -132,8 +132,7 @@ def test_held_out_residuals_are_those_of_fits_without_the_fold() -> None:
     for k in range(FOLDS):
         others = fold[gram.order] != k
         coefficients = np.linalg.lstsq(white[others], gram.y[others])[0]
-        expected = gram.problem.y - raw @ coefficients
-        np.testing.assert_allclose(found.residual[fold == k], expected[fold == k], rtol=1e-6, atol=1e-7)
+        assert found.residual[fold == k] == pytest.approx((gram.problem.y - raw @ coefficients)[fold == k], abs=1e-7)
     assert found.rms == pytest.approx(np.sqrt(np.mean(found.residual**2)))
 
 
