@@ -66,26 +66,12 @@ def pytest_collection_finish() -> None:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def one_command_line() -> Iterator[None]:
-    """Build the commands and their options once: a program does it once, and tests call it a thousand times."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(typer.main, "get_command", cache(typer.main.get_command))
-        yield
-
-
-@pytest.fixture(scope="session", autouse=True)
-def one_look_for_libraries() -> Iterator[None]:
-    """Look once which libraries for matrices are loaded; they have one thread each, and every estimate looks again."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(threadpoolctl, "ThreadpoolController", cache(threadpoolctl.ThreadpoolController))
-        yield
-
-
-@pytest.fixture(scope="session", autouse=True)
-def one_reader_of_each_message() -> Iterator[None]:
-    """Compile what reads and writes a message once: rosbags does it anew for every file, for half of a test's time."""
+def made_once() -> Iterator[None]:
+    """Make once the commands, the look for libraries of matrices, and what rosbags compiles anew to read every file."""
     compiled = cache(lambda text: compile_lines([text]))
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(typer.main, "get_command", cache(typer.main.get_command))
+        patch.setattr(threadpoolctl, "ThreadpoolController", cache(threadpoolctl.ThreadpoolController))
         for module in (cdr, ros1):
             patch.setattr(module, "compile_lines", lambda lines: compiled("\n".join(lines)))
         yield

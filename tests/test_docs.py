@@ -31,10 +31,10 @@ DOCS = ROOT / "docs"
 ON_PAGES = pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 COMMANDS = DOCS / "commands"
 CONTRIBUTING = ROOT / "CONTRIBUTING.md"
-LONG = (DOCS / "paper.md", DOCS / "recording.md", COMMANDS / "compare.md", COMMANDS / "report.md")
+LONG = [page for page in PAGES if page.stem in ("paper", "recording", "compare", "report")]
 """Pages whose commands take long and are held elsewhere: figures of the paper, logs of several lengths, a comparison,
 reports as in ``index.md``."""
-REPEATED = (DOCS / "index.md", COMMANDS / "diagnose.md", COMMANDS / "replay.md")
+REPEATED = [page for page in PAGES if page.stem in ("index", "convert", "diagnose", "estimate", "replay", "simulate")]
 """Pages whose commands on imagined logs take long, and are those of other pages with other options."""
 SHOWN = [pytest.param(page, marks=[pytest.mark.thorough] if page in LONG else []) for page in PAGES]
 IMAGINED = [pytest.param(page, marks=[pytest.mark.thorough] if page in (*LONG, *REPEATED) else []) for page in PAGES]

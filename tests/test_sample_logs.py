@@ -12,9 +12,12 @@ from numpy.testing import assert_allclose
 from friction_audit.io.readers import read_log
 from friction_audit.io.writers.write_log import WRITERS
 from friction_audit.pipeline import AuditSettings, estimate_log
+from tests.each_case import ONE_OF_EACH, thorough
 
 FOLDER = Path(__file__).parents[1] / "sample_logs"
 TRUTH: dict[str, dict[str, Any]] = json.loads((FOLDER / "truth.json").read_text())
+FAST = [name for name in TRUTH if "/" not in name or Path(name).stem in ONE_OF_EACH]
+NAMES = pytest.mark.parametrize("name", [*FAST, *thorough(name for name in TRUTH if name not in FAST)])
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +27,7 @@ def remade(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("name", TRUTH)
+@NAMES
 def test_script_makes_the_committed_file(name: str, remade: Path) -> None:
     committed, again = read_log(FOLDER / name), read_log(remade / name)
     assert again.joint_names == committed.joint_names
@@ -41,15 +44,12 @@ def test_script_makes_the_committed_pages(remade: Path) -> None:
         assert (remade / page).read_text() == (FOLDER / page).read_text()
 
 
-def test_every_format_has_a_sample() -> None:
+def test_every_format_has_a_sample_and_all_are_small() -> None:
     assert {f"formats/{writer.name}{writer.suffix}" for writer in WRITERS} <= TRUTH.keys()
-
-
-def test_samples_are_small() -> None:
     assert sum(file.stat().st_size for file in FOLDER.rglob("*") if file.is_file()) < 9e6
 
 
-@pytest.mark.parametrize("name", TRUTH)
+@NAMES
 def test_estimate_finds_the_friction(name: str) -> None:
     truth = TRUTH[name]
     (joint,) = estimate_log(read_log(FOLDER / name), AuditSettings(joints=(truth["joint"],))).friction.joints

@@ -24,6 +24,7 @@ def run(*command: object, **env: str) -> str:
     return done.stdout
 
 
+@pytest.mark.thorough
 def test_the_wheel_is_whole_and_works(tmp_path: Path) -> None:
     pytest.importorskip("hatchling", reason="no wheel is built: hatchling is not installed (pip install hatchling)")
     pytest.importorskip("pip", reason="no wheel is built: pip is not installed")

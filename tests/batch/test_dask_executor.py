@@ -90,6 +90,7 @@ def test_no_scheduler(monkeypatch: pytest.MonkeyPatch) -> None:
         next(DaskExecutor(address="tcp://127.0.0.1:9").run(fragile, iter(())))
 
 
+@pytest.mark.thorough
 def test_without_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(UsageError, match=r"pip install 'friction-audit\[cluster\]'"):

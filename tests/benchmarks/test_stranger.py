@@ -12,6 +12,7 @@ from benchmarks.stranger.motions import MOTIONS, times
 from benchmarks.stranger.run import write_log
 from benchmarks.stranger.sensors import Sensors, clock_of, coloured, read_torque, record
 
+pytestmark = pytest.mark.thorough  # to compile its loop takes as long as all other benchmarks' tests
 FIRM = Drive(3000.0, 60.0, 1.0)
 
 

@@ -10,6 +10,7 @@ NO_MARGINS = ("--margin-persons", "0", "-q")
 SHORT = ("--persons", "2", "--duration", "12", "--methods", "none,oracle", "-q")
 
 
+@pytest.mark.usefixtures("sketched")
 def test_table_and_figures(run: Run, tmp_path: Path) -> None:
     answer = run("compare", *SHORT, "-o", "out")
     assert (answer.code, answer.err) == (0, ""), answer

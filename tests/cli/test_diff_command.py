@@ -17,6 +17,7 @@ from friction_audit.drift.two_sides import compare_sides
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from tests.cli.conftest import Run
 from tests.drift.made_sessions import make_joint, make_session
+from tests.each_case import thorough
 
 Pair = tuple[float, float]
 SPEED = 1.0  # rad/s: of the friction law of results, which hold no speeds
@@ -189,7 +190,9 @@ def test_what_cannot_be_compared(words: tuple[str, ...], code: int, message: str
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize(("first", "second", "between"), [(1, 3, 0.0), (1, 3, 3.0), (1, 5, 1.0), (3, 3, 1.0)])
+@pytest.mark.parametrize(
+    ("first", "second", "between"), [(1, 3, 3.0), (3, 3, 1.0), *thorough([(1, 3, 0.0), (1, 5, 1.0)])]
+)
 def test_the_interval_holds_the_scatter_between_recordings(first: int, second: int, between: float) -> None:
     rng, freedom, runs = np.random.default_rng(5), 20, 200
     known = float(stdtrit(freedom, 0.975))

@@ -10,6 +10,7 @@ from friction_audit import parallel
 from friction_audit.cli.choices import PLOTTED
 from friction_audit.reporting.figures.style import RC
 from tests.cli.conftest import Run
+from tests.each_case import thorough
 
 
 def test_a_sheet_and_every_joint(run: Run, logs: Path, tmp_path: Path) -> None:
@@ -29,6 +30,7 @@ def test_a_joint_that_did_not_move_has_no_figure_of_its_own(run: Run, logs: Path
     assert "velocity-torque: no figure of joint 2 alone: did not move" in answer.err
 
 
+@pytest.mark.thorough
 def test_copies_of_the_process_draw_the_same_files(run: Run, logs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     drawn = []
     for workers in (1, 3):
@@ -60,7 +62,7 @@ def test_a_joint_at_rest_is_drawn_all_the_same(run: Run, logs: Path) -> None:
 SHEET = "axes.grid: True\nfont.size: 13\nlines.linewidth: 2.5\nsavefig.dpi: 50\ntext.usetex: True\n"
 
 
-@pytest.mark.parametrize("command", ["plot", "estimate", "diff"])
+@pytest.mark.parametrize("command", ["plot", *thorough(["estimate", "diff"])])
 def test_a_style_sheet_holds_in_the_figures_of_every_command(command: str, run: Run, logs: Path) -> None:
     Path("paper.mplstyle").write_text(SHEET)
     log, kind = logs / "moved1.csv", "sides" if command == "diff" else "velocity-torque"

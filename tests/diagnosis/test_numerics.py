@@ -120,7 +120,7 @@ def test_a_screened_effect_that_is_completed_is_the_whole_one(name: str, most: f
     for block, same in zip(found, expected, strict=True):
         assert (block.shape, block.numbers) == (same.shape, same.numbers)
         assert block.log_prior == pytest.approx(same.log_prior)
-        assert block.columns == pytest.approx(same.columns, abs=1e-6)
+        np.testing.assert_allclose(block.columns, same.columns, rtol=1e-6, atol=1e-6)
 
 
 def test_held_out_residuals_are_those_of_fits_without_the_fold() -> None:

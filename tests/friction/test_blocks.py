@@ -16,6 +16,7 @@ from friction_audit.preprocessing import segmentation
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.preprocessing.sign import coarse_log
+from tests.each_case import thorough
 from tests.synthetic_interaction import log_of
 
 RATE_HZ = 200.0
@@ -101,7 +102,7 @@ def assert_same(found: Estimate, expected: Estimate) -> None:
             np.testing.assert_allclose((of_own - of_other)[:, wide] / width[wide], 0.0, atol=1e-7)
 
 
-@pytest.mark.parametrize("gravity", ["logged", "in-torque"])
+@pytest.mark.parametrize("gravity", ["in-torque", *thorough(["logged"])])
 @settings(max_examples=settings().max_examples // 2)  # one takes a quarter of a second
 @given(
     seed=st.integers(0, 1000),

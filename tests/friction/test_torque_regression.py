@@ -78,7 +78,7 @@ def test_without_noise_every_coefficient_is_found(every: int) -> None:
 
 
 @pytest.mark.parametrize(
-    ("position_noise", "resolution"), [(4e-6, 0.0), (0.0, 1e-3), *thorough([(0.0, 1e-6), (0.0, 0.0)])]
+    ("position_noise", "resolution"), [(4e-6, 0.0), *thorough([(0.0, 1e-3), (0.0, 1e-6), (0.0, 0.0)])]
 )
 def test_noise_of_the_velocity_takes_nothing_from_the_inertia(position_noise: float, resolution: float) -> None:
     # Least squares finds 0.21 here.

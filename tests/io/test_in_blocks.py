@@ -27,7 +27,7 @@ from tests.pinned.test_pinned import same
 
 Change = Callable[[pd.DataFrame], pd.DataFrame]
 
-PLAIN, FEW = ("q", "dq", "tau_interaction"), 4  # channels, and joints of a test that takes no model of the arm
+PLAIN, FEW = ("q", "dq", "tau_interaction"), 3  # channels, and joints of a test that takes no model of the arm
 CHANNELS = ("q", "dq", "tau_J", "gravity", "tau_interaction", "tau_compensation", "tau_passivity")
 
 
@@ -202,7 +202,7 @@ FAULTS: dict[str, Change] = {
     "rpm": changed([f"dq_{j}" for j in JOINTS], 30.0 / np.pi),
     "unit of time": changed(["time"], 1e3),
     "clock": changed(["time"], 1.2),
-    "dead": put(["tau_interaction_4"], 0.5),
+    "dead": put(["tau_interaction_3"], 0.5),
     "turns": lambda frame: frame.assign(q_1=frame["q_1"] + 20.0),
     "wrapped": lambda frame: frame.assign(q_2=np.mod(frame["q_2"], 2.0 * np.pi)),
     "frozen": put(["q_3", "tau_interaction_3"], 0.2, slice(9800, 14_000)),

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from google.protobuf.message_factory import GetMessages
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 from mcap.writer import CompressionType
 
 from friction_audit.errors import InputError, UsageError
@@ -251,7 +251,6 @@ def same_layout(draw: st.DrawFn) -> tuple[str, list[Any]]:
     ]
 
 
-@settings(max_examples=50)
 @given(same_layout(), st.data())
 def test_equals_the_librarys_decoder_bit_for_bit(case: tuple[str, list[Any]], data: st.DataObject) -> None:
     encoding, messages = case

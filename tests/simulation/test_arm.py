@@ -29,7 +29,7 @@ from tests.simulation.test_arm_dynamics import flange_poses, intended
 
 IDEAL = (IDEAL_SENSORS,) * 7
 GUIDED = ArmSettings(sensors=IDEAL, duration_s=12.0)
-SHORT = replace(GUIDED, duration_s=3.0)
+SHORT = replace(GUIDED, duration_s=2.0)
 PANDA = PRESETS["panda"]
 SEED = 2
 
@@ -143,7 +143,7 @@ def test_every_joint_has_its_own() -> None:
 # What the audit makes of an arm's log.
 
 COULOMB = np.array([joint.coulomb_nm for joint in PANDA_JOINTS])
-DRIVEN = ArmSettings(driven=True, duration_s=15.0)
+DRIVEN = ArmSettings(driven=True, duration_s=10.0)
 AUDITED_SEED = 3
 
 
