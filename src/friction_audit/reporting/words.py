@@ -5,7 +5,7 @@ import re
 from collections.abc import Callable, Iterable
 from datetime import UTC, datetime
 
-from friction_audit.errors import printable, shortened
+from friction_audit.errors import printable
 from friction_audit.friction.history import Coefficient
 
 NEWTON_METRES = "N m"
@@ -37,9 +37,11 @@ def in_unit(text: str, torque_unit: str) -> str:
     return re.sub(r"(?<=\d) J\b", f" {torque_unit} rad", text)
 
 
-def joint_label(joint: int, name: str) -> str:
-    """Return the joint's number, and its name, cut where it is far too long, where that says more."""
-    shown = shortened(printable(name), LONGEST_NAME)
+def joint_label(joint: int, name: str, most: int = LONGEST_NAME) -> str:
+    """Return the joint's number, and its name where that says more; a long one is cut before its end, which differs."""
+    shown = " ".join(printable(name).split())
+    if len(shown) > most:
+        shown = f"{shown[: most // 4]}\N{HORIZONTAL ELLIPSIS}{shown[1 + most // 4 - most :]}"
     return str(joint) if not shown or re.search(rf"(?<!\d)0*{joint}$", name) else f"{joint} {shown}"
 
 
