@@ -197,17 +197,22 @@ def batch_sentence(arms: Sequence[ArmDrift]) -> str:
     """Return one sentence on all arms."""
     if not arms:
         return "No session could be read: no statement on drift is possible."
-    drifting = [arm for arm in arms if arm.drift]
-    if len(drifting) > 1:
+    by_verdict: dict[str, list[ArmDrift]] = {verdict: [] for verdict in VERDICTS}
+    for arm in arms:
+        by_verdict[drift_verdict(*(one for joint in arm.joints for one in joint.coefficients))].append(arm)
+    drifting, warmer, steady, untested = by_verdict.values()
+    found = f"No drift of the friction was found on {count_of(len(steady), 'arm')}"
+    if drifting[1:]:
         names = words.enumerate_words(arm.robot for arm in drifting)
-        return f"Friction drifts on {len(drifting)} of {count_of(len(arms), 'arm')}: {names}."
-    if drifting or len(arms) == 1:
-        arm = (drifting or arms)[0]
-        return f"{arm.robot}: {arm_sentence(arm)}."
-    coefficients = ([one for joint in arm.joints for one in joint.coefficients] for arm in arms)
-    steady = [drift_verdict(*own) for own in coefficients].count(STEADY)
-    found = f"No drift of the friction was found on {count_of(steady, 'arm')}"
-    return f"{found}." if steady == len(arms) else f"{found}; no answer on {count_of(len(arms) - steady, 'arm')}."
+        found = f"Friction drifts on {len(drifting)} of {count_of(len(arms), 'arm')}: {names}"
+    elif drifting or len(arms) == 1:
+        found = f"{(drifting or arms)[0].robot}: {arm_sentence((drifting or arms)[0])}"
+    elif untested:
+        found += f"; no answer on {count_of(len(untested), 'arm')}"
+    if warmer and len(arms) > 1:
+        names = words.enumerate_words(arm.robot for arm in warmer)
+        found += f"; drift and temperature cannot be separated on {names}"
+    return f"{found}."
 
 
 def first_after(change: ChangePoint) -> str:
