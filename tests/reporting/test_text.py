@@ -44,7 +44,7 @@ def in_ampere(found: Estimate) -> Estimate:
 @pytest.mark.parametrize(("lines", "rows", "sentences"), [
     (
         lambda: estimate_lines(build_estimate(7)),
-        ["1 0.2467 ± 0.0040 0.2459 0.3966 ± 0.0055 0.3974 15 (0)", "3 - - - - 0 (0)"],
+        ["1 0.2467 ± 0.0040 0.2459 0.3966 ± 0.0054 0.3974 15 (0)", "3 - - - - 0 (0)"],
         ["not determined: joint 3: did not move"],
     ),
     (lambda: estimate_lines(in_ampere(build_estimate(1))), ["joint [A] [A] [A s/rad] [A s/rad]"], []),

@@ -121,6 +121,8 @@ def how_much(relative: Coefficient, absolute: Coefficient, unit: str) -> str:
     low, high = sorted(math.copysign(1.0, shown.value) * end for end in (shown.low, shown.high))
     if not isfinite(relative.value):
         return f"{abs(absolute.value):.2g} {unit} ({low:.2g} to {high:.2g})"
+    if words.percent(low) == words.percent(high):  # two digits are too few
+        return words.format_percent(Coefficient(value=abs(relative.value), low=low, high=high)).removeprefix("+")
     return f"{words.percent(abs(relative.value))} % ({words.percent(low)} to {words.percent(high)} %)"
 
 
