@@ -244,10 +244,7 @@ class RegressionRows:
             self.found[name][own] = values
 
     def _filtered(self, load: Float, index: Int) -> Float:
-        """Return a signal at the rows, filtered and averaged over neighbours as the velocity is.
-
-        So is the sign of the velocity: a linear relation holds between signals of one low-pass.
-        """
+        """Return a signal at the rows, through the low-pass of the others: a linear relation asks for the same one."""
         reach, spacing = self._reach, self._spacing
         stretches = -(-len(self._response) // spacing)
         rows = len(index) + stretches - 1

@@ -199,21 +199,19 @@ def batch_sentence(arms: Sequence[ArmDrift]) -> str:
     """Return one sentence on all arms."""
     if not arms:
         return "No session could be read: no statement on drift is possible."
-    by_verdict: dict[str, list[ArmDrift]] = {verdict: [] for verdict in VERDICTS}
-    for arm in arms:
-        by_verdict[drift_verdict(*(one for joint in arm.joints for one in joint.coefficients))].append(arm)
-    drifting, warmer, steady, untested = by_verdict.values()
-    found = f"No drift of the friction was found on {count_of(len(steady), 'arm')}"
+    verdicts = [drift_verdict(*(one for joint in arm.joints for one in joint.coefficients)) for arm in arms]
+    drifting = [arm for arm in arms if arm.drift]
+    warmer = [arm for arm, verdict in zip(arms, verdicts, strict=True) if verdict == TEMPERATURE]
+    found = f"No drift of the friction was found on {count_of(verdicts.count(STEADY), 'arm')}"
     if drifting[1:]:
         names = words.enumerate_words(arm.robot for arm in drifting)
         found = f"Friction drifts on {len(drifting)} of {count_of(len(arms), 'arm')}: {names}"
     elif drifting or len(arms) == 1:
         found = f"{(drifting or arms)[0].robot}: {arm_sentence((drifting or arms)[0])}"
-    elif untested:
-        found += f"; no answer on {count_of(len(untested), 'arm')}"
+    elif UNTESTED in verdicts:
+        found += f"; no answer on {count_of(verdicts.count(UNTESTED), 'arm')}"
     if warmer and len(arms) > 1:
-        names = words.enumerate_words(arm.robot for arm in warmer)
-        found += f"; drift and temperature cannot be separated on {names}"
+        found += f"; drift and temperature cannot be separated on {words.enumerate_words(arm.robot for arm in warmer)}"
     return f"{found}."
 
 

@@ -147,9 +147,8 @@ def find_loss(simulation: Simulation, reference: Reference) -> float:
     unstable = simulation.truth.compensators["unstable"].any(axis=1)
     loud = np.abs(vibration_nm(motion.interaction_nm)) > reference.rms_torque_nm
     counts = np.cumsum(loud, axis=0, dtype=np.float64)
-    before = np.zeros_like(counts)
-    before[second:] = counts[:-second]
-    rings = (counts - before > RINGING_SHARE * second).any(axis=1)
+    counts[second:] -= counts[:-second].copy()
+    rings = (counts > RINGING_SHARE * second).any(axis=1)
     lost = np.flatnonzero(unstable | rings)
     return float(motion.t[lost[0]]) if len(lost) else np.inf
 
