@@ -81,9 +81,7 @@ def friction_of(
     dead_torque: frozenset[int],
 ) -> FrictionHistory:
     """Estimate the friction of every joint (0-based) from what was gathered of it and its own cycles."""
-    found = per_joint(
-        lambda column: _estimate_joint(port, column, every, cycles_of(column), settings, dead_torque), len(every)
-    )
+    found = per_joint(lambda k: _estimate_joint(port, k, every, cycles_of(k), settings, dead_torque), len(every))
     return FrictionHistory(
         estimator=settings.estimator,
         joints=tuple(joint for joint, _ in found),

@@ -99,10 +99,8 @@ OBSERVER = (0.8, 20.0)  # its motor inertia over the true one, and its gain [1/s
 SHARES = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)  # of the observed friction, compensated
 
 
-def _bristles(joint: Joint, coulomb_nm: float, viscous: float = 0.0) -> Compensator:
-    return LugreCompensation(
-        coulomb_nm=coulomb_nm, breakaway_nm=coulomb_nm, viscous_nms_per_rad=viscous, **joint.limits
-    )
+def _bristles(joint: Joint, coulomb: float, viscous: float = 0.0) -> Compensator:
+    return LugreCompensation(coulomb_nm=coulomb, breakaway_nm=coulomb, viscous_nms_per_rad=viscous, **joint.limits)
 
 
 Modelled = Callable[[Joint, float, float], Compensator]

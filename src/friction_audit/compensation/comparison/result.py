@@ -97,9 +97,7 @@ def measure(simulation: Simulation, reference: Reference) -> Outcome:
     felt = np.array([feel(motion, joint, after) for joint in range(torque.shape[1])])
     true = np.array([astuple(one.at_link)[:3] for one in simulation.truth.settings.joints])
     changes = np.diff(motion.compensation_nm + motion.passivity_nm, axis=0, prepend=0.0)
-    left = dict(
-        zip(("inertia_left", "coulomb_left", "viscous_left"), np.mean(felt / true, axis=0).tolist(), strict=True)
-    )
+    left = dict(zip(("inertia_left", "coulomb_left", "viscous_left"), np.mean(felt / true, 0).tolist(), strict=True))
     return Outcome(
         lost_s=lost,
         energy_slope_w=float(np.polyfit(motion.t[ends], net_energy_j(motion)[ends], 1)[0]),
