@@ -110,7 +110,7 @@ def record_type(group: type[Any]) -> np.dtype[Any]:
 
 def pack(settings: Sequence[Any]) -> np.ndarray[Any, Any]:
     """Return the records of dataclasses of one type, one row each."""
-    return np.array([astuple(item) for item in settings], record_type(type(settings[0])))
+    return np.array([astuple(item) for item in settings], record_type(settings[0].__class__))
 
 
 # What ``tick.keep`` keeps of every tick and joint: position and speed of the outer side, the rest as in ``TrueMotion``.
