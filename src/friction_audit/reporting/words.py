@@ -40,7 +40,7 @@ def in_unit(text: str, torque_unit: str) -> str:
 def joint_label(joint: int, name: str, most: int = LONGEST_NAME) -> str:
     """Return the joint's number, and its name where that says more; a long one is cut before its end, which differs."""
     shown = " ".join(printable(name).split())
-    if len(shown) > most:
+    if len(shown) > most and len(shown := shown.removesuffix("_joint")) > most:
         shown = f"{shown[: most // 4]}\N{HORIZONTAL ELLIPSIS}{shown[1 + most // 4 - most :]}"
     return str(joint) if not shown or re.search(rf"(?<!\d)0*{joint}$", name) else f"{joint} {shown}"
 
