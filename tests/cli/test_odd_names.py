@@ -95,7 +95,7 @@ def test_a_long_name_is_cut(name: str, run: Run, logs: Path, tmp_path: Path) -> 
     """A figure that it leaves no room would warn; a warning is an error here."""
     log = log_named(name, logs, tmp_path / "run.parquet")
     answer = run("estimate", log, "-q")
-    assert "..." in answer.out
+    assert "…" in answer.out
     assert len(answer.out) < 2000
     assert len(joint_title(1, name)) < 40
     assert run("plot", log, "-o", "figures", "-q").code == 0

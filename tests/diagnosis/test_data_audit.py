@@ -65,7 +65,7 @@ def test_a_motion_that_gains_energy_has_one_score_in_estimate_and_diagnosis() ->
     audited = prepared(turned, AuditSettings(torque=TorqueSettings(drive="hand")))
     gaining, (evidence,) = found(audited)["power"], audited[1].choice.sign_evidence
     assert (gaining.verdict, evidence.verdict) == ("fault", "falls")
-    assert gaining.value == evidence.score < -10.0
+    assert gaining.value == evidence.normal_score < -5.0
     assert "sign_contradicts_drive" in [one.code for one in audited[1].warnings]
 
 

@@ -178,3 +178,15 @@ def test_a_torque_that_is_not_simultaneous_with_the_motion_is_noticed(delay_s: f
     log = replace(log, tau_interaction=np.roll(log.tau_interaction, round(500 * delay_s), axis=0))
     warnings = estimate_log(log, AuditSettings()).friction.warnings
     assert [one.numbers["late"] for one in warnings if one.code == "torque_delayed"] == found
+
+
+def test_a_chirp_to_6_hz_at_200_hz_biases_neither_method() -> None:
+    t = np.arange(0.0, 30.0, 5e-4)
+    phase = 2 * np.pi * (0.5 + 0.09 * t) * t
+    dq, ddq = np.cos(phase), -2 * np.pi * (0.5 + 0.18 * t) * np.sin(phase)
+    torque, q = COULOMB * np.sign(dq) + VISCOUS * dq + 0.1 * ddq, 5e-4 * (np.cumsum(dq) - 0.5 * dq)
+    log = {"time": t[::10], "q_1": q[::10], "dq_1": dq[::10], "tau_interaction_1": torque[::10]}
+    (found,) = estimate_log(log_from_frame(log), AuditSettings()).friction.joints
+    for one in (found, found.regression):
+        assert one is not None
+        assert (one.coulomb.value, one.viscous.value) == pytest.approx((COULOMB, VISCOUS), rel=0.01)

@@ -18,6 +18,7 @@ from friction_audit.joint_log import Finding, Float, JointLog
 from friction_audit.preprocessing.interaction_torque import extract_interaction
 from friction_audit.preprocessing.segmentation import segment_cycles
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
+from friction_audit.reporting.notices import minor
 from tests.io.synthetic_recordings import motion, recording, tidy_frame
 
 Change = Callable[[Recording], None]
@@ -122,8 +123,9 @@ def test_recordings_that_cannot_be_used_are_refused(change: Change, words: str) 
 def test_a_fault_is_named_with_joint_and_amount(
     change: Change, code: str, joint: int | None, amount: float | None
 ) -> None:
-    noticed = finding(vetted(changed(change)), code)
-    assert noticed.joint == joint
+    log = vetted(changed(change))
+    noticed = finding(log, code)
+    assert (noticed.joint, code in minor(log)) == (joint, code == "duplicate_stamps")
     assert amount is None or noticed.amount == pytest.approx(amount, rel=2e-3)
 
 

@@ -44,7 +44,7 @@ def in_ampere(found: Estimate) -> Estimate:
 @pytest.mark.parametrize(("lines", "rows", "sentences"), [
     (
         lambda: estimate_lines(build_estimate(7)),
-        ["1 0.2467 ± 0.0040 0.2459 0.3966 ± 0.0055 0.3974 15 (0)", "3 - - - - 0 (0)"],
+        ["1 0.2467 ± 0.0040 0.2459 0.3966 ± 0.0054 0.3974 15 (0)", "3 - - - - 0 (0)"],
         ["not determined: joint 3: did not move"],
     ),
     (lambda: estimate_lines(in_ampere(build_estimate(1))), ["joint [A] [A] [A s/rad] [A s/rad]"], []),
@@ -203,6 +203,7 @@ def test_notices_of_the_same_words_share_a_line(seven: Estimate) -> None:
     (", ".join(map(words.format_p, (1e-9, 0.0432, 1.0))), "< 0.001, 0.043, 1"),
     (words.in_unit("left 12.1 J in its ledger", "A"), "left 12.1 A rad in its ledger"),
     (words.enumerate_words([1, 2, 3]), "1, 2 and 3"),
+    (words.joint_label(2, "left_arm_shoulder_lift_joint", 16), "2 left…oulder_lift"),
     (" ".join(words.joint_label(3, n) for n in ("panda_joint3", "elbow", "joint13", "")), "3 3 elbow 3 joint13 3"),
 ])  # fmt: skip
 def test_numbers_and_lists(shown: str, text: str) -> None:

@@ -109,14 +109,10 @@ class ReplaySettings(Checked):
         if self.assume not in ASSUMES:
             raise UsageError(f"--assume {self.assume}: expected one of {', '.join(ASSUMES)}")
         if self.operator is not None and self.assume != SAME_OPERATOR:
-            raise UsageError(
-                f"--operator: not used with --assume {self.assume}; remove it or ask for --assume same-operator"
-            )
+            raise UsageError(f"--operator: not used with --assume {self.assume}; remove it or give same-operator")
         name = "" if self.competitor is None else self.competitor.name
         if name == MODEL and self.joint_model is None:
-            raise UsageError(
-                f"--compensator {MODEL}: applies the friction of a model file; give it by --joint-model FILE"
-            )
+            raise UsageError(f"--compensator {MODEL}: applies the friction of a model file; give --joint-model FILE")
         if self.assume != SAME_MOTION:
             return
         if self.joint_model is not None and name != MODEL:

@@ -41,7 +41,7 @@ RULES = {
     "dq_against_q": _Rule(0.9, "fault", at_most=False),
     "dq_scale": _Rule(0.05, "fault"),
     "dq_delay": _Rule(MOST_DELAY_S, "fault", "s"),
-    # The sum of torque times velocity in standard errors, as in the check of the sign: friction only takes energy.
+    # Torque against the motion, a score judged as in the proof of the sign: friction only takes energy.
     "power": _Rule(-SIGNIFICANT, "fault", at_most=False),
     "part": _Rule(0.0, "limit", "s"),
     "gravity": _Rule(0.0, "limit"),
@@ -68,12 +68,13 @@ def audit_data(
 ) -> tuple[DataFinding, ...]:
     """Look for faults of one joint's data; those of the log's clock are given."""
     constant, number = _constant_channels(log, interaction, data), interaction.joint_numbers[data.joint]
-    scores = [one.score for one in interaction.choice.sign_evidence if one.joint == number]
+    signs = [one for one in interaction.choice.sign_evidence if one.joint == number and not np.isnan(one.score)]
+    unknown = judged("power", NAN, NAN)
     return (
         *clock,
         *constant,
         *(() if any(one.verdict == "fault" for one in constant[1:]) else _velocity(interaction, data)),
-        judged("power", scores[0]) if scores and not np.isnan(scores[0]) else judged("power", NAN, NAN),
+        *([judged("power", one.normal_score, score=one.score, strokes=one.strokes) for one in signs] or [unknown]),
         *_sensors_and_motion(interaction, data),
     )
 

@@ -63,9 +63,7 @@ def friction_of(
     dead_torque: frozenset[int],
 ) -> made.FrictionHistory:
     """Estimate the friction of every joint (0-based) from what was gathered of it and its own cycles."""
-    found = per_joint(
-        lambda column: _estimate_joint(port, column, every, cycles_of(column), settings, dead_torque), len(every)
-    )
+    found = per_joint(lambda k: _estimate_joint(port, k, every, cycles_of(k), settings, dead_torque), len(every))
     return made.FrictionHistory(
         estimator=settings.estimator,
         joints=tuple(joint for joint, _ in found),

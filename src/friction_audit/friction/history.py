@@ -108,9 +108,7 @@ class JointFriction:
     def __repr__(self) -> str:
         if self.reason:
             return f"joint {self.joint} {self.name}: no estimate: {'; '.join(map(str, self.reason))}"
-        return (
-            f"joint {self.joint} {self.name}: Coulomb {self.coulomb!s}, viscous {self.viscous!s}, {self.cycles} cycles"
-        )
+        return f"joint {self.joint} {self.name}: Coulomb {self.coulomb}, viscous {self.viscous}, {self.cycles} cycles"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

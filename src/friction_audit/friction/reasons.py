@@ -115,7 +115,7 @@ def dead_channel(seen: Extremes, *, dead_torque: bool) -> Reason:
     (changes, travel, _), fastest = seen.high - seen.low, max(seen.high[2], -seen.low[2])
     if dead_torque or (changes == 0.0 and travel > LEAST_TRAVEL_RAD):
         case = "constant" if changes == 0.0 else "noisy"
-        return (Caution("dead_torque", numbers={"case": case, "level": seen.first_torque}),)
+        return (Caution("dead_torque", numbers={"case": case, "level": seen.first_torque + 0.0}),)
     if travel > LEAST_TRAVEL_RAD and fastest * seen.duration_s < 0.5 * travel:
         return (Caution("dead_velocity", numbers={"fastest": fastest, "travel": travel}),)
     return ()

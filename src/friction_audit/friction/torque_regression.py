@@ -107,7 +107,7 @@ def _delay(rows: "_Rows", plain: Fit) -> float:
 def _turning(rows: "_Rows") -> tuple[float, float] | None:
     """Return both coefficients if friction may change slowly at reversals, None if it changes at once.
 
-    A linear relation holds between signals of one low-pass, but the sign of a filtered velocity is not filtered.
+    Friction that builds up over a distance follows a slower mean of the direction.
     """
     if not np.any(np.abs(rows.more["turning"]) > LEAST_SWING):  # no row is next to a reversal
         return None
@@ -230,7 +230,7 @@ class RegressionRows:
             "lasting": part.t[index + around] - part.t[index - around],
             "velocity": velocity[index],
             "direction": np.sign(near[:, 1]),
-            "coulomb": np.sign(near) @ SIMPSON,
+            "coulomb": self._filtered(signs[:-1], index),
             "viscous": near @ SIMPSON,
             "inertia": 0.5 * (near[:, 2] - near[:, 0]) / (times @ self._weights),
             "jerk": (far[:, 0] - 2.0 * far[:, 1] + far[:, 2]) / (around * self._step_s) ** 2,
@@ -243,7 +243,7 @@ class RegressionRows:
             self.found[name][own] = values
 
     def _filtered(self, load: Float, index: Int) -> Float:
-        """Return a torque at the rows, filtered and averaged over neighbours as the velocity is."""
+        """Return a signal at the rows, through the low-pass of the others: a linear relation asks for the same one."""
         reach, spacing = self._reach, self._spacing
         stretches = -(-len(self._response) // spacing)
         rows = len(index) + stretches - 1

@@ -2,8 +2,8 @@
 
     E_net = mu_c L + mu_v S + b dq + c_x G_x + c_y G_y + B d(v^2/2)
 
-L is the path, S the integral of the squared speed (20); the other columns take up what is not friction: a torque
-offset, an error of the gravity torque, and the kinetic energy at the borders of the parts.
+L is the path, S the integral of the squared speed (20), summed like the work as v over the position; the other columns
+take up what is not friction: a torque offset, an error of gravity, and the kinetic energy at the borders of the parts.
 """
 
 import math

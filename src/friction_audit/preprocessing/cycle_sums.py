@@ -8,7 +8,8 @@ import numpy as np
 from friction_audit.joint_log import Float, Int
 
 # Sums of ``add_up``, with the names of ``EnergySums``.
-SUMS = ("work_j", "compensation_j", "printed_net_j", "path_rad", "rectified_path_rad", "square_speed_rad2_s")
+PRINTED = "printed_net_j", "rectified_path_rad", "square_speed_rad2_s"  # with dq dt, as in the paper
+SUMS = ("work_j", "compensation_j", "path_rad", "speed_over_path_rad2_s", *PRINTED)
 BLOCK = 1 << 17  # samples worked on at a time: of fewer, threads would mostly wait for the interpreter
 PIECE = 32  # samples whose path is added up before that of each
 
@@ -132,9 +133,9 @@ def add_up(
 ) -> dict[str, Float]:
     """Add up energies between samples by the trapezoid rule, shape (m, parts) each, with the names of ``EnergySums``.
 
-    Work and path are summed over the increments of q: both then scale alike with any error of the clock, and the noise
-    of the velocity enters neither. ``edges`` are the border samples of the parts of each cycle, shape (m, parts + 1);
-    all else has shape (n,).
+    Work and its columns are summed over the increments of q: they scale alike with any error of the clock and of the
+    trapezoids, and the noise of the velocity adds nothing. ``edges`` are the border samples of the parts of each cycle,
+    shape (m, parts + 1); all else has shape (n,).
     """
     found = np.zeros((len(SUMS), len(edges), edges.shape[1] - 1))
     for group in groups(np.append(edges[:, 0], edges[-1:, -1])):
@@ -162,7 +163,7 @@ def _both_steps(x: Float) -> Float:
 def _areas(step: Float, moved: Float, dq: Float, filtered: Float, torque: Float, compensation: Float | None) -> Float:
     """Return what each of the sums adds up, shape (k, ...)."""
     found = np.empty((len(SUMS), *step.shape))
-    work, by_active, printed, path, rectified, square = found
+    work, by_active, path, speed_over_path, printed, rectified, square = found
     np.multiply(torque, moved, out=work)
     moved_by_dq, driving = dq * step, torque if compensation is None else torque + compensation
     np.multiply(0.0 if compensation is None else compensation, moved, out=by_active)
@@ -170,4 +171,5 @@ def _areas(step: Float, moved: Float, dq: Float, filtered: Float, torque: Float,
     np.multiply(np.sign(filtered, out=path), moved, out=path)
     np.abs(moved_by_dq, out=rectified)
     np.multiply(dq, moved_by_dq, out=square)
+    np.multiply(dq, moved, out=speed_over_path)
     return found

@@ -17,8 +17,8 @@ KEPT, GAP, OPEN, SMALL, ONE_WAY, LONG = range(6)
 REASONS = ("", "gap", "open", "small", "one_way", "long")
 # What the energy balance of a part of a cycle is about, the energy last; see ``EnergyCycles.products``.
 BALANCE = (
-    "path_rad", "square_speed_rad2_s", "displacement_rad", "half_square_speed_change", "gravity_x_rad", "gravity_y_rad",
-    "dissipated_j",
+    "path_rad", "speed_over_path_rad2_s", "displacement_rad", "half_square_speed_change",
+    "gravity_x_rad", "gravity_y_rad", "dissipated_j",
 )  # fmt: skip
 PAIRS = np.triu_indices(len(BALANCE))
 
@@ -32,7 +32,8 @@ class EnergySums:
     printed_net_j: Float  # integral of (F_m + u) dq dt, the net energy as (2) and (10) print it [J]
     path_rad: Float  # path, with the sign of the filtered velocity: the noise of the velocity adds none at rest [rad]
     rectified_path_rad: Float  # integral of |dq| dt, as (14) prints it [rad]
-    square_speed_rad2_s: Float  # integral of dq^2 dt [rad^2/s]
+    square_speed_rad2_s: Float  # integral of dq^2 dt, as (20) prints it [rad^2/s]
+    speed_over_path_rad2_s: Float  # the same by the sum of the work, of dq over the position [rad^2/s]
     displacement_rad: Float  # change of q: the work of one newton metre of torque offset [rad]
     # integral of g_x dq dt: the work per newton metre of gravity error along x of the joint's frame
     gravity_x_rad: Float

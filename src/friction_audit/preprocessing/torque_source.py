@@ -79,7 +79,7 @@ def _check_settings(log: JointLog, settings: TorqueSettings) -> None:
     if settings.torque != "auto" and getattr(log, CHANNELS[settings.torque]) is None:
         logged = ", ".join(name for name, channel in CHANNELS.items() if getattr(log, channel) is not None)
         raise UsageError(
-            f"{where}: --torque {settings.torque}: the log has no {CHANNELS[settings.torque]}; has: {logged}"
+            f"{where}: --torque {settings.torque}: no {CHANNELS[settings.torque]} in the log; it has {logged}"
         )
     if settings.inertia == "model" and settings.drive == "hand":
         raise UsageError(
@@ -142,9 +142,7 @@ def _arm_for_torque(log: JointLog, settings: TorqueSettings, robot: str) -> Arm 
             f"{panda if robot == 'fr3' else ''}"
         )
     if robot == "none":
-        raise UsageError(
-            f"{where}: --robot none forbids the model that --gravity or --inertia asks for; remove one of them"
-        )
+        raise UsageError(f"{where}: --robot none forbids the model that --gravity or --inertia asks for; remove one")
     without = settings.command(where, gravity="auto", inertia="auto", robot="none", urdf=None)
     raise UsageError(
         f"{where}: --gravity model and --inertia model need a model of the arm, and the log does not name its robot "

@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 
 from friction_audit.drift.report import ArmDrift, ControlPoint, JointDrift
 from friction_audit.drift.session import Session
-from friction_audit.errors import shortened
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.reporting.drift_words import UNITS
 from friction_audit.reporting.notices import session_sentences, text_of
@@ -133,7 +132,7 @@ SESSIONS = Record(
 
 def coefficient_column(joint: JointDrift, name: str) -> Column:
     """Return the column of a coefficient of a joint in the table of sessions."""
-    title = shortened(joint_label(joint.joint, joint.name), SHORTEST_NAME)
+    title = joint_label(joint.joint, joint.name, SHORTEST_NAME)
     get = lambda row: next((one.coefficients.get(name) for one in row.session.joints if one.joint == joint.joint), None)  # noqa: E731
     return Column(f"joint_{joint.joint}", Coefficient, get=get, title=title, on="p")
 

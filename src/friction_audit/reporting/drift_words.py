@@ -113,6 +113,8 @@ def how_much(relative: Coefficient, absolute: Coefficient, unit: str) -> str:
     low, high = sorted(math.copysign(1.0, shown.value) * end for end in (shown.low, shown.high))
     if not isfinite(relative.value):
         return f"{abs(absolute.value):.2g} {unit} ({low:.2g} to {high:.2g})"
+    if words.percent(low) == words.percent(high):  # two digits are too few
+        return words.format_percent(Coefficient(value=abs(relative.value), low=low, high=high)).removeprefix("+")
     return f"{words.percent(abs(relative.value))} % ({words.percent(low)} to {words.percent(high)} %)"
 
 
@@ -189,17 +191,20 @@ def batch_sentence(arms: Sequence[made.ArmDrift]) -> str:
     """Return one sentence on all arms."""
     if not arms:
         return "No session could be read: no statement on drift is possible."
+    verdicts = [drift_verdict(*(one for joint in arm.joints for one in joint.coefficients)) for arm in arms]
     drifting = [arm for arm in arms if arm.drift]
-    if len(drifting) > 1:
+    warmer = [arm for arm, verdict in zip(arms, verdicts, strict=True) if verdict == TEMPERATURE]
+    found = f"No drift of the friction was found on {count_of(verdicts.count(STEADY), 'arm')}"
+    if drifting[1:]:
         names = words.enumerate_words(arm.robot for arm in drifting)
-        return f"Friction drifts on {len(drifting)} of {count_of(len(arms), 'arm')}: {names}."
-    if drifting or len(arms) == 1:
-        arm = (drifting or arms)[0]
-        return f"{arm.robot}: {arm_sentence(arm)}."
-    coefficients = ([one for joint in arm.joints for one in joint.coefficients] for arm in arms)
-    steady = [drift_verdict(*own) for own in coefficients].count(STEADY)
-    found = f"No drift of the friction was found on {count_of(steady, 'arm')}"
-    return f"{found}." if steady == len(arms) else f"{found}; no answer on {count_of(len(arms) - steady, 'arm')}."
+        found = f"Friction drifts on {len(drifting)} of {count_of(len(arms), 'arm')}: {names}"
+    elif drifting or len(arms) == 1:
+        found = f"{(drifting or arms)[0].robot}: {arm_sentence((drifting or arms)[0])}"
+    elif UNTESTED in verdicts:
+        found += f"; no answer on {count_of(verdicts.count(UNTESTED), 'arm')}"
+    if warmer and len(arms) > 1:
+        found += f"; drift and temperature cannot be separated on {words.enumerate_words(arm.robot for arm in warmer)}"
+    return f"{found}."
 
 
 def first_after(change: made.ChangePoint) -> str:

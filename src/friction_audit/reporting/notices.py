@@ -4,6 +4,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
+from math import inf
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -192,7 +193,7 @@ def minor(log: JointLog) -> frozenset[str]:
     share, step_s = SMALL_SHARE * log.samples, 1.0 / log.rate_hz
     most = dict.fromkeys(("dropped_samples", "stale_samples", "duplicate_stamps"), share)
     most["jitter"] = 2.0 * SMALL_SHARE * step_s
-    small = [one for one in log.source.findings if one.amount is not None and one.amount <= most.get(one.code, -1.0)]
+    small = [one for one in log.source.findings if one.amount is not None and one.amount <= most.get(one.code, -inf)]
     return frozenset((*CORRECTED, *(one.code for one in small)))
 
 

@@ -5,7 +5,7 @@ import re
 from collections.abc import Callable, Iterable
 from datetime import UTC, datetime
 
-from friction_audit.errors import printable, shortened
+from friction_audit.errors import printable
 from friction_audit.friction.history import Coefficient
 
 NEWTON_METRES = "N m"
@@ -15,7 +15,7 @@ UNBOUNDED = "not identifiable"
 # Characters of a joint's name: no column and no panel has room for more; the same above a panel or a column of joints.
 LONGEST_NAME, SHORTEST_NAME = 24, 16
 LOPSIDED = 0.25  # share by which the two sides of an interval may differ and still be written as one
-MOST_DIGITS = 4  # no sensor of a joint resolves more, and the table stays narrower than a terminal
+MOST_DIGITS = 4  # no sensor of a joint resolves more, and the table stays narrower than a terminal; a motor's may
 SMALLEST_P = 0.001
 TWO_DIGITS = 99.5  # larger numbers of per cent are written with all their digits
 SCALED, SMALL = ("s", "rad", "rad/(N m)"), 0.02  # units of which a thousandth is easier to read where a number is small
@@ -37,9 +37,11 @@ def in_unit(text: str, torque_unit: str) -> str:
     return re.sub(r"(?<=\d) J\b", f" {torque_unit} rad", text)
 
 
-def joint_label(joint: int, name: str) -> str:
-    """Return the joint's number, and its name, cut where it is far too long, where that says more."""
-    shown = shortened(printable(name), LONGEST_NAME)
+def joint_label(joint: int, name: str, most: int = LONGEST_NAME) -> str:
+    """Return the joint's number, and its name where that says more; a long one is cut before its end, which differs."""
+    shown = " ".join(printable(name).split())
+    if len(shown) > most and len(shown := shown.removesuffix("_joint")) > most:
+        shown = f"{shown[: most // 4]}\N{HORIZONTAL ELLIPSIS}{shown[1 + most // 4 - most :]}"
     return str(joint) if not shown or re.search(rf"(?<!\d)0*{joint}$", name) else f"{joint} {shown}"
 
 
@@ -51,7 +53,8 @@ def format_coefficient(coefficient: Coefficient) -> str:
     if math.isnan(up + down):
         return f"{coefficient.value:.4g}"
     wide = max(up, down)
-    digits = MOST_DIGITS if wide <= 0 else min(max(1 - math.floor(math.log10(wide)), 0), MOST_DIGITS)
+    most = max(MOST_DIGITS, 2 - math.floor(math.log10(abs(coefficient.value) or 1.0)))
+    digits = most if wide <= 0 else min(max(1 - math.floor(math.log10(wide)), 0), most)
     last = 10.0**-digits
     value, above, below = (f"{side:.{digits}f}" for side in (coefficient.value, max(up, last), max(down, last)))
     holds_zero = coefficient.low < 0.0 < coefficient.high

@@ -28,8 +28,10 @@ def compare(
     trials = _Trials(scene, (*reported, *tuning_seeds), progress or (lambda _: None))
     curves = trials.sweep(methods, tuning_seeds)
     chosen = [(method, *one) for method in methods for one in _tunings(scene, method, curves)]
-    tunings = [tuning for _, tuning, *_ in chosen]
-    tried, margins = trials.of(tunings, reported, TRIED), trials.margins(tunings, margin_seeds)
+    own = {(method.name, tuning.name): tuning for method, tuning, *_ in chosen}  # the best may be the paper's
+    tunings = [*own.values()]
+    tried = zip(trials.of(tunings, reported, TRIED), trials.margins(tunings, margin_seeds), strict=True)
+    found = dict(zip(own, tried, strict=True))
     rows = [
         made.Row(
             method=method.name,
@@ -38,11 +40,12 @@ def compare(
             role=role,
             tuning_losses=losses,
             outcomes=tuple(outcome for outcome, _ in trials),
-            margins=own,
-            margin=made.median_interval(own),
+            margins=margins,
+            margin=made.median_interval(margins),
             course=trials[0][1],
         )
-        for (method, tuning, role, losses), trials, own in zip(chosen, tried, margins, strict=True)
+        for method, tuning, role, losses in chosen
+        for trials, margins in [found[method.name, tuning.name]]
     ]
     return made.Comparison(
         scene=scene.name,

@@ -92,9 +92,7 @@ def measure(simulation: Simulation, reference: Reference) -> Outcome:
     felt = np.array([feel(motion, joint, after) for joint in range(torque.shape[1])])
     true = np.array([astuple(one.at_link)[:3] for one in simulation.truth.settings.joints])
     changes = np.diff(motion.compensation_nm + motion.passivity_nm, axis=0, prepend=0.0)
-    left = dict(
-        zip(("inertia_left", "coulomb_left", "viscous_left"), np.mean(felt / true, axis=0).tolist(), strict=True)
-    )
+    left = dict(zip(("inertia_left", "coulomb_left", "viscous_left"), np.mean(felt / true, 0).tolist(), strict=True))
     return Outcome(
         lost_s=lost,
         energy_slope_w=float(np.polyfit(motion.t[ends], net_energy_j(motion)[ends], 1)[0]),
@@ -142,9 +140,8 @@ def find_loss(simulation: Simulation, reference: Reference) -> float:
     unstable = simulation.truth.compensators["unstable"].any(axis=1)
     loud = np.abs(vibration_nm(motion.interaction_nm)) > reference.rms_torque_nm
     counts = np.cumsum(loud, axis=0, dtype=np.float64)
-    before = np.zeros_like(counts)
-    before[second:] = counts[:-second]
-    rings = (counts - before > RINGING_SHARE * second).any(axis=1)
+    counts[second:] -= counts[:-second].copy()
+    rings = (counts > RINGING_SHARE * second).any(axis=1)
     lost = np.flatnonzero(unstable | rings)
     return float(motion.t[lost[0]]) if len(lost) else np.inf
 

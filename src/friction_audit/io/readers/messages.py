@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from friction_audit.errors import InputError, near_misses
+from friction_audit.errors import InputError, few, near_misses
 from friction_audit.io.files import stamp_of
 from friction_audit.io.readers.channel_names import robot_of
 from friction_audit.io.readers.clocks import UNITS, Clock, choose_clock
@@ -76,6 +76,9 @@ def _read(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
         missing = _missing(stream, chosen, _collect(stream, decoder, samples))
     if not samples.count:
         raise InputError(f"{path}: no message on {chosen.name} can be decoded as {chosen.type}; choose another topic")
+    if decoder.incomplete >= samples.rows:
+        every, advice = ", ".join(few(joints)), "record the topic of one node, or all joints in one message"
+        raise InputError(f"{path}: no message on {chosen.name} holds all of {every}; expected one that does; {advice}")
     clock = choose_clock(samples.times)
     t, channels = clock.t[skipped:], {name: array[skipped:] for name, array in samples.channels.items()}
     if not channels:

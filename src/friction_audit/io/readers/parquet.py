@@ -245,9 +245,7 @@ class ParquetTable(ColumnTable):
         if width == 0:
             kind = array.type
             if not (arrow.is_of(kind, "number") or arrow.is_of(kind, "stamp") or pa.types.is_boolean(kind)):
-                raise InputError(
-                    f"{self.path}: {column} holds {array.type}; expected numbers; name another column with --map"
-                )
+                raise InputError(f"{self.path}: {column} holds {array.type}; expected numbers; name another with --map")
             return arrow.integers_or_floats(array)
         lengths = array.value_lengths().fill_null(0).to_numpy(zero_copy_only=False)
         if not ((lengths == width) | (lengths == 0)).all():

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -114,14 +115,10 @@ def write_rows(types: Mapping[str, type], lots: Iterable[Lot], path: Path, kind:
     from pyarrow.parquet import ParquetWriter
 
     rows = _arrow(types, lots, for_csv=kind == "csv")
-    with path.open("wb") as file:  # opened here: Arrow takes no name of a file that is not UTF-8
-        if kind == "csv":
-            writer = CSVWriter(file, rows.schema)
-        else:
-            writer = ParquetWriter(file, rows.schema, compression="zstd", write_page_checksum=True)
-        with writer:
-            for batch in rows:
-                writer.write_batch(batch)
+    write = CSVWriter if kind == "csv" else partial(ParquetWriter, compression="zstd", write_page_checksum=True)
+    with path.open("wb") as file, write(file, rows.schema) as writer:  # Arrow takes no name that is not UTF-8
+        for batch in rows:
+            writer.write_batch(batch)
 
 
 def to_frame(table: TidyTable) -> "pd.DataFrame":

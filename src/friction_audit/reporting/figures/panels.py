@@ -13,7 +13,7 @@ from matplotlib.patches import Patch
 from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
 
-from friction_audit.errors import UsageError, printable, shortened
+from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float, median_step
 from friction_audit.preprocessing.interaction import Reason
 from friction_audit.reporting.figures import style as theme
@@ -105,7 +105,7 @@ def chosen_joints(joints: Sequence[Joint], joint: int) -> Sequence[Joint]:
 
 def joint_title(joint: int, name: str) -> str:
     """Return what a panel of a figure calls a joint; no panel has room for more of its name."""
-    return f"joint {joint_label(joint, shortened(printable(name), SHORTEST_NAME))}"
+    return f"joint {joint_label(joint, name, SHORTEST_NAME)}"
 
 
 def grid(

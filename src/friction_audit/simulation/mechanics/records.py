@@ -6,6 +6,7 @@ hand moves it, link and motor where the robot does. An elastic joint, or one wit
 
 from collections.abc import Sequence
 from dataclasses import astuple, fields
+from functools import cache
 from typing import Any, NamedTuple, TypeAlias, get_type_hints
 
 import numpy as np
@@ -98,6 +99,7 @@ def make_body(two_sided: NDArray[np.bool_], free: NDArray[np.bool_], position: F
     return body
 
 
+@cache
 def record_type(group: type[Any]) -> np.dtype[Any]:
     """Return the record type of a dataclass of numbers and of such dataclasses."""
     plain: dict[Any, Any] = {float: "f8", int: "i8", bool: "?"}
@@ -108,7 +110,7 @@ def record_type(group: type[Any]) -> np.dtype[Any]:
 
 def pack(settings: Sequence[Any]) -> np.ndarray[Any, Any]:
     """Return the records of dataclasses of one type, one row each."""
-    return np.array([astuple(item) for item in settings], record_type(type(settings[0])))
+    return np.array([astuple(item) for item in settings], record_type(settings[0].__class__))
 
 
 # What ``tick.keep`` keeps of every tick and joint: position and speed of the outer side, the rest as in ``TrueMotion``.
