@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.diagnosis.chain_gravity import ChainGravity, with_gravity
 from friction_audit.diagnosis.samples import (
     SAMPLE_HZ,
     Index,
@@ -40,6 +41,7 @@ SLOW_RAD_S = 5e-3  # below it the law of friction is as uncertain as right after
 SETTLED = 0.9  # of the corner: a change that is not worth another filter
 OFFSET_SHARE = 0.0025  # of Coulomb friction: a quarter of what counts as negligible
 SAMPLE_SD = 0.29  # of a sample, the standard deviation of a delay evenly spread over one sample
+CHAIN_SD = 3.0  # of the torque's standard deviation, which gravity may be all of
 REVERSAL_S = 0.05  # time over which a wrong formula of a reversal fades
 LAGS_S = (0.03, 0.1, 0.3, 1.0, 3.0)  # of the velocity behind a first-order filter
 RINGING_HZ, DAMPING_RATIOS = np.geomspace(1.0, 12.0, 8), (0.05, 0.2)  # of what the acceleration excites
@@ -110,6 +112,7 @@ class RegressionProblem:
         Raises:
             AnalysisError: If the model leaves nothing to fit, or the motion is read in steps that are too coarse.
         """
+        data = with_gravity(data)
         samples = make_samples(data)
         nominal = nominal_model(data, samples, model)
         # Noise of the acceleration makes its coefficient too small, below the first corner hardly (Fuller 1987).
@@ -210,7 +213,7 @@ class RegressionProblem:
     def nuisances(self, baseline: Nominal, given: Float, sign: Callable[[Float], Float] = np.tanh) -> list[Nuisance]:
         """Smoothing of the sign beside other columns, shape (b, m); delay of the recorder, offset of the sensor."""
         data, coulomb = self.data, abs(baseline.coulomb_nm)
-        fine, signs = [], self._smoothed_sign(given, sign)
+        fine, signs = [], self._smoothed_sign(np.vstack([given, self.gravity_of_others]), sign)
         priors = [(coulomb, SMOOTHED)] * len(signs)
         if data.sample_s > 0:
             fine.append(-np.gradient(baseline.torque, data.step_s))
@@ -218,7 +221,9 @@ class RegressionProblem:
         fine.append(np.ones(len(data.t)))
         offset_sd = np.inf if data.unknown_gravity else OFFSET_SHARE * coulomb  # gravity of other joints may be one
         priors.append((offset_sd, ("torque_bias", "asymmetric_coulomb")))
-        columns = zip([*signs, *self.columns(np.column_stack(fine))], priors, strict=True)
+        chain = self.gravity_of_others
+        priors += [(CHAIN_SD * float(np.std(self.y)), ())] * len(chain)
+        columns = zip([*signs, *self.columns(np.column_stack(fine)), *chain], priors, strict=True)
         return [Nuisance(column, max(sd, 1e-12), names) for column, (sd, names) in columns]
 
     def _smoothed_sign(self, given: Float, sign: Callable[[Float], Float]) -> list[Float]:
@@ -229,6 +234,18 @@ class RegressionProblem:
         gain = (free @ self.y) ** 2 / np.maximum(np.sum(free**2, axis=1), 1e-300)
         k = int(np.clip(np.argmax(gain), 1, len(gain) - 2))
         return [signs[k], 0.5 * (signs[k + 1] - signs[k - 1])]
+
+    @cached_property
+    def chain(self) -> ChainGravity | None:
+        """Gravity as other joints change it, where it is in the torque."""
+        data = self.data
+        return ChainGravity.of(data.others_q[self.samples.fine], data.own_column) if data.unknown_gravity else None
+
+    @cached_property
+    def gravity_of_others(self) -> Float:
+        """Its columns on the samples, shape (k, m)."""
+        (read, _, seen) = self.near
+        return np.empty((0, len(self.y))) if self.chain is None else self.chain.columns(self.data.others_q[read], seen)
 
     def model_error(self, baseline: Nominal) -> Float:
         """Standard deviation of what any formula gets wrong: at reversals and in proportion to the inertia, (m,)."""
