@@ -2,8 +2,8 @@
 
 import cmath
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
 from itertools import product
 from math import exp, sqrt
 from typing import NamedTuple
@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.chain_gravity import ChainGravity, with_gravity
 from friction_audit.diagnosis.samples import (
     SAMPLE_HZ,
     Index,
@@ -22,6 +21,7 @@ from friction_audit.diagnosis.samples import (
     make_samples,
     nominal_model,
 )
+from friction_audit.diagnosis.unknown_chain import chain_basis, free_of, with_gravity
 from friction_audit.effects.joint_data import JointData, Nominal, displacement
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.errors import AnalysisError
@@ -41,7 +41,6 @@ SLOW_RAD_S = 5e-3  # below it the law of friction is as uncertain as right after
 SETTLED = 0.9  # of the corner: a change that is not worth another filter
 OFFSET_SHARE = 0.0025  # of Coulomb friction: a quarter of what counts as negligible
 SAMPLE_SD = 0.29  # of a sample, the standard deviation of a delay evenly spread over one sample
-CHAIN_SD = 3.0  # of the torque's standard deviation, which gravity may be all of
 REVERSAL_S = 0.05  # time over which a wrong formula of a reversal fades
 LAGS_S = (0.03, 0.1, 0.3, 1.0, 3.0)  # of the velocity behind a first-order filter
 RINGING_HZ, DAMPING_RATIOS = np.geomspace(1.0, 12.0, 8), (0.05, 0.2)  # of what the acceleration excites
@@ -104,6 +103,9 @@ class RegressionProblem:
     age: Index  # samples before each one in its unbroken stretch, shape (m,)
     fold: Index  # number of the fold of each sample, whole cycles, shape (m,)
     curves: tuple[Curve, ...]  # a curve over every quantity that varies
+    # Rigid-body torque of an unknown chain, orthonormal, shape (k, m): response and columns are free of it
+    # (R. Frisch, F. V. Waugh, Econometrica 1 (1933) 387).
+    chain: Float = field(default_factory=lambda: np.empty((0, 0)))
 
     @classmethod
     def build(cls, data: JointData, model: JointModel | None) -> "RegressionProblem":
@@ -135,7 +137,18 @@ class RegressionProblem:
         follows &= samples.cycle == np.roll(samples.cycle, 1)
         follows &= ~samples.breakaway & ~np.roll(samples.breakaway, 1)
         fold, curves = folds_of(samples.cycle), _curves(data, samples)
-        return cls(data=data, samples=samples, nominal=nominal, age=_age(follows), fold=fold, curves=curves)
+        made = cls(data=data, samples=samples, nominal=nominal, age=_age(follows), fold=fold, curves=curves)
+        if not data.unknown_gravity or data.rigid is not None:
+            return made
+        chain = chain_basis(data, samples.weight, made.columns, made.X, made.y)
+        free = partial(free_of, chain)
+        return replace(
+            made,
+            chain=chain,
+            samples=replace(samples, y=free(samples.y[None])[0]),
+            nominal=replace(nominal, columns=free(nominal.columns.T).T, y=free(nominal.y[None])[0]),
+            curves=tuple(Curve(c.axis, free(c.columns), c.values) for c in curves),
+        )
 
     @property
     def folds(self) -> int:
@@ -189,13 +202,13 @@ class RegressionProblem:
 
     def columns(self, fine: Float) -> Float:
         """Columns of the fine grid, shape (n, p), on the samples, shape (p, m)."""
-        return np.ascontiguousarray(self.samples.of(fine).T)
+        return free_of(self.chain, np.ascontiguousarray(self.samples.of(fine).T))
 
     @cached_property
     def near(self) -> tuple[Index, JointData, Callable[[Float], Float]]:
         """Where the filter reads the fine grid, the joint there, and what makes samples of its columns."""
         read, samples = self.samples.near(len(self.data.t))
-        return read, self.data.at(read), lambda fine: np.ascontiguousarray(samples.of(fine).T)
+        return read, self.data.at(read), lambda fine: free_of(self.chain, np.ascontiguousarray(samples.of(fine).T))
 
     def without(self, dropped: NDArray[np.bool_]) -> "RegressionProblem":
         """The problem without some samples, shape (m,)."""
@@ -207,13 +220,14 @@ class RegressionProblem:
             nominal=replace(self.nominal, columns=self.nominal.columns[kept], y=self.y[kept]),
             age=_age(follows),
             fold=self.fold[kept],
+            chain=self.chain[:, kept] if len(self.chain) else self.chain,
             curves=tuple(Curve(c.axis, c.columns[:, kept], c.values[kept]) for c in self.curves),
         )
 
     def nuisances(self, baseline: Nominal, given: Float, sign: Callable[[Float], Float] = np.tanh) -> list[Nuisance]:
         """Smoothing of the sign beside other columns, shape (b, m); delay of the recorder, offset of the sensor."""
         data, coulomb = self.data, abs(baseline.coulomb_nm)
-        fine, signs = [], self._smoothed_sign(np.vstack([given, self.gravity_of_others]), sign)
+        fine, signs = [], self._smoothed_sign(given, sign)
         priors = [(coulomb, SMOOTHED)] * len(signs)
         if data.sample_s > 0:
             fine.append(-np.gradient(baseline.torque, data.step_s))
@@ -221,9 +235,7 @@ class RegressionProblem:
         fine.append(np.ones(len(data.t)))
         offset_sd = np.inf if data.unknown_gravity else OFFSET_SHARE * coulomb  # gravity of other joints may be one
         priors.append((offset_sd, ("torque_bias", "asymmetric_coulomb")))
-        chain = self.gravity_of_others
-        priors += [(CHAIN_SD * float(np.std(self.y)), ())] * len(chain)
-        columns = zip([*signs, *self.columns(np.column_stack(fine)), *chain], priors, strict=True)
+        columns = zip([*signs, *self.columns(np.column_stack(fine))], priors, strict=True)
         return [Nuisance(column, max(sd, 1e-12), names) for column, (sd, names) in columns]
 
     def _smoothed_sign(self, given: Float, sign: Callable[[Float], Float]) -> list[Float]:
@@ -234,18 +246,6 @@ class RegressionProblem:
         gain = (free @ self.y) ** 2 / np.maximum(np.sum(free**2, axis=1), 1e-300)
         k = int(np.clip(np.argmax(gain), 1, len(gain) - 2))
         return [signs[k], 0.5 * (signs[k + 1] - signs[k - 1])]
-
-    @cached_property
-    def chain(self) -> ChainGravity | None:
-        """Gravity as other joints change it, where it is in the torque."""
-        data = self.data
-        return ChainGravity.of(data.others_q[self.samples.fine], data.own_column) if data.unknown_gravity else None
-
-    @cached_property
-    def gravity_of_others(self) -> Float:
-        """Its columns on the samples, shape (k, m)."""
-        (read, _, seen) = self.near
-        return np.empty((0, len(self.y))) if self.chain is None else self.chain.columns(self.data.others_q[read], seen)
 
     def model_error(self, baseline: Nominal) -> Float:
         """Standard deviation of what any formula gets wrong: at reversals and in proportion to the inertia, (m,)."""
