@@ -7,139 +7,139 @@ Letters 5 (2020) 24); their covariance at the samples by Cholesky decomposition 
 R. Schneider, Appl. Numer. Math. 62 (2012) 428).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
+from friction_audit.diagnosis.samples import Index
 from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 
 MOST = 100  # columns of a process
-# What a column must add of the variance: noise is a thousandth of gravity's torque, a hundredth of inertia's, or more.
-LEAST_OF_GRAVITY, LEAST_OF_INERTIA = 1e-7, 1e-5
-FITTED = 4000  # samples from which gravity is known well enough
+MOST_PER_SAMPLE = 0.25  # of both: friction needs samples too
 ROUNDS = 10  # of expectation maximisation
-ABSORBED = 1e-4  # of the norm of a column, what is rounding
+ABSORBED = 1e-4  # of the norm of a column: less of it is rounding
+FITTED = 4000  # samples from which gravity is known well enough
 AT_ONCE = 2**14  # samples, for memory
 
 
 class ChainMotion(NamedTuple):
-    """Motion of all j joints of a chain at n samples, shape (n, j) each, and which of them bears the torque."""
+    """Motion of all j joints of a chain at n samples, shape (n, j) each."""
 
-    joint: int
+    joint: int  # column of the joint that bears the torque
     q: Float  # [rad]
     dq: Float  # [rad/s]
     ddq: Float  # [rad/s^2]
 
-    @classmethod
-    def of(cls, data: JointData) -> "ChainMotion":
-        """All joints on the fine grid of one."""
-        return cls(data.own_column, data.others_q, data.others_dq, data.others_ddq)
-
     def each(self, change: Callable[[Float], Float]) -> "ChainMotion":
-        """The motion at other samples."""
+        """The motion as something else sees it."""
         return self._replace(q=change(self.q), dq=change(self.dq), ddq=change(self.ddq))
+
+    def at(self, which: Sequence[int] | Index | slice) -> "ChainMotion":
+        """The motion at some of its samples."""
+        return self._replace(q=self.q[which], dq=self.dq[which], ddq=self.ddq[which])
 
 
 class Process(NamedTuple):
-    """Columns, each of a normal coefficient of one variance: covariances with some samples, mixed."""
+    """A Gaussian process of the torque."""
 
-    kernel: Callable[[ChainMotion, ChainMotion], Float]
-    effects: Callable[[ChainMotion], Float]  # torques that are effects or the nominal model, and are left out
+    covariance: Callable[[ChainMotion, ChainMotion], Float]  # of n samples with p others, shape (p, n)
+    variance: Callable[[ChainMotion], Float]  # of each sample, shape (n,)
+    effects: Callable[[ChainMotion], Float]  # torques that are effects or the nominal model, left out, shape (e, n)
+    least: float  # what a column must add of the mean variance: noise is no smaller
+
+
+class Columns(NamedTuple):
+    """Columns of a process, each of a normal coefficient of one variance: covariances with some samples, mixed."""
+
+    process: Process
     pivots: ChainMotion  # the samples, p of them
     mixing: Float  # shape (p, k)
     left_out: Float  # share of the effects, shape (e, k)
 
-    def columns(self, motion: ChainMotion) -> Float:
-        """Columns at samples, shape (k, n)."""
-        covariance = self.kernel(motion, self.pivots)
-        return np.asarray(self.mixing.T @ covariance - self.left_out.T @ self.effects(motion))
+    def at(self, motion: ChainMotion) -> Float:
+        """The columns at samples, shape (k, n)."""
+        covariance = self.process.covariance(motion, self.pivots)
+        return np.asarray(self.mixing.T @ covariance - self.left_out.T @ self.process.effects(motion))
 
 
-def gravity(motion: ChainMotion, pivots: ChainMotion) -> Float:
-    """Covariance of gravity's torque, shape (p, n)."""
+def _of_gravity(motion: ChainMotion, pivots: ChainMotion) -> Float:
     out = np.cos(pivots.q[:, [motion.joint]] - motion.q[:, motion.joint])
     for other in (k for k in range(motion.q.shape[1]) if k != motion.joint):
         out *= 0.5 + 0.5 * np.cos(pivots.q[:, [other]] - motion.q[:, other])
     return np.asarray(out)
 
 
-def inertia(motion: ChainMotion, pivots: ChainMotion) -> Float:
-    """Covariance of the torque of inertia and of velocities, shape (p, n)."""
+def _of_inertia(motion: ChainMotion, pivots: ChainMotion) -> Float:
     out = pivots.ddq @ motion.ddq.T + (pivots.dq @ motion.dq.T) ** 2
     for k in range(motion.q.shape[1]):
         out *= (0.5 + 0.5 * np.cos(pivots.q[:, [k]] - motion.q[:, k])) ** 2
     return np.asarray(out)
 
 
-def own_sines(motion: ChainMotion) -> Float:
-    """Cosine and sine of the joint's own angle, shape (2, n)."""
+def _own_sines(motion: ChainMotion) -> Float:
     angle = motion.q[:, motion.joint]
     return np.stack([np.cos(angle), np.sin(angle)])
 
 
-def constant_coupling(motion: ChainMotion) -> Float:
-    """Accelerations and squared velocities of all joints, shape (2 j, n)."""
+def _constant_coupling(motion: ChainMotion) -> Float:
     return np.vstack([motion.ddq.T, motion.dq.T**2])
 
 
-def decomposed(
-    kernel: Callable[[ChainMotion, ChainMotion], Float],
-    effects: Callable[[ChainMotion], Float],
-    motion: ChainMotion,
-    least: float,
-) -> Process:
-    """Decompose a covariance at samples; a column adds the least share of the mean variance or more."""
-    m, left = len(motion.q), np.ones(len(motion.q))
-    if kernel is inertia:
-        left = np.sum(motion.ddq**2, axis=1) + np.sum(motion.dq**2, axis=1) ** 2
-    enough = least * max(float(left.mean()), 1e-300)
+GRAVITY = Process(_of_gravity, lambda motion: np.ones(len(motion.q)), _own_sines, 1e-7)
+INERTIA = Process(
+    _of_inertia,
+    lambda motion: np.asarray(np.sum(motion.ddq**2, axis=1) + np.sum(motion.dq**2, axis=1) ** 2),
+    _constant_coupling,
+    1e-5,
+)
+
+
+def _decomposed(process: Process, motion: ChainMotion) -> Columns:
+    m, left = len(motion.q), process.variance(motion)
+    enough = process.least * max(float(left.mean()), 1e-300)
     rows, pivots = np.empty((MOST, m)), list[int]()
     while len(pivots) < MOST and left.mean() > enough:
         k, pivot = len(pivots), int(np.argmax(left))
-        row = kernel(motion, motion.each(lambda x, at=pivot: x[[at]]))[0] - rows[:k, pivot] @ rows[:k]
+        row = process.covariance(motion, motion.at([pivot]))[0] - rows[:k, pivot] @ rows[:k]
         rows[k] = row / np.sqrt(left[pivot])
         left = np.maximum(left - rows[k] ** 2, 0.0)
         pivots.append(pivot)
-    rows, known = rows[: len(pivots)], effects(motion)
+    rows, known = rows[: len(pivots)], process.effects(motion)
     shares = np.linalg.lstsq(known.T, rows.T)[0]
     turned, size, _ = np.linalg.svd(rows - shares.T @ known, full_matrices=False)
     turned = turned[:, size**2 > enough * m]
     mixing = np.linalg.solve(rows[:, pivots], turned)
-    return Process(kernel, effects, motion.each(lambda x: x[pivots]), mixing, shares @ turned)
+    return Columns(process, motion.at(pivots), mixing, shares @ turned)
 
 
 def chain_basis(data: JointData, weight: Float, seen: Callable[[Float], Float], X: Float, y: Float) -> Float:
-    """What of the processes the log can tell from noise, orthonormal on the m samples, shape (k, m).
+    """What of both processes the log can tell from noise, orthonormal on the m samples, shape (k, m).
 
     Their variances and that of the noise by expectation maximisation (D. A. Harville, J. Am. Stat. Assoc. 72 (1977)
-    320); a direction counts whose coefficient varies by more than noise makes of it.
+    320), beside nominal columns, shape (b, m), and the effects that they leave out; a direction counts whose
+    coefficient varies by more than noise makes of it. ``seen`` brings the fine grid, shape (n, j), to the samples,
+    shape (j, m), of some weight each.
     """
-    motion = ChainMotion.of(data).each(lambda x: (seen(x) / weight).T)
-    processes = [
-        decomposed(gravity, own_sines, motion, LEAST_OF_GRAVITY),
-        decomposed(inertia, constant_coupling, motion, LEAST_OF_INERTIA),
-    ]
-    columns = [weight * process.columns(motion) for process in processes]
-    known = np.vstack([X, weight, *(weight * process.effects(motion) for process in processes)])
+    motion = _chain_of(data).each(lambda x: (seen(x) / weight).T)
+    columns = [weight * _decomposed(process, motion).at(motion) for process in (GRAVITY, INERTIA)]
+    known = np.vstack([X, weight, *(weight * process.effects(motion) for process in (GRAVITY, INERTIA))])
     inside = np.linalg.qr((known / np.maximum(np.linalg.norm(known, axis=1), 1e-300)[:, None]).T)[0].T
-    free = np.vstack([one - (one @ inside.T) @ inside for one in columns])
-    left = y - (y @ inside.T) @ inside
-    which = np.repeat([0, 1], [len(one) for one in columns])
-    usual = [max(float(np.mean(np.sum(one**2, axis=0))), 1e-300) for one in columns]
-    noise = float(np.mean(left**2))
-    variances, products, along = np.array([noise / one for one in usual]), free @ free.T, free @ left
+    both, which = np.vstack(columns), np.repeat([0, 1], [len(one) for one in columns])
+    free, left = both - (both @ inside.T) @ inside, y - (y @ inside.T) @ inside
+    noise = max(float(np.mean(left**2)), 1e-300)
+    variances = noise / np.array([max(float(np.mean(np.sum(one**2, axis=0))), 1e-300) for one in columns])
+    least, products, along = 1e-9 * variances, free @ free.T, free @ left
     for _ in range(ROUNDS):
         covariance = np.linalg.inv(products / noise + np.diag(1.0 / variances[which]))
-        c = covariance @ along / noise
-        noise = max(float(np.mean((left - c @ free) ** 2) + np.sum(covariance * products) / len(y)), 1e-300)
-        power = c**2 + np.diag(covariance)
-        variances = np.array([max(float(np.mean(power[which == k])), 1e-300) if np.any(which == k) else 1.0 for k in (0, 1)])
-    scaled = np.vstack(columns) * np.sqrt(variances[which])[:, None]
-    _, size, basis = np.linalg.svd(scaled, full_matrices=False)
-    return np.asarray(basis[size**2 > noise])
+        found = covariance @ along / noise
+        noise = max(float(np.mean((left - found @ free) ** 2) + np.sum(covariance * products) / len(y)), 1e-300)
+        power = np.bincount(which, found**2 + np.diag(covariance), 2) / np.maximum(np.bincount(which, minlength=2), 1)
+        variances = np.maximum(power, least)
+    _, size, basis = np.linalg.svd(both * np.sqrt(variances[which])[:, None], full_matrices=False)
+    return np.asarray(basis[size**2 > noise][: int(MOST_PER_SAMPLE * len(y))])
 
 
 def free_of(basis: Float, rows: Float) -> Float:
@@ -152,21 +152,25 @@ def free_of(basis: Float, rows: Float) -> Float:
 
 
 def with_gravity(data: JointData) -> JointData:
-    """The joint with gravity as its load where the torque holds it and nothing tells how much, by least squares."""
+    """The joint with gravity as its load where the torque holds it and nothing says how much, by least squares."""
     used = np.flatnonzero(data.used)
     if not data.weighs or data.load is not None or not len(used):
         return data
-    some, motion = used[:: len(used) // FITTED + 1], ChainMotion.of(data)
-    at = motion.each(lambda x: x[some])
-    process, sines = decomposed(gravity, own_sines, at, LEAST_OF_GRAVITY), own_sines(at)
-    of_chain = process.columns(at)
+    some, motion = used[:: len(used) // FITTED + 1], _chain_of(data)
+    at = motion.at(some)
+    chain, sines = _decomposed(GRAVITY, at), _own_sines(at)
+    of_chain = chain.at(at)
     friction = np.stack([data.direction, data.dq, np.ones(len(data.q))])[:, some]
-    rows = np.vstack([sines, of_chain, friction, constant_coupling(at)])
+    rows = np.vstack([sines, of_chain, friction, _constant_coupling(at)])
     size = np.maximum(np.sqrt(np.mean(rows**2, axis=1)), 1e-12)
     found = np.linalg.lstsq((rows / size[:, None]).T, data.torque[some], rcond=1e-9)[0] / size
-    own, others = found[:2], found[2 : 2 + len(of_chain)]
+    own, others = np.split(found[: 2 + len(of_chain)], [2])
     load = np.empty(len(data.q))
     for first in range(0, len(load), AT_ONCE):
-        part = motion.each(lambda x, first=first: x[first : first + AT_ONCE])
-        load[first : first + AT_ONCE] = own @ own_sines(part) + others @ process.columns(part)
+        part = motion.at(slice(first, first + AT_ONCE))
+        load[first : first + AT_ONCE] = own @ _own_sines(part) + others @ chain.at(part)
     return replace(data, load=load)
+
+
+def _chain_of(data: JointData) -> ChainMotion:
+    return ChainMotion(data.own_column, data.others_q, data.others_dq, data.others_ddq)
