@@ -33,7 +33,6 @@ ALIKE = 0.7  # correlation of their torques given everything else, from which th
 CLOSE = 40.0  # effects so near the best one are refined before one is chosen
 REFINED_AT_ONCE = 4
 LEAST_FOLDS = 2.0 / 3.0  # share of the folds that must choose an effect too
-CERTAIN = 4.0  # an effect without which the mean square of what is left is so many times as large is in no doubt
 LEANING = 0.5  # change of a torque from which it may be a part of another one
 SAME = 0.9  # correlation with a constant, from which the constant is a competing name
 MOST_EFFECTS = 8
@@ -314,7 +313,12 @@ def indistinguishable(
     # Gravity that the torque holds changes with other joints too, and what follows their motion may be it.
     names += [GRAVITY] * (gram.problem.data.unknown_gravity and block.effect.axis == "neighbour")
     wholes = PART_OF.get(block.name, ())
-    names += [b.name for b in others if b.name in wholes or _leans(Training(gram), block, b, others)]
+    doubtful = [
+        b for b in others if not (gram.problem.data.weighs and b.name == GRAVITY)
+    ]  # what the torque holds is not
+    names += [
+        b.name for b in others if b.name in wholes or (b in doubtful and _leans(Training(gram), block, b, others))
+    ]
     return tuple(dict.fromkeys(names))
 
 
@@ -325,7 +329,5 @@ def _leans(training: Training, block: Block, other: Block, others: Sequence[Bloc
     (effects_joint_elasticity_90003, pairs_asymmetric_viscous+time_delay_120014).
     """
     sets = [block, *others], [block, *(b for b in others if b is not other)]
-    if training.fit(sets[1]).rss > CERTAIN * training.fit(sets[0]).rss:
-        return False
     whole, without = (split(training.fit(chosen), chosen)[0] @ block.columns for chosen in sets)
     return bool(np.linalg.norm(whole - without) > LEANING * np.linalg.norm(whole))
