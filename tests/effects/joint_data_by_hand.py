@@ -19,7 +19,12 @@ STEP_S = 0.005
 
 def joint_of(t: Float, q: Float, dq: Float, ddq: Float, torque: Float, **given: Any) -> JointData:
     """A joint alone, valid throughout; every stroke is a cycle."""
-    alone = {"others_dq": dq[:, None], "others_ddq": ddq[:, None], "others_torque": torque[:, None]}
+    alone = {
+        "others_q": q[:, None],
+        "others_dq": dq[:, None],
+        "others_ddq": ddq[:, None],
+        "others_torque": torque[:, None],
+    }
     known: dict[str, Any] = {"joint": 0, "temperature": None, "dead_speed_rad_s": 0.01, **alone} | given
     strokes = np.concatenate([[0], np.cumsum(np.diff(np.sign(dq)) != 0)]).astype(np.int64)
     marks = {"cycle": strokes, "moving": np.abs(dq) > known["dead_speed_rad_s"], "valid": np.ones(len(t), bool)}
@@ -44,7 +49,7 @@ def joint_data(q: Float, dq: Float, ddq: Float) -> JointData:
     t: Float = np.arange(n, dtype=np.float64) * STEP_S
     torque, *others = rng.normal(size=n), *(rng.normal(size=(n, 3)) for _ in range(3))
     names = ("others_dq", "others_ddq", "others_torque")
-    about = dict(zip(names, others, strict=True))
+    about = dict(zip(names, others, strict=True)) | {"others_q": np.zeros((n, 3))}
     return joint_of(t, q, dq, ddq, torque, joint=1, temperature=25.0 + t / 60.0, **about)
 
 

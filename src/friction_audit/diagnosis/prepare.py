@@ -39,7 +39,7 @@ from friction_audit.robot import Arm
 
 # Parts of a long recording, the bridge from each to the next, and the time in which springs and bristles forget that.
 PART_S, BRIDGE_S, FORGOTTEN_S = 60.0, 2.0, 3.0
-SHARED = ("t", "others_dq", "others_ddq", "others_torque")  # of all joints of a log
+SHARED = ("t", "others_q", "others_dq", "others_ddq", "others_torque")  # of all joints of a log
 Index = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 DEAD_SIGMAS = 5.0  # standard deviations of the filtered velocity's noise, above which the direction is certain
@@ -116,6 +116,7 @@ def prepare(
             ddq=ddq,
             torque=torque,
             temperature=None if log.temperature is None else low_pass.of(t, log.temperature[fresh, column]),
+            others_q=all_q,
             others_dq=all_dq,
             others_ddq=all_ddq,
             others_torque=sensed,
@@ -127,6 +128,7 @@ def prepare(
             logged_q=logged_q,
             logged_dq=logged_dq[:, column],
             load=None if load is None else np.ascontiguousarray(load[:, column]),
+            weighs=bool(weighing[column]),
             unknown_gravity=bool(weighing.sum() > weighing[column]),
             rigid=None if rigid is None else rigid[column],
             others_joint=column,

@@ -2,8 +2,8 @@
 
 import cmath
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
 from itertools import product
 from math import exp, sqrt
 from typing import NamedTuple
@@ -21,6 +21,7 @@ from friction_audit.diagnosis.samples import (
     make_samples,
     nominal_model,
 )
+from friction_audit.diagnosis.unknown_chain import chain_basis, free_of, with_gravity
 from friction_audit.effects.joint_data import JointData, Nominal, displacement
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.errors import AnalysisError
@@ -102,6 +103,9 @@ class RegressionProblem:
     age: Index  # samples before each one in its unbroken stretch, shape (m,)
     fold: Index  # number of the fold of each sample, whole cycles, shape (m,)
     curves: tuple[Curve, ...]  # a curve over every quantity that varies
+    # Rigid-body torque of an unknown chain, orthonormal, shape (k, m): response and columns are free of it
+    # (R. Frisch, F. V. Waugh, Econometrica 1 (1933) 387).
+    chain: Float = field(default_factory=lambda: np.empty((0, 0)))
 
     @classmethod
     def build(cls, data: JointData, model: JointModel | None) -> "RegressionProblem":
@@ -110,6 +114,7 @@ class RegressionProblem:
         Raises:
             AnalysisError: If the model leaves nothing to fit, or the motion is read in steps that are too coarse.
         """
+        data = with_gravity(data)
         samples = make_samples(data)
         nominal = nominal_model(data, samples, model)
         # Noise of the acceleration makes its coefficient too small, below the first corner hardly (Fuller 1987).
@@ -132,7 +137,18 @@ class RegressionProblem:
         follows &= samples.cycle == np.roll(samples.cycle, 1)
         follows &= ~samples.breakaway & ~np.roll(samples.breakaway, 1)
         fold, curves = folds_of(samples.cycle), _curves(data, samples)
-        return cls(data=data, samples=samples, nominal=nominal, age=_age(follows), fold=fold, curves=curves)
+        made = cls(data=data, samples=samples, nominal=nominal, age=_age(follows), fold=fold, curves=curves)
+        if not data.unknown_gravity or data.rigid is not None:
+            return made
+        chain = chain_basis(data, samples.weight, made.columns, made.X, made.y)
+        free = partial(free_of, chain)
+        return replace(
+            made,
+            chain=chain,
+            samples=replace(samples, y=free(samples.y[None])[0]),
+            nominal=replace(nominal, columns=free(nominal.columns.T).T, y=free(nominal.y[None])[0]),
+            curves=tuple(Curve(c.axis, free(c.columns), c.values) for c in curves),
+        )
 
     @property
     def folds(self) -> int:
@@ -186,13 +202,13 @@ class RegressionProblem:
 
     def columns(self, fine: Float) -> Float:
         """Columns of the fine grid, shape (n, p), on the samples, shape (p, m)."""
-        return np.ascontiguousarray(self.samples.of(fine).T)
+        return free_of(self.chain, np.ascontiguousarray(self.samples.of(fine).T))
 
     @cached_property
     def near(self) -> tuple[Index, JointData, Callable[[Float], Float]]:
         """Where the filter reads the fine grid, the joint there, and what makes samples of its columns."""
         read, samples = self.samples.near(len(self.data.t))
-        return read, self.data.at(read), lambda fine: np.ascontiguousarray(samples.of(fine).T)
+        return read, self.data.at(read), lambda fine: free_of(self.chain, np.ascontiguousarray(samples.of(fine).T))
 
     def without(self, dropped: NDArray[np.bool_]) -> "RegressionProblem":
         """The problem without some samples, shape (m,)."""
@@ -204,6 +220,7 @@ class RegressionProblem:
             nominal=replace(self.nominal, columns=self.nominal.columns[kept], y=self.y[kept]),
             age=_age(follows),
             fold=self.fold[kept],
+            chain=self.chain[:, kept] if len(self.chain) else self.chain,
             curves=tuple(Curve(c.axis, c.columns[:, kept], c.values[kept]) for c in self.curves),
         )
 

@@ -74,7 +74,8 @@ def select(data: JointData, model: JointModel | None, effects: Sequence[Effect])
 
 
 def _selected(problem: RegressionProblem, effects: Sequence[Effect]) -> State:
-    baseline = problem.nominal.baseline(_ols(problem.X, problem.y))
+    gravity = problem.columns((problem.data.torque - problem.data.without_gravity)[:, None])[0]
+    baseline = problem.nominal.baseline(_ols(problem.X, problem.y - gravity))
     nuisances = plausible(problem, baseline)
     noise = NoiseModel.fit(problem.age, _plain_and_bent(problem, nuisances, problem.X), problem.model_error(baseline))
     dictionary = Dictionary.build(problem, effects, baseline, whole=False)

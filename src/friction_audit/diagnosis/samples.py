@@ -108,7 +108,7 @@ def make_samples(data: JointData, corner_hz: float = CORNER_HZ) -> Samples:
     doubt = (~(data.moving & data.valid)).astype(np.float64)[None]
     uncertain = filtered(doubt, np.abs(kernel), np.arange(0, len(data.t), every))[0]
     breakaways = breakaways_of(data)
-    breakaways = breakaways.take(torque_known(data.torque, breakaways, data.step_s))
+    breakaways = breakaways.take(torque_known(data.without_gravity, breakaways, data.step_s))
     breakaways = breakaways.take(whole[breakaways.onset // every])
     moving = np.setdiff1d(np.flatnonzero(whole & (uncertain <= MOST_UNCERTAIN)), breakaways.onset // every)
     place = np.concatenate([moving, breakaways.onset // every])

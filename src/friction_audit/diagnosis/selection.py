@@ -313,7 +313,12 @@ def indistinguishable(
     # Gravity that the torque holds changes with other joints too, and what follows their motion may be it.
     names += [GRAVITY] * (gram.problem.data.unknown_gravity and block.effect.axis == "neighbour")
     wholes = PART_OF.get(block.name, ())
-    names += [b.name for b in others if b.name in wholes or _leans(Training(gram), block, b, others)]
+    doubtful = [
+        b for b in others if not (gram.problem.data.weighs and b.name == GRAVITY)
+    ]  # what the torque holds is not
+    names += [
+        b.name for b in others if b.name in wholes or (b in doubtful and _leans(Training(gram), block, b, others))
+    ]
     return tuple(dict.fromkeys(names))
 
 

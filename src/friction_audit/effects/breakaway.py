@@ -199,7 +199,7 @@ def _starts(data: JointData) -> tuple[int, int]:
     """How often the joint breaks away from a standstill, and how often the torque at that moment is known."""
     seen = breakaways_of(data)
     counted = data.valid[seen.onset] & (data.cycle[seen.onset] >= 0)
-    return int(counted.sum()), int(np.sum(counted & torque_known(data.torque, seen, data.step_s)))
+    return int(counted.sum()), int(np.sum(counted & torque_known(data.without_gravity, seen, data.step_s)))
 
 
 @compiled()

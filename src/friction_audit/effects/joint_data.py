@@ -51,6 +51,7 @@ class JointData:
     ddq: Float  # derivative of the filtered velocity [rad/s^2]
     torque: Float  # what drives the side on which friction acts: F_m plus a logged compensator [N m]
     temperature: Float | None  # where it was logged, else None [degC]
+    others_q: Float  # positions of all joints, shape (n, j) [rad]
     others_dq: Float  # velocities of all joints, shape (n, j) [rad/s]
     others_ddq: Float  # accelerations of all joints, shape (n, j) [rad/s^2]
     others_torque: Float  # what the sensors of all joints read, gravity included, as the torque counts, shape (n, j)
@@ -63,6 +64,7 @@ class JointData:
     logged_dq: Float | None = None  # velocity as it was logged, through the same filter; ``dq`` where None [rad/s]
     # what the sensor bears besides, signed as the torque: gravity, and inertia that was taken away; predicted [N m]
     load: Float | None = None
+    weighs: bool = False  # True if gravity is in the torque, whether or not the load says how much
     unknown_gravity: bool = False  # True if gravity is in the torque and also depends on other joints
     rigid: RigidBody | None = None  # what the rigid-body model of the arm says; None where no model is known
     others_joint: int | None = None  # column of this joint among the others; ``joint`` where None
@@ -77,6 +79,11 @@ class JointData:
     def used(self) -> Bool:
         """Samples on which a model is fitted: moving, valid and in a cycle."""
         return self.moving & self.valid & (self.cycle >= 0)
+
+    @cached_property
+    def without_gravity(self) -> Float:
+        """The torque less the gravity that it holds, as far as that is known, shape (n,). [N m]"""
+        return self.torque - self.load if self.weighs and self.load is not None else self.torque
 
     @property
     def own_column(self) -> int:
@@ -99,7 +106,7 @@ class JointData:
         own: dict[str, Any] = {
             name: None if (all_of := getattr(self, name)) is None else all_of[places] for name in names
         }
-        own |= dict.fromkeys(("others_dq", "others_ddq", "others_torque"), np.empty((len(places), 0)))
+        own |= dict.fromkeys(("others_q", "others_dq", "others_ddq", "others_torque"), np.empty((len(places), 0)))
         return replace(self, **own, logged_dq=None, rigid=None)
 
     def motion(self, rest: Float | None = None) -> Motion:
