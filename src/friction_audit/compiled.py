@@ -104,29 +104,29 @@ def _linking_compiler() -> Any:  # noqa: ANN401 - of numba
     from numba.core.compiler_machinery import register_pass
     from numba.core.typed_passes import NativeLowering
 
-    class Linked(JITCodeLibrary):
+    class Linked(JITCodeLibrary):  # type: ignore[misc]
         def finalize(self) -> None:
             for library in dict.fromkeys(self._linking_libraries):
                 self._reload_init.update(library._reload_init)  # noqa: SLF001
                 self._final_module.link_in(library._get_module_for_linking(), preserve=True)  # noqa: SLF001
             self._finalized = True
 
-    @register_pass(mutates_CFG=True, analysis_only=False)  # type: ignore[no-untyped-call]
-    class LowerToLink(NativeLowering):
+    @register_pass(mutates_CFG=True, analysis_only=False)
+    class LowerToLink(NativeLowering):  # type: ignore[misc]
         _name = "lower_to_link"
 
         def run_pass(self, state: Any) -> bool:  # noqa: ANN401
-            state.library = Linked(state.targetctx.codegen(), state.func_id.func_qualname)  # type: ignore[no-untyped-call]
+            state.library = Linked(state.targetctx.codegen(), state.func_id.func_qualname)
             state.flags.no_compile = state.flags.no_cpython_wrapper = True
-            super().run_pass(state)  # type: ignore[no-untyped-call]
+            super().run_pass(state)
             entry = [state.library].copy  # what callers look it up by: a function of C that no other loop has
             state.targetctx.insert_user_function(entry, state.cr.fndesc, [state.library])
             state.cr = state.cr._replace(cfunc=entry)
             return True
 
-    class LinkingCompiler(CompilerBase):
+    class LinkingCompiler(CompilerBase):  # type: ignore[misc]
         def define_pipelines(self) -> list[Any]:
-            made = DefaultPassBuilder.define_nopython_pipeline(self.state)  # type: ignore[no-untyped-call]
+            made = DefaultPassBuilder.define_nopython_pipeline(self.state)
             made.passes = [(LowerToLink if one is NativeLowering else one, why) for one, why in made.passes]
             made.finalize()
             return [made]
