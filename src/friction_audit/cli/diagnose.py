@@ -27,8 +27,10 @@ EXAMPLES = """Examples:
 DOCUMENT, MODEL = "diagnose.json", "model.toml"
 LENGTH = 10.0  # of the diagnosis, compared with reading
 # While the log is read and friction estimated: what processes would load one by one after they are forked.
-LOADED = ("friction_audit.friction.estimate", "friction_audit.diagnosis.diagnose", "friction_audit.diagnosis.gram")
-LOADED += ("scipy.ndimage",)
+LOADED = (
+    *("friction_audit.friction.estimate", "friction_audit.diagnosis.diagnose"),
+    *("friction_audit.diagnosis.gram", "scipy.ndimage"),
+)
 REPORT = "friction_audit.reporting.diagnosis"
 
 

@@ -87,6 +87,8 @@ def prepare(
     logged = None if log.gravity is None else low_pass.all_of(t, log.gravity, fresh)
     load, removed, rigid = know_load(choice, arm, low_pass.t, (all_q, all_dq, all_ddq), logged)
 
+    shared: dict[str, Any] = dict(zip(SHARED, (low_pass.t, all_q, all_dq, all_ddq, sensed), strict=True))
+
     def one(joint: int) -> JointData:
         column = interaction.joint_numbers[joint] - 1
         derived_from, crossover_hz, rounding, noise_density = sources[column]
@@ -110,16 +112,12 @@ def prepare(
             q = position_of(q, own_dq, all_ddq[:, column], valid, low_pass.step_s, crossover_hz)
         return JointData(
             joint=joint,
-            t=low_pass.t,
             q=q,
             dq=dq,
             ddq=ddq,
             torque=torque,
             temperature=None if log.temperature is None else low_pass.of(t, log.temperature[fresh, column]),
-            others_q=all_q,
-            others_dq=all_dq,
-            others_ddq=all_ddq,
-            others_torque=sensed,
+            **shared,
             cycle=_cycle_of(low_pass.t, cycles[joint]),
             moving=certain_direction(own_dq, dead, low_pass.step_s),
             valid=valid,

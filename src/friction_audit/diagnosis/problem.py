@@ -3,7 +3,7 @@
 import cmath
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import product
 from math import exp, sqrt
 from typing import NamedTuple
@@ -138,16 +138,18 @@ class RegressionProblem:
         follows &= ~samples.breakaway & ~np.roll(samples.breakaway, 1)
         fold, curves = folds_of(samples.cycle), _curves(data, samples)
         made = cls(data=data, samples=samples, nominal=nominal, age=_age(follows), fold=fold, curves=curves)
-        if not data.unknown_gravity or data.rigid is not None:
-            return made
-        chain = chain_basis(data, samples.weight, made.columns, made.X, made.y)
-        free = partial(free_of, chain)
+        return made._free_of_chain() if data.unknown_gravity and data.rigid is None else made
+
+    def _free_of_chain(self) -> "RegressionProblem":
+        samples, nominal = self.samples, self.nominal
+        chain = chain_basis(self.data, samples.weight, self.columns, self.X, self.y)
+        y, nominal_y = free_of(chain, np.stack([samples.y, nominal.y]))
         return replace(
-            made,
+            self,
             chain=chain,
-            samples=replace(samples, y=free(samples.y[None])[0]),
-            nominal=replace(nominal, columns=free(nominal.columns.T).T, y=free(nominal.y[None])[0]),
-            curves=tuple(Curve(c.axis, free(c.columns), c.values) for c in curves),
+            samples=replace(samples, y=y),
+            nominal=replace(nominal, columns=free_of(chain, self.X).T, y=nominal_y),
+            curves=tuple(Curve(c.axis, free_of(chain, c.columns), c.values) for c in self.curves),
         )
 
     @property
