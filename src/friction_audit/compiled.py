@@ -47,7 +47,7 @@ class _Compiled:
     def _linked(self) -> Any:  # noqa: ANN401 - of numba, which has no types
         from numba import njit
 
-        return njit(self._signature, pipeline_class=_linking_compiler(), **self._options)(self.py_func)
+        return njit(self.signature, pipeline_class=_linking_compiler(), **self._options)(self.py_func)
 
     @cached_property
     def dispatcher(self) -> Any:  # noqa: ANN401 - of numba, which has no types
