@@ -21,7 +21,8 @@ def compiled(signature: str | None = None, *, any_order: bool = False, inline: b
 
     With a signature, for these types alone. In an installation that is read-only, without a home for the cache, it is
     compiled anew in every process. Sums in any order are several times as fast, and differ in their rounding. What is
-    inline becomes a part of the loops that call it, and its sums may be in any order where theirs may.
+    inline becomes a part of the loops that call it and is not compiled by itself; for what is small or is called at one
+    place.
     """
     options = OPTIONS | {"fastmath": ANY_ORDER if any_order else False, "inline": "always" if inline else "never"}
     return cast("Callable[[Loop], Loop]", partial(_Compiled, signature, options))
@@ -30,7 +31,7 @@ def compiled(signature: str | None = None, *, any_order: bool = False, inline: b
 class _Compiled:
     """A loop that numba compiles when it is used: to import numba takes 70 MB and a third of a second.
 
-    It is compiled by itself where Python calls it, and kept in the cache; otherwise within the loops that call it.
+    A compiled loop that calls it finds here what it looks for in a function that numba has compiled.
     """
 
     def __init__(self, signature: str | None, options: dict[str, Any], loop: Callable[..., Any]) -> None:
@@ -40,14 +41,8 @@ class _Compiled:
     def __call__(self, *given: Any) -> Any:  # noqa: ANN401 - what the loop takes, and returns
         return self.dispatcher(*given)
 
-    def __getattr__(self, name: str) -> Any:  # noqa: ANN401 - what numba looks for in a function that it has compiled
-        return getattr(self._linked, name)
-
-    @cached_property
-    def _linked(self) -> Any:  # noqa: ANN401 - of numba, which has no types
-        from numba import njit
-
-        return njit(self.signature, pipeline_class=_linking_compiler(), **self._options)(self.py_func)
+    def __getattr__(self, name: str) -> Any:  # noqa: ANN401 - of numba's own
+        return getattr(self.dispatcher, name)
 
     @cached_property
     def dispatcher(self) -> Any:  # noqa: ANN401 - of numba, which has no types
@@ -90,45 +85,3 @@ def _age(made: _Compiled) -> int:
     used += [getattr(one, name, None) for one in used if isinstance(one, ModuleType) for name in code.co_names]
     file = os.stat(code.co_filename)  # noqa: PTH116 - a quarter of the time
     return hash((file.st_mtime_ns, file.st_size, *(_age(one) for one in used if isinstance(one, _Compiled))))
-
-
-@cache
-def _linking_compiler() -> Any:  # noqa: ANN401 - of numba
-    """Return numba's compiler for a loop that loops call: code that is optimised once, within each that Python calls.
-
-    Its own makes machine code of a loop and of all that it calls, and then again of the caller with all of these: what
-    is innermost in a chain of calls is compiled as often as the chain is long.
-    """
-    from numba.core.codegen import JITCodeLibrary
-    from numba.core.compiler import CompilerBase, DefaultPassBuilder
-    from numba.core.compiler_machinery import register_pass
-    from numba.core.typed_passes import NativeLowering
-
-    class Linked(JITCodeLibrary):
-        def finalize(self) -> None:
-            for library in dict.fromkeys(self._linking_libraries):
-                self._reload_init.update(library._reload_init)  # noqa: SLF001
-                self._final_module.link_in(library._get_module_for_linking(), preserve=True)  # noqa: SLF001
-            self._finalized = True
-
-    @register_pass(mutates_CFG=True, analysis_only=False)  # type: ignore[no-untyped-call]
-    class LowerToLink(NativeLowering):
-        _name = "lower_to_link"
-
-        def run_pass(self, state: Any) -> bool:  # noqa: ANN401
-            state.library = Linked(state.targetctx.codegen(), state.func_id.func_qualname)  # type: ignore[no-untyped-call]
-            state.flags.no_compile = state.flags.no_cpython_wrapper = True
-            super().run_pass(state)  # type: ignore[no-untyped-call]
-            entry = [state.library].copy  # what callers look it up by: a function of C that no other loop has
-            state.targetctx.insert_user_function(entry, state.cr.fndesc, [state.library])
-            state.cr = state.cr._replace(cfunc=entry)
-            return True
-
-    class LinkingCompiler(CompilerBase):
-        def define_pipelines(self) -> list[Any]:
-            made = DefaultPassBuilder.define_nopython_pipeline(self.state)  # type: ignore[no-untyped-call]
-            made.passes = [(LowerToLink if one is NativeLowering else one, why) for one, why in made.passes]
-            made.finalize()
-            return [made]
-
-    return LinkingCompiler

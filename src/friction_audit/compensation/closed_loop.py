@@ -59,7 +59,7 @@ BEYOND_NOISE = 0.01  # share of the reserve that it must have given out as well:
 NEARLY = 1.0 - 1e-9
 
 
-@compiled()
+@compiled(inline=True)
 def count_energy(tally: Record, settings: Record, friction_j: float, net_j: float, moved: float, dt: float) -> None:
     """Add an interval between two ticks; below the speed of rest of the settings, noise would add up to a path."""
     tally.friction_j += friction_j
@@ -71,7 +71,7 @@ def count_energy(tally: Record, settings: Record, friction_j: float, net_j: floa
         tally.active_friction_j += friction_j
 
 
-@compiled()
+@compiled(inline=True)
 def count_tick(tally: Record, settings: Record, memory: Record, u_before: float) -> None:
     """Look at ledger, controller and limits after a tick of the compensator."""
     ledger = memory.observed_energy_j
@@ -188,7 +188,7 @@ def tick(
     return True
 
 
-@compiled()
+@compiled(inline=True)
 def write_torques(torques: Float, memory: Record, i: int, interaction: float) -> None:
     """Write down the torques in force at sample i; memory for zeros that is never written to is never taken."""
     torques[0, i], torques[1, i] = interaction, memory.compensation_nm
@@ -265,7 +265,7 @@ def run_closed_loop(control: Control, recorded: Recorded, loop: Loop, velocity: 
     return len(t)
 
 
-@compiled()
+@compiled(inline=True)
 def feel(q: float, v: float, sign: float, i: int, push: float, u: float, bent: Float, loop: Loop) -> float:
     """Return what the sensor of a joint with tables feels of the push: that, less what the operator takes. [N m]"""
     spring, acceleration = loop.stiffness_nm_per_rad * q, 0.0
@@ -276,7 +276,7 @@ def feel(q: float, v: float, sign: float, i: int, push: float, u: float, bent: F
     return float(push - loop.inertia_kg_m2 * acceleration - loop.damping_nms_per_rad * v - spring)
 
 
-@compiled()
+@compiled(inline=True)
 def move(
     q: float, v: float, sign: float, span: Step, u: float, pieces: int, bent: Float, loop: Loop
 ) -> tuple[float, float, float, float]:

@@ -89,7 +89,7 @@ def fit_sigmoid(coulomb_nm: float, viscous_nms_per_rad: float, top_speed_rad_s: 
     return SigmoidCompensation(height_nm=height, steepness_s_per_rad=STEEPNESS_S_PER_RAD)
 
 
-@compiled()
+@compiled(inline=True)
 def sigmoid_nm(group: Record, dq: float) -> float:
     """Return the torque that aids the motion. [N m]"""
     at_rest = 1.0 / (1.0 + math.exp(-group.steepness_s_per_rad * group.shift_rad_s))
@@ -121,14 +121,14 @@ class LugreCompensation(Law):
             raise UsageError(f"lugre_compensation: {found}: expected coulomb_nm {self.coulomb_nm:g} or more")
 
 
-@compiled()
+@compiled(inline=True)
 def level_nm(group: Record, dq: float) -> float:
     """Return g(dq), the friction of steady sliding without its viscous part. [N m]"""
     ratio = dq / group.stribeck_rad_s
     return float(group.coulomb_nm + (group.breakaway_nm - group.coulomb_nm) * math.exp(-ratio * ratio))
 
 
-@compiled()
+@compiled(inline=True)
 def lugre_advance(group: Record, memory: Record, dq: float, dt: float) -> None:
     """Bend the bristles over the past interval; exact for the mean of the two velocities.
 
@@ -141,7 +141,7 @@ def lugre_advance(group: Record, memory: Record, dq: float, dt: float) -> None:
     memory.bristle_rad += share * (steady - memory.bristle_rad)
 
 
-@compiled()
+@compiled(inline=True)
 def lugre_nm(group: Record, memory: Record, dq: float) -> float:
     """Return the torque that aids the motion. [N m]"""
     rate = dq - group.stiffness_nm_per_rad * abs(dq) * memory.bristle_rad / level_nm(group, dq)
@@ -187,7 +187,7 @@ class DisturbanceObserver(Law):
     ramp_rad_s: float = within(0.03)
 
 
-@compiled()
+@compiled(inline=True)
 def observe(group: Record, memory: Record, dq: float, interaction_nm: float, dt: float) -> None:
     """Observe the past interval, exactly for friction that is steady over it; F_m as read at its end, under its u."""
     if dt <= 0.0:
@@ -198,7 +198,7 @@ def observe(group: Record, memory: Record, dq: float, interaction_nm: float, dt:
     )
 
 
-@compiled()
+@compiled(inline=True)
 def observed_nm(group: Record, memory: Record, dq: float) -> float:
     """Return the torque that cancels the observed friction. [N m]"""
     share = 1.0

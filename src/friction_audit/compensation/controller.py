@@ -70,7 +70,7 @@ def give_up(memory: Record) -> float:
     return 0.0
 
 
-@compiled()
+@compiled(inline=True)
 def advance(settings: Record, memory: Record, dq: float, interaction_nm: float, dt: float) -> None:
     """Advance what the law remembers over the interval since the previous tick."""
     if settings.kind == law.LUGRE and memory.ticks > 0:
@@ -83,7 +83,7 @@ def advance(settings: Record, memory: Record, dq: float, interaction_nm: float, 
         memory.filtered_interaction_nm += share * (interaction_nm - memory.filtered_interaction_nm)
 
 
-@compiled()
+@compiled(inline=True)
 def add_up(settings: Record, memory: Record, dq: float, interaction_nm: float, dt: float) -> None:
     """Add the interval since the previous tick by trapezoids, u held, to the cycle and the ledgers (2), (24)."""
     moved = 0.5 * (memory.dq + dq) * dt
@@ -99,7 +99,7 @@ def add_up(settings: Record, memory: Record, dq: float, interaction_nm: float, d
     memory.dissipated_j -= memory.passivity_nm * moved
 
 
-@compiled()
+@compiled(inline=True)
 def find_end(settings: Record, memory: Record, dq: float, dt: float) -> bool:
     """Return True if an energy cycle ends at this tick, which began where the filtered speed exceeded its threshold.
 
@@ -126,7 +126,7 @@ def find_end(settings: Record, memory: Record, dq: float, dt: float) -> bool:
     return bool(ended)
 
 
-@compiled()
+@compiled(inline=True)
 def close_cycle(settings: Record, memory: Record) -> None:
     """End the cycle at this tick, estimate, and begin the next one here."""
     memory.cycle += 1
@@ -145,7 +145,7 @@ def close_cycle(settings: Record, memory: Record) -> None:
     memory.net_j = memory.path_rad = memory.square_rad2_s = memory.longest_gap_s = 0.0
 
 
-@compiled()
+@compiled(inline=True)
 def estimate(settings: Record, memory: Record) -> int:
     """Estimate from the last k cycles: viscous (8), (11), (25), Coulomb (14), combined (20); return the status.
 
@@ -191,7 +191,7 @@ def estimate(settings: Record, memory: Record) -> int:
     return records.ESTIMATED
 
 
-@compiled()
+@compiled(inline=True)
 def choose(settings: Record, memory: Record) -> None:
     """Choose the coefficients to apply: given, forced or estimated."""
     coulomb = viscous = 0.0
@@ -209,7 +209,7 @@ def choose(settings: Record, memory: Record) -> None:
         memory.active = 1
 
 
-@compiled()
+@compiled(inline=True)
 def compensation(settings: Record, memory: Record, dq: float) -> float:  # noqa: PLR0911 - one per kind
     """Return the torque that the law of the compensator asks for. [N m]"""
     if settings.kind == law.FIXED:
@@ -233,7 +233,7 @@ def compensation(settings: Record, memory: Record, dq: float) -> float:  # noqa:
     return 0.0
 
 
-@compiled()
+@compiled(inline=True)
 def command(settings: Record, memory: Record, dq: float) -> float:
     """Return the torque for the coming tick within the limits, and keep its parts. [N m]"""
     # The damping alpha of (22), which there pays the deficit within a tick and here over a horizon; capped.
@@ -303,13 +303,12 @@ def hand_cuts(
     path, added = np.zeros(joints), np.zeros(joints)
     for i in range(1, len(t)):
         dt = t[i] - t[i - 1]
-        ended = hand_rests(cycle, speed[i], dt, thresholds[0], thresholds[1])
+        rests = hand_rests(cycle, speed[i], dt, thresholds[0], thresholds[1])
         for j in range(joints):
             path[j] += added[j]
-            ended = ended and path[j] >= minimum_path_rad
             a, b = abs(dq[i - 1, j]), abs(dq[i, j])
             added[j] = 0.5 * ((a if a > rest_rad_s else 0.0) + (b if b > rest_rad_s else 0.0)) * dt
-        if ended:
+        if rests and path.min() >= minimum_path_rad:
             cycle[UNDER_WAY] = 0.0
             cuts[i] = 1
             path[:] = 0.0

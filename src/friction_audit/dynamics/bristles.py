@@ -96,43 +96,38 @@ def bend(held: float, displacement: float, path: Float, torque: Float) -> float:
     if len(path) == 0 or displacement == 0.0:
         return held
     sign = -1.0 if displacement > 0.0 else 1.0
-    low, high = _around(sign * held, torque, rises=False)
+    low, high = _around(sign * held, torque)
     drop = torque[low] - torque[high]
     share = min(1.0, max(0.0, (torque[low] - sign * held) / drop)) if drop > 0.0 else 1.0
     on = path[low] + share * (path[high] - path[low]) + abs(displacement)
     if on <= path[0] or on >= path[-1]:
         return float(sign * (torque[0] if on <= path[0] else torque[-1]))
-    low, high = _around(on, path, rises=True)
-    share = (on - path[low]) / (path[high] - path[low])
-    return float(sign * (torque[low] + share * (torque[high] - torque[low])))
+    low = np.searchsorted(path, on) - 1
+    share = (on - path[low]) / (path[low + 1] - path[low])
+    return float(sign * (torque[low] + share * (torque[low + 1] - torque[low])))
 
 
-@compiled()
+@compiled(inline=True)
 def slope(held: float, sign: float, path: Float, torque: Float) -> float:
     """Return the stiffness of bristles of a curve that bend on in a direction. [N m/rad]"""
     if len(path) == 0:
         return 0.0
-    low, high = _around(-sign * held, torque, rises=False)
+    low, high = _around(-sign * held, torque)
     return float((torque[low] - torque[high]) / (path[high] - path[low]))
 
 
-@compiled()
+@compiled(inline=True)
 def stretch(deflection: float, displacement: float, reach: float) -> float:
     """Return the deflection of a spring after a displacement, beyond whose reach it slips. [rad]"""
     return min(reach, max(-reach, deflection + displacement))
 
 
-@compiled()
-def _around(value: float, curve: Float, rises: bool) -> tuple[int, int]:
-    """Return the points of a curve around a value, by bisection: numpy's search takes most of a second to compile."""
-    low, high = 0, len(curve) - 1
-    while high - low > 1:
-        middle = (low + high) >> 1
-        if (curve[middle] < value) == rises:
-            low = middle
-        else:
-            high = middle
-    return low, high
+@compiled(inline=True)
+def _around(value: float, torque: Float) -> tuple[int, int]:
+    """Return the points of a falling curve around a torque."""
+    low = len(torque) - 1 - int(np.searchsorted(torque[::-1], value))
+    low = min(max(low, 0), len(torque) - 2)
+    return low, low + 1
 
 
 @compiled()

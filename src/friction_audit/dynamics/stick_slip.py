@@ -47,7 +47,7 @@ class Step(NamedTuple):
     end: float  # its end, likewise
 
 
-@compiled()
+@compiled(inline=True)
 def rest_of(step: Step, share: float) -> Step:
     """Return what is left of a step after a share of it."""
     return Step(
@@ -59,7 +59,7 @@ def rest_of(step: Step, share: float) -> Step:
     )
 
 
-@compiled()
+@compiled(inline=True)
 def slide(q: float, v: float, sign: float, step: Step, bent: Float, tables: Tables) -> float:
     """Return the velocity of a joint with tables after sliding through a step in one direction."""
     damping = bristle_damping(bent, sign, tables)
@@ -188,7 +188,7 @@ def move_two_sides(
     return out[:, :4].T
 
 
-@compiled()
+@compiled(inline=True)
 def _transmit(twist: float, closing: float, loss: float, link: Link) -> float:
     """Return the torque for a twist that grows at a speed, of which damping takes a share in a step. [N m]"""
     engaged = twist - min(max(twist, -link.half_rad), link.half_rad)

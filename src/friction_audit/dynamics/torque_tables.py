@@ -124,7 +124,7 @@ def _forms(term: Term, motion: Motion, empty: Tables) -> Iterable[Tables]:
         yield empty._replace(**shares)
 
 
-@compiled()
+@compiled(inline=True)
 def read(table: Float, row: int, entry: float) -> float:
     """Read a row of a table between its entries; level beyond its ends. (A row by itself costs as much as reading.)"""
     last = table.shape[1] - 1
@@ -154,7 +154,7 @@ def taken_along(q: Float, dq: Float, tables: Tables) -> Float:
     return out
 
 
-@compiled()
+@compiled(inline=True)
 def bristle_nm(bent: Float, displacement: float, tables: Tables) -> float:
     """Return the torque of the bristles a displacement ahead, without damping. [N m]"""
     torque = bend(bent[0], displacement, tables.bristles.path, tables.bristles.torque)
@@ -163,7 +163,7 @@ def bristle_nm(bent: Float, displacement: float, tables: Tables) -> float:
     return torque
 
 
-@compiled()
+@compiled(inline=True)
 def bend_on(bent: Float, displacement: float, tables: Tables) -> None:
     """Let the bristles follow a displacement, in place."""
     bent[0] = bend(bent[0], displacement, tables.bristles.path, tables.bristles.torque)
@@ -171,7 +171,7 @@ def bend_on(bent: Float, displacement: float, tables: Tables) -> None:
         bent[1 + k] = stretch(bent[1 + k], displacement, tables.bristles.reach[k])
 
 
-@compiled()
+@compiled(inline=True)
 def bristle_damping(bent: Float, sign: float, tables: Tables) -> float:
     """Return the damping of the bristles that bend on in a direction. [N m s/rad]"""
     if tables.bristles.damping_s == 0.0:

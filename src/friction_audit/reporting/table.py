@@ -20,7 +20,6 @@ Row = Any
 Get = str | Callable[[Row], Any]
 INTERVAL = "interval"  # kind of a pair of bounds
 PEOPLE, ALL = "tp", "jftp"
-GAP = "  "  # between columns of the terminal
 SUFFIXES = {
     "N m": "nm", "N m s/rad": "nms_per_rad", "N m/rad": "nm_per_rad", "N m/s": "nm_s", "kg m²": "kg_m2", "J": "j",
     "s": "s", "rad": "rad", "rad/s": "rad_s", "Hz": "hz", "°C": "c", "W": "w", "1/K": "per_k",
@@ -222,38 +221,19 @@ class Table(NamedTuple):
 
         A terminal breaks long lines, and half a number is worse. Columns of phrases give way.
         """
-        units = (f"\n[{in_unit(column.unit, self.unit)}]" if column.unit else "" for column in self.columns)
-        names = (column.short or column.title or column.name.replace("_", " ") for column in self.columns)
-        heads = [name + unit for name, unit in zip(names, units, strict=True)]
-        rows = [[column.text(row) for column in self.columns] for row in self.rows]
-        rows = [[f"{row[0]} {MARK}" if k in marked else row[0], *row[1:]] for k, row in enumerate(rows)]
-        return (self._wrapped if any(column.words for column in self.columns) else self._aligned)(heads, rows)
-
-    def _aligned(self, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-        from rich.cells import cell_len  # the rest of rich takes a tenth of the start
-
-        parts = [head.split("\n") for head in heads]
-        height = max(map(len, parts))
-        cells = [*zip(*([""] * (height - len(one)) + one for one in parts), strict=True), *rows]
-        widths, lines = [max(map(cell_len, column)) for column in zip(*cells, strict=True)], []
-        for row in cells:
-            gaps = (" " * (width - cell_len(cell)) for width, cell in zip(widths, row, strict=True))
-            padded = zip(self.columns, row, gaps, strict=True)
-            lines.append(GAP.join(gap + cell if one.number else cell + gap for one, cell, gap in padded).rstrip())
-        lines.insert(height, "\N{BOX DRAWINGS LIGHT HORIZONTAL}" * (sum(widths) + len(GAP) * (len(widths) - 1)))
-        return lines
-
-    def _wrapped(self, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
         from rich.box import SIMPLE_HEAD
         from rich.console import Console
         from rich.table import Table as RichTable
         from rich.text import Text
 
         drawn = RichTable(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False, collapse_padding=True)
-        for column, head in zip(self.columns, heads, strict=True):
-            drawn.add_column(Text(head), justify="right" if column.number else "left", no_wrap=not column.words)
-        for row in rows:
-            drawn.add_row(*map(Text, row))
+        for column in self.columns:
+            head = Text(column.short or column.title or column.name.replace("_", " "))
+            head.append(f"\n[{in_unit(column.unit, self.unit)}]" if column.unit else "")
+            drawn.add_column(head, justify="right" if column.number else "left", no_wrap=not column.words)
+        for number, row in enumerate(self.rows):
+            first, *others = (column.text(row) for column in self.columns)
+            drawn.add_row(*map(Text, (f"{first} {MARK}" if number in marked else first, *others)))
         stream = io.StringIO()
         console = Console(file=stream, highlight=False, markup=False, color_system=None)
         roomy = console.options.update(max_width=1000)

@@ -43,7 +43,7 @@ class LoadDependentFriction(HiddenEffect):
         return {"share": share * REFERENCE_NM, "form": "quadratic"}
 
 
-@compiled()
+@compiled(inline=True)
 def load_friction_nm(group: Record, load_nm: float, power_w: float) -> float:
     """Return the friction that the load adds to the Coulomb level (not negative, so passive). [N m]
 
@@ -86,7 +86,7 @@ class PositionDependentFriction(HiddenEffect):
         return {"share": share, "cycles_per_rev": order, "phase_rad": phase, "form": "sinusoid"}
 
 
-@compiled()
+@compiled(inline=True)
 def position_factor(group: Record, q: float) -> float:
     """Return the factor of the Coulomb level at a position: 1 on average, never below 0, so passive.
 
@@ -196,7 +196,7 @@ class CableSpring(HiddenEffect):
         return {"stiffness_nm_per_rad": stiffness, "centre_rad": middle, "form": "linear"}
 
 
-@compiled()
+@compiled(inline=True)
 def cable_spring_nm(group: Record, q: float) -> float:
     """Return the torque towards the centre; a slack cable pulls on both sides, a tether on the upper one. [N m]"""
     stretch = q - group.centre_rad
@@ -225,7 +225,7 @@ class JointLimitStop(HiddenEffect):
     form: int = SPRING_DAMPER
 
 
-@compiled()
+@compiled(inline=True)
 def limit_stop_nm(group: Record, q: float, velocity: float) -> float:
     """Return the torque of both walls, on the motor's side of the sensor. [N m]
 

@@ -26,21 +26,21 @@ class WarmUp(HiddenEffect):
     form: int = AMBIENT
 
 
-@compiled()
+@compiled(inline=True)
 def warm_up_advance(group: Record, warmth: float, friction_power_w: float, h: float) -> float:
     """Return the warmth after h, exact at constant power; self-heating after Simoni et al. (2015) may exceed 1."""
     target = friction_power_w / group.power_w if group.form == SELF_HEATING else 1.0
     return float(warmth - (target - warmth) * math.expm1(-h / group.time_s))
 
 
-@compiled()
+@compiled(inline=True)
 def warm_up_coulomb_factor(group: Record, warmth: float) -> float:
     """Return the Coulomb friction over that of the cold joint: falls about linearly, stays above 0."""
     lost = group.reduction * group.coulomb_ratio
     return float(1.0 / (1.0 + warmth * lost / (1.0 - lost)))
 
 
-@compiled()
+@compiled(inline=True)
 def warm_up_viscous_factor(group: Record, warmth: float) -> float:
     """Return the viscous friction over that of the cold joint: exponential in temperature (Reynolds 1886)."""
     return float((1.0 - group.reduction) ** warmth)
@@ -73,7 +73,7 @@ class FrictionStep(HiddenEffect):
         return {**given, "at_share": begin, "length_s": length, "form": "ramp"}
 
 
-@compiled()
+@compiled(inline=True)
 def friction_step_factor(group: Record, ratio: float, t: float, duration: float) -> float:
     """Return a coefficient over that before the step, above 0; it takes part in the change by a ratio."""
     since, done = t - group.at_share * duration, 1.0
@@ -125,12 +125,11 @@ def draw_events(group: ContactEvent, duration_s: float, rng: np.random.Generator
     return events[np.argsort(start)]
 
 
-@compiled()
+@compiled(inline=True)
 def contact_event_nm(group: Record, events: Float, t: float, velocity: float) -> float:
     """Return the torque of the events; a knock is half a sine, a step is constant, a drag only takes energy. [N m]"""
-    torque, k = 0.0, len(events) - 1
-    while k >= 0 and events[k, 0] > t:  # it has not begun
-        k -= 1
+    torque = 0.0
+    k = np.searchsorted(events[:, 0], t, side="right") - 1  # the last that has begun
     while k >= 0 and events[k, 0] > t - LONGEST_S:
         share = (t - events[k, 0]) / events[k, 1]
         if share < 1.0:
@@ -167,7 +166,7 @@ class UnloggedCompensation(HiddenEffect):
         return {**friction, "form": "dead_band" if round(form) else "smooth"}
 
 
-@compiled()
+@compiled(inline=True)
 def unlogged_nm(group: Record, velocity: float) -> float:
     """Return the torque that helps the motion, of the sign of the velocity. [N m]
 

@@ -20,7 +20,7 @@ class Stribeck(HiddenEffect):
     form: int = EXPONENTIAL
 
 
-@compiled()
+@compiled(inline=True)
 def stribeck_nm(group: Record, speed: float) -> float:
     """Return the friction above the Coulomb level at a speed (not negative). [N m]"""
     ratio = speed / group.speed_rad_s
@@ -46,7 +46,7 @@ class Stiction(HiddenEffect):
     form: int = SATURATING
 
 
-@compiled()
+@compiled(inline=True)
 def stiction_nm(group: Record, rest_s: float) -> float:
     """Return the break-away level above the sliding level after a rest (not negative). [N m]
 
@@ -83,7 +83,7 @@ class NonlinearViscous(HiddenEffect):
         return {"torque_nm": torque, "exponent": exponent, "speed_rad_s": 1.0, "form": "power"}
 
 
-@compiled()
+@compiled(inline=True)
 def nonlinear_viscous_nm(group: Record, speed: float) -> float:
     """Return the friction on top of the viscous line at a speed (not negative, never falling). [N m]
 
@@ -149,7 +149,7 @@ class Presliding(HiddenEffect):
         return {"displacement_rad": reach, "exponent": exponent, "form": "dahl"}
 
 
-@compiled()
+@compiled(inline=True)
 def dahl_advance(z: float, sigma0: float, level: float, velocity: float, h: float, exponent: float) -> float:
     """Move the deflection on by h at constant velocity: the exact solution of Dahl (1976) for any exponent."""
     if velocity == 0.0:
@@ -166,7 +166,7 @@ def dahl_advance(z: float, sigma0: float, level: float, velocity: float, h: floa
     return sign * level * (1.0 - missing) / sigma0
 
 
-@compiled()
+@compiled(inline=True)
 def presliding_advance(
     group: Record, bristles: Float, coulomb_nm: float, level: float, velocity: float, h: float
 ) -> None:
@@ -194,7 +194,7 @@ def presliding_advance(
             bristles[k] = min(limit, max(-limit, held + velocity * h))
 
 
-@compiled()
+@compiled(inline=True)
 def presliding_force_nm(group: Record, bristles: Float, coulomb_nm: float, level: float, velocity: float) -> float:
     """Return the friction torque without the viscous part, positive in steady motion forward (there: level). [N m]
 
@@ -236,7 +236,7 @@ class FrictionalLag(HiddenEffect):
     form: int = RELAXING
 
 
-@compiled()
+@compiled(inline=True)
 def frictional_lag_speed(group: Record, memory: Float, speed: float, h: float) -> float:
     """Move on by h to the present speed and return the speed that friction sees, in between those that were. [rad/s]
 

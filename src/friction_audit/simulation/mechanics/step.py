@@ -61,13 +61,13 @@ def sliding_level(
     return float(level)
 
 
-@compiled()
+@compiled(inline=True)
 def bristle_level(joint: Record, state: Record, q: float, dq: float, t: float, duration: float) -> float:
     """Return the friction of a joint on bristles that slides steadily. [N m]"""
     return max(LEAST_LEVEL_NM, sliding_level(joint, state, q, abs(dq), 1.0 if dq >= 0.0 else -1.0, t, duration))
 
 
-@compiled()
+@compiled(inline=True)
 def regulate_torque(joint: Record, state: Record, body: Record, j: int, h: float) -> None:
     """Let the joint torque control of a joint feed back, over a step of length h, the torque of its dead time ago."""
     loop, c, gap, gear = joint.torque_loop, body.inner[j], joint.hidden.backlash, joint.hidden.joint_elasticity
@@ -140,7 +140,7 @@ def load_friction(joint: Record, state: Record, body: Record, j: int, ahead: flo
         body.level[c] = sliding_level(joint, state, q, max(0.0, dq * mode), mode, t, duration)
 
 
-@compiled()
+@compiled(inline=True)
 def _load_transmission(joint: Record, body: Record, j: int, ahead: float) -> None:
     """Add the spring and the damper, or the flanks, between the two sides of a joint."""
     c = body.inner[j]
@@ -170,7 +170,7 @@ def _load_transmission(joint: Record, body: Record, j: int, ahead: float) -> Non
 # Acceleration, with friction holding what it can, and the step.
 
 
-@compiled()
+@compiled(inline=True)
 def solve(body: Record) -> None:
     """Solve the equations of the coordinates that are not stuck, in place; they are positive definite (Cholesky)."""
     system, right, count = body.system, body.right, body.free
@@ -234,7 +234,7 @@ def _release(body: Record, h: float) -> bool:
     return True
 
 
-@compiled()
+@compiled(inline=True)
 def _hold_again(body: Record) -> bool:
     """Hold a coordinate that broke away and that others, free since then, pull back; return whether there is one."""
     for c in range(body.count):
@@ -258,7 +258,7 @@ ROOT_ITERATIONS = 3
 EVENTS = 32  # stops within a step; what comes after is taken without stopping again
 
 
-@compiled()
+@compiled(inline=True)
 def _first_stop(body: Record, h: float) -> tuple[int, float]:
     """Return the sliding coordinate that stops first within a step, or -1, and the share of the step."""
     first, share = -1, 1.0
@@ -273,7 +273,7 @@ def _first_stop(body: Record, h: float) -> tuple[int, float]:
     return first, share
 
 
-@compiled()
+@compiled(inline=True)
 def _stop_time(body: Record, c: int, h: float, share: float) -> float:
     """Return the time within the step at which a coordinate stops; damping makes its acceleration depend on it."""
     time = share * h

@@ -2,6 +2,8 @@
 
 import math
 
+import numpy as np
+
 from friction_audit.compensation.controller import (
     FIND,
     INITIATION_M_S,
@@ -48,7 +50,7 @@ def advance(joints: Record, states: Record, events: Float, body: Record, clock: 
         slide(joints, states, events, body, since + i * h, t + i * h, h, clock.duration)
 
 
-@compiled()
+@compiled(inline=True)
 def evaluate(joints: Record, states: Record, events: Float, body: Record, clock: Record, t: float) -> None:
     """Find accelerations, friction and the torques at the sensors at an instant."""
     load_drive(body, 0.0, 0.0)
@@ -68,7 +70,7 @@ def evaluate(joints: Record, states: Record, events: Float, body: Record, clock:
         body.port[j] = torque
 
 
-@compiled()
+@compiled(inline=True)
 def keep(states: Record, body: Record, out: Float) -> None:
     """Write the truth of an instant into ``out``, shape (ROWS, n)."""
     for j in range(len(states)):
@@ -82,7 +84,7 @@ def keep(states: Record, body: Record, out: Float) -> None:
             out[i, j] = kept[i]
 
 
-@compiled()
+@compiled(inline=True)
 def control(joints: Record, states: Record, body: Record, loop: Record, clock: Record, k: int, cut: int) -> None:
     """Read the sensors at tick k and set the compensators' torques for the time up to the next tick."""
     for j in range(len(joints)):
@@ -142,7 +144,7 @@ def guide(  # noqa: PLR0913
         body.push[i], body.push_rate[i], body.support[i] = push, rate, support[i]
 
 
-@compiled()
+@compiled(inline=True)
 def hand_cut(body: Record, loop: Record, jacobian: Float, cycle: Float, k: int, dt: float) -> int:
     """Return 1 if the hand rests and every joint has moved, which ends a cycle (paper, section V.B), else 0."""
     square = 0.0
@@ -161,18 +163,18 @@ def hand_cut(body: Record, loop: Record, jacobian: Float, cycle: Float, k: int, 
     return 1
 
 
-@compiled()
+@compiled(inline=True)
 def push_bench(mechanism: Record, push: Float, gravity: Float, k: int) -> None:
     """Set what drives the one joint of a bench at tick k, and the weight of its load."""
     body, dt, driven = mechanism.body, mechanism.clock.dt, mechanism.states[0].driven
     link = body.inner[0] if driven else 0
     position = body.y[link] + (0.5 * dt * body.v[link] if k > 0 else 0.0)
-    weight = gravity[0] * math.sin(position + gravity[1])
+    weight = gravity[0] * np.sin(position + gravity[1])
     body.support[0] = -weight if driven else weight
     body.push[0] = push[k] - body.support[0]
     before, after = push[k] - push[max(k - 1, 0)], push[min(k + 1, len(push) - 1)] - push[k]
     body.push_rate[0] = 0.5 * (before + after) / dt
-    body.push_bend[0] = (after - before) / (dt * dt)
+    body.push_bend[0] = (after - before) / dt**2
 
 
 @compiled()
