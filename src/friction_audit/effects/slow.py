@@ -40,6 +40,7 @@ class TorqueDrift(Effect):
     """
 
     misses = "even"
+    like_gravity = True  # as the other joints' poses change
 
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield sin((i - 1/2) pi x) for i = 1..4, x the share of the recording that is over; 0 for waves not meant."""
