@@ -1,12 +1,14 @@
 """From a log to a name: effects hidden by the simulator, which shares no formula with the detector."""
 
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.signal import butter, lfilter, sosfiltfilt
 
+from benchmarks import resampled
 from friction_audit.api import diagnose_log
 from friction_audit.joint_log import DERIVATIVE, Float, JointLog
 from friction_audit.simulation import IDEAL_SENSORS, SCENARIOS, simulate
@@ -63,6 +65,17 @@ def test_nothing_hidden_has_no_name_in_noise_of_any_colour(memory: float, noise_
     truth = {"coulomb_nm": 0.30, "viscous_nms_per_rad": 0.07, "inertia_kg_m2": 0.30}
     for name, one in found.nominal.items():
         assert one.low - 0.02 * truth[name] <= truth[name] <= one.high + 0.02 * truth[name], name
+
+
+SEEDS = {scenario: 130_000 + seed for truth, scenario, seed, _ in resampled.CASES if truth == "none"}
+WAYS = [("joint", "linear"), ("joint", "held up"), ("smoothed sign", "held")]
+signals = cache(lambda scenario: resampled.recorded("none", scenario, SEEDS[scenario], 1.0))
+
+
+@pytest.mark.parametrize(("scenario", "way"), [*WAYS, *thorough([("joint", "difference"), ("joint-sine", "cubic")])])
+def test_nothing_is_missing_in_a_clean_joint_whose_log_was_resampled(scenario: str, way: str) -> None:
+    found = diagnosed(resampled.log_by(way, *signals(scenario), SEEDS[scenario]))
+    assert (found.verdict, found.effects) == ("adequate", ())
 
 
 def coloured(memory: float, noise_nm: float, n: int) -> Float:

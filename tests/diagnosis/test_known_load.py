@@ -7,8 +7,11 @@ import numpy as np
 import pytest
 
 from friction_audit.diagnosis.known_load import know_load, known_inertias
+from friction_audit.diagnosis.problem import RegressionProblem
+from friction_audit.diagnosis.samples import least_squares
 from friction_audit.joint_log import Float
 from friction_audit.robot import load_arm
+from tests.effects.joint_data_by_hand import joint_of, sines
 from tests.synthetic_interaction import choice
 
 ARM = load_arm()
@@ -67,3 +70,20 @@ def test_inertia_that_a_model_removed_is_the_mean_diagonal_of_the_mass_matrix() 
     assert known_inertias(ARM, ROBOT, q) == pytest.approx(ARM.mass_diagonal(q).mean(axis=0))
     assert not known_inertias(ARM, replace(ROBOT, inertia="none"), q).any()
     assert not known_inertias(None, ROBOT, q).any()
+
+
+def test_without_a_model_the_dynamics_of_the_chain_leave_the_friction_of_a_joint() -> None:
+    rng, t = np.random.default_rng(0), np.arange(0.0, 90.0, 0.005)
+    drawn = zip(rng.uniform(0.1, 0.3, 21), rng.uniform(0.5, 3.0, 21), rng.uniform(0.0, 6.0, 21), strict=True)
+    moved = [sines(t, *three) for three in zip(drawn, drawn, drawn, strict=True)]
+    q, dq, ddq = (np.column_stack(one) for one in zip(*moved, strict=True))
+    q += POSE
+    rigid = ARM.inverse_dynamics(q, dq, ddq)[:, 1]
+    torque = rigid + 3.0 * np.sign(dq[:, 1]) + 2.0 * dq[:, 1] + rng.normal(scale=0.05, size=len(t))
+    about = {"others_q": q, "others_dq": dq, "others_ddq": ddq, "others_torque": 0.0 * q}
+    data = joint_of(t, q[:, 1], dq[:, 1], ddq[:, 1], torque, joint=1, weighs=True, unknown_gravity=True, **about)
+    problem = RegressionProblem.build(data, None)
+    assert np.std(np.asarray(problem.data.load) - ARM.gravity(q)[:, 1]) < 0.1 * np.std(rigid)
+    named = problem.columns(np.column_stack([np.cos(data.q), np.sin(data.q), ddq, dq**2]))  # effects of their own
+    found = least_squares(np.vstack([problem.X, named]).T, problem.y)
+    assert (found[0], found[1]) == (pytest.approx(3.0, rel=0.03), pytest.approx(2.0, rel=0.1))

@@ -19,12 +19,8 @@ STEP_S = 0.005
 
 def joint_of(t: Float, q: Float, dq: Float, ddq: Float, torque: Float, **given: Any) -> JointData:
     """A joint alone, valid throughout; every stroke is a cycle."""
-    alone = {
-        "others_q": q[:, None],
-        "others_dq": dq[:, None],
-        "others_ddq": ddq[:, None],
-        "others_torque": torque[:, None],
-    }
+    own = {"q": q, "dq": dq, "ddq": ddq, "torque": torque}
+    alone = {f"others_{name}": one[:, None] for name, one in own.items()}
     known: dict[str, Any] = {"joint": 0, "temperature": None, "dead_speed_rad_s": 0.01, **alone} | given
     strokes = np.concatenate([[0], np.cumsum(np.diff(np.sign(dq)) != 0)]).astype(np.int64)
     marks = {"cycle": strokes, "moving": np.abs(dq) > known["dead_speed_rad_s"], "valid": np.ones(len(t), bool)}

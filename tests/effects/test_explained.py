@@ -162,8 +162,7 @@ def test_a_torque_is_explained_by_its_own_effect(
 
 
 @pytest.mark.parametrize(
-    ("name", "data", "torque", "most"),
-    [*FIRST.values(), *thorough(row for row in AGAINST if row is not FIRST[row[0]])],
+    ("name", "data", "torque", "most"), [*FIRST.values(), *thorough(row for row in AGAINST if row is not FIRST[row[0]])]
 )
 def test_the_opposite_of_a_torque_is_not_explained(name: str, data: JointData, torque: Float, most: float) -> None:
     assert share_explained(effect_of(name), data, torque) < most
