@@ -21,7 +21,7 @@ from friction_audit.diagnosis.samples import (
     make_samples,
     nominal_model,
 )
-from friction_audit.diagnosis.unknown_chain import chain_basis, free_of, with_gravity
+from friction_audit.diagnosis.unknown_chain import chain_basis, free_of, left_to_effects, with_gravity
 from friction_audit.effects.joint_data import JointData, Nominal, displacement
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.errors import AnalysisError
@@ -211,6 +211,11 @@ class RegressionProblem:
         """Where the filter reads the fine grid, the joint there, and what makes samples of its columns."""
         read, samples = self.samples.near(len(self.data.t))
         return read, self.data.at(read), lambda fine: free_of(self.chain, np.ascontiguousarray(samples.of(fine).T))
+
+    @cached_property
+    def left_to_effects(self) -> Float:
+        """What the chain without a model leaves to effects, shape (e, m); without it friction is far off at first."""
+        return self.columns(left_to_effects(self.data)) if len(self.chain) else np.empty((0, len(self.y)))
 
     def without(self, dropped: NDArray[np.bool_]) -> "RegressionProblem":
         """The problem without some samples, shape (m,)."""

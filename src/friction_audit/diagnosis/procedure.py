@@ -75,7 +75,8 @@ def select(data: JointData, model: JointModel | None, effects: Sequence[Effect])
 
 def _selected(problem: RegressionProblem, effects: Sequence[Effect]) -> State:
     gravity = problem.columns((problem.data.torque - problem.data.without_gravity)[:, None])[0]
-    baseline = problem.nominal.baseline(_ols(problem.X, problem.y - gravity))
+    rows = np.vstack([problem.X, problem.left_to_effects])
+    baseline = problem.nominal.baseline(_ols(rows, problem.y - gravity)[: len(problem.X)])
     nuisances = plausible(problem, baseline)
     noise = NoiseModel.fit(problem.age, _plain_and_bent(problem, nuisances, problem.X), problem.model_error(baseline))
     dictionary = Dictionary.build(problem, effects, baseline, whole=False)
@@ -168,13 +169,15 @@ def _refitted(state: State) -> State:
 def plausible(problem: RegressionProblem, baseline: Nominal, active: Sequence[Block] = ()) -> list[Nuisance]:
     """Nuisances within their priors given effects, with the likelier form of the sign; others would hide an effect."""
     given, found = np.vstack([problem.X, *(block.columns for block in active)]), []
+    chain = [Nuisance(row, np.inf) for row in problem.left_to_effects if row.any()]
     for sign in SIGNS:
-        kept = problem.nuisances(baseline, given, sign)
+        kept = problem.nuisances(baseline, np.vstack([given, problem.left_to_effects]), sign)
         while True:
-            noise = NoiseModel.fit(problem.age, _plain_and_bent(problem, kept, given), problem.model_error(baseline))
-            gram = Gram(problem, noise, kept, active)
+            known = [*kept, *chain]
+            noise = NoiseModel.fit(problem.age, _plain_and_bent(problem, known, given), problem.model_error(baseline))
+            gram = Gram(problem, noise, known, active)
             fit = Training(gram).fit(active)
-            size = np.abs(fit.coefficients[len(problem.X) : len(fit.kept)]) / [one.sd for one in kept]
+            size = np.abs(fit.coefficients[len(problem.X) : len(fit.kept)]) / [one.sd for one in known]
             if size.max(initial=0.0) <= PLAUSIBLE_SD:
                 break
             kept.pop(int(np.argmax(size)))

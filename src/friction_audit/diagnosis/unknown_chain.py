@@ -142,6 +142,12 @@ def chain_basis(data: JointData, weight: Float, seen: Callable[[Float], Float], 
     return np.asarray(basis[size**2 > noise][: int(MOST_PER_SAMPLE * len(y))])
 
 
+def left_to_effects(data: JointData) -> Float:
+    """What of an unknown chain's torque is an effect of its own, on the fine grid, shape (n, e)."""
+    motion = _chain_of(data)
+    return np.vstack([process.effects(motion) for process in (GRAVITY, INERTIA)]).T
+
+
 def free_of(basis: Float, rows: Float) -> Float:
     """Rows, shape (p, m), without what an orthonormal basis, shape (k, m), takes of them; zero where it takes all."""
     if not len(basis):
