@@ -19,7 +19,6 @@ from friction_audit.simulation import (
     Hand,
     Simulation,
     TrueMotion,
-    bench,
     settings as settings_module,
     simulate,
 )
@@ -62,8 +61,7 @@ work = partial(cumulative_trapezoid, dx=1e-3, axis=0, initial=0)  # of a power, 
 
 
 def at_rate(settings: ArmSettings, rate_hz: float, monkeypatch: pytest.MonkeyPatch) -> TrueMotion:
-    for module in (settings_module, bench):
-        monkeypatch.setattr(module, "CONTROL_RATE_HZ", rate_hz)
+    monkeypatch.setattr(settings_module, "CONTROL_RATE_HZ", rate_hz)
     return settings.move(make_streams(SEED, 7), "free swing", None).motion
 
 
