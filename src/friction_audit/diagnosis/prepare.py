@@ -126,7 +126,7 @@ def prepare(
             logged_q=logged_q,
             logged_dq=logged_dq[:, column],
             load=None if load is None else np.ascontiguousarray(load[:, column]),
-            weighs=bool(weighing[column]),
+            weighs=bool(weighing[column]) and removed is None,
             unknown_gravity=bool(weighing.sum() > weighing[column]),
             rigid=None if rigid is None else rigid[column],
             others_joint=column,

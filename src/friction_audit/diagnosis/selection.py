@@ -312,17 +312,12 @@ def indistinguishable(
         given = Projected(Training(gram), others).and_also(gram.of(block)[varying])
         names += [name for name, one in constants.items() if given.evidence(gram.of(one)) >= PRIOR]
     # Gravity that the torque holds changes with other joints too, and what follows their motion may be it.
-    if gram.problem.data.unknown_gravity and (
-        block.effect.axis == "neighbour" or _small_beside_chain(gram, block, active)
-    ):
-        names.append(GRAVITY)
+    names += [GRAVITY] * (gram.problem.data.unknown_gravity and block.effect.axis == "neighbour")
+    names += [GRAVITY] * _small_beside_chain(gram, block, active)
     wholes = PART_OF.get(block.name, ())
-    doubtful = [
-        b for b in others if not (gram.problem.data.weighs and b.name == GRAVITY)
-    ]  # what the torque holds is not
-    names += [
-        b.name for b in others if b.name in wholes or (b in doubtful and _leans(Training(gram), block, b, others))
-    ]
+    certain = {GRAVITY} if gram.problem.data.weighs else set()  # the torque holds it
+    leaning = (b for b in others if b.name not in certain and _leans(Training(gram), block, b, others))
+    names += [*(b.name for b in others if b.name in wholes), *(b.name for b in leaning)]
     return tuple(dict.fromkeys(names))
 
 

@@ -98,6 +98,7 @@ INERTIA = Process(
 
 
 def _decomposed(process: Process, motion: ChainMotion) -> Columns:
+    # Row by row: the whole matrix, for LAPACK's dpstrf, has the square of some thousand samples.
     m, left = len(motion.q), process.variance(motion)
     enough = process.least * max(float(left.mean()), 1e-300)
     rows, pivots = np.empty((MOST, m)), list[int]()

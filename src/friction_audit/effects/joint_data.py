@@ -64,7 +64,7 @@ class JointData:
     logged_dq: Float | None = None  # velocity as it was logged, through the same filter; ``dq`` where None [rad/s]
     # what the sensor bears besides, signed as the torque: gravity, and inertia that was taken away; predicted [N m]
     load: Float | None = None
-    weighs: bool = False  # True if gravity is in the torque, whether or not the load says how much
+    weighs: bool = False  # True if gravity is in the torque: all of the load, where that is known
     unknown_gravity: bool = False  # True if gravity is in the torque and also depends on other joints
     rigid: RigidBody | None = None  # what the rigid-body model of the arm says; None where no model is known
     others_joint: int | None = None  # column of this joint among the others; ``joint`` where None
