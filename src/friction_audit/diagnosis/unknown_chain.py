@@ -22,6 +22,7 @@ MOST_PER_SAMPLE = 0.25  # of both: friction needs samples too
 ROUNDS = 10  # of expectation maximisation
 ABSORBED = 1e-4  # of the norm of a column: less of it is rounding
 FITTED = 4000  # samples from which gravity is known well enough
+NOISE = 1e-6  # variance of noise over that of gravity's coefficients
 AT_ONCE = 2**14  # samples, for memory
 
 
@@ -159,7 +160,10 @@ def free_of(basis: Float, rows: Float) -> Float:
 
 
 def with_gravity(data: JointData) -> JointData:
-    """The joint with gravity as its load where the torque holds it and nothing says how much, by least squares."""
+    """The joint with gravity as its load where the torque holds it and nothing says how much, by ridge regression.
+
+    Without a constant: a sine of a narrow range of angles and a constant of the opposite sign are nearly nothing.
+    """
     used = np.flatnonzero(data.used)
     if not data.weighs or data.load is not None or not len(used):
         return data
@@ -167,11 +171,14 @@ def with_gravity(data: JointData) -> JointData:
     at = motion.at(some)
     chain, sines = _decomposed(GRAVITY, at), _own_sines(at)
     of_chain = chain.at(at)
-    friction = np.stack([data.direction, data.dq, np.ones(len(data.q))])[:, some]
-    rows = np.vstack([sines, of_chain, friction, _constant_coupling(at)])
+    weighing = np.vstack([sines, of_chain])
+    rows = np.vstack([weighing, np.stack([data.direction, data.dq])[:, some], _constant_coupling(at)])
     size = np.maximum(np.sqrt(np.mean(rows**2, axis=1)), 1e-12)
-    found = np.linalg.lstsq((rows / size[:, None]).T, data.torque[some], rcond=1e-9)[0] / size
-    own, others = np.split(found[: 2 + len(of_chain)], [2])
+    prior = np.zeros((len(weighing), len(rows)))
+    np.fill_diagonal(prior, np.sqrt(NOISE * len(some)))
+    known = np.append(data.torque[some], np.zeros(len(weighing)))
+    found = np.linalg.lstsq(np.vstack([rows.T, prior]) / size, known, rcond=1e-9)[0] / size
+    own, others = np.split(found[: len(weighing)], [2])
     load = np.empty(len(data.q))
     for first in range(0, len(load), AT_ONCE):
         part = motion.at(slice(first, first + AT_ONCE))
