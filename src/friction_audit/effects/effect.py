@@ -45,7 +45,7 @@ class Effect:
     # What some effects have of their own.
 
     needs_nominal: ClassVar[bool] = False  # True if its columns hold torque of the nominal model and change with that
-    # What its formula may miss: any torque, a curve over its axis that is the same in both directions or has two, nothing.
+    # What its formula may miss: any torque, a curve over its axis, the same or another in each direction, or nothing.
     misses: ClassVar[Literal["any", "even", "directed", "nothing"]] = "any"
     # True if it is a constant or a curve of position, which the gravity of other joints in the torque resembles.
     like_gravity: ClassVar[bool] = False
