@@ -16,7 +16,7 @@ from typer.core import TyperGroup
 
 from friction_audit import __version__
 from friction_audit.cli.console import discard, open_streams, remark, say
-from friction_audit.cli.grouped_help import GroupedCommand, LateParams, with_option_groups
+from friction_audit.cli.parameters import GroupedCommand, LateParams, with_option_groups
 from friction_audit.errors import AnalysisError, FrictionAuditError, InputError, UsageError, shortened
 from friction_audit.parallel import BLAS_THREADS, own_process
 

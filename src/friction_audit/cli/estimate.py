@@ -4,8 +4,9 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from friction_audit.cli import chain, choices, options as opt
+from friction_audit.cli import chain, options as opt
 from friction_audit.cli.outputs import ResultFolder, show
+from friction_audit.cli.parameters import FIGURES
 
 EXAMPLES = """Examples:
   friction-audit estimate run.mcap
@@ -23,7 +24,7 @@ def command(
     shared: opt.LogOptions,
     drawn: opt.FigureOptions,
     folder: Path | None = opt.folder_option(f"Also write {DOCUMENT}, {HISTORY} and the figures to DIR."),
-    figures: list[str] = opt.figures_option(choices.FIGURES),
+    figures: list[str] = opt.figures_option(FIGURES),
     export: opt.Exports = [],
     strict: opt.Strict = False,
 ) -> None:

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from friction_audit.cli import chain, options as opt
-from friction_audit.cli.choices import group, option, parse_joints, parse_numbers, parse_range
-from friction_audit.cli.grouped_help import GENERAL, MOTION
 from friction_audit.cli.outputs import ResultFolder, show
+from friction_audit.cli.parameters import GENERAL, MOTION, group, option, parse_joints, parse_numbers, parse_range
 from friction_audit.errors import InputError
 from friction_audit.joint_numbers import require_joints
 

@@ -8,11 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from friction_audit import compensation
-from friction_audit.cli import chain, choices, options as opt
-from friction_audit.cli.choices import flag, group, option, parse_numbers, positive
+from friction_audit.cli import chain, options as opt
 from friction_audit.cli.console import Voice
-from friction_audit.cli.grouped_help import REPLAY, TUNING
 from friction_audit.cli.outputs import ResultFolder, show
+from friction_audit.cli.parameters import REPLAY, REPLAY_FIGURES, TUNING, flag, group, option, parse_numbers, positive
 from friction_audit.errors import UsageError
 from friction_audit.friction.settings import MODELS
 
@@ -108,7 +107,7 @@ def command(
     shared: opt.LogOptions,
     drawn: opt.FigureOptions,
     folder: Path | None = opt.folder_option(f"Also write {DOCUMENT}, {HISTORY} and the figures to DIR."),
-    figures: list[str] = opt.figures_option(choices.REPLAY_FIGURES),
+    figures: list[str] = opt.figures_option(REPLAY_FIGURES),
     export: opt.Exports = [],
     strict: opt.Strict = False,
 ) -> None:

@@ -6,9 +6,8 @@ from pathlib import Path
 import typer
 
 from friction_audit.cli import chain, options as opt
-from friction_audit.cli.choices import group, option
-from friction_audit.cli.grouped_help import OUTPUT, command_line
 from friction_audit.cli.outputs import ResultFolder, show
+from friction_audit.cli.parameters import OUTPUT, command_line, group, option
 from friction_audit.cli.replay import ReplayOptions, replay_settings
 from friction_audit.reporting import ENDINGS, SECTIONS
 
