@@ -8,7 +8,7 @@ import numpy as np
 
 from friction_audit.joint_log import Float, Int, JointLog, median_step
 from friction_audit.parallel import per_joint
-from friction_audit.preprocessing import cycle_sums, energy_cycles as made
+from friction_audit.preprocessing import energy_cycles as made
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.settings import CycleSettings
 from friction_audit.preprocessing.velocity import filter_velocity, settling_samples
@@ -102,7 +102,7 @@ class CycleSearch:
         self._last_s = float(part.t[shift + len(self._signal) - 1])
         if not (old or self.first):
             self._begin_s = float(part.t[shift])
-        borders = cycle_sums.find_borders(
+        borders = made.find_borders(
             self._signal,
             *(self._hand or self.own),
             merge=self._hand is None,
@@ -159,7 +159,7 @@ class CycleSearch:
         first = max(int(borders[0]) - near, -shift)
         steps = np.diff(part.t[first + shift : borders[-1] + shift + near + 1])
         holes = np.flatnonzero(steps > hole_s) + first
-        edges, peak = cycle_sums.cut_evenly(steps[-first:], self._filtered, borders, PARTS)
+        edges, peak = made.cut_evenly(steps[-first:], self._filtered, borders, PARTS)
         parts = self._sums(part, edges)
         sums = made.EnergySums(**{one.name: getattr(parts, one.name).sum(axis=-1) for one in fields(parts)})
         start, stop = borders[:-1] + self.first, borders[1:] + self.first
@@ -199,7 +199,7 @@ class CycleSearch:
         rows = slice(shift, shift + len(self._filtered))
         u = None if part.compensation is None else part.compensation[rows, self._column]
         q, dq, torque = (array[rows, self._column] for array in (part.q, part.dq, part.torque))
-        found = cycle_sums.add_up(part.t[rows], q, dq, self._filtered, torque, u, edges)
+        found = made.add_up(part.t[rows], q, dq, self._filtered, torque, u, edges)
         x, y = _gravity_work(part, self._column, edges + shift)
         return made.EnergySums(**found, displacement_rad=np.diff(q[edges], axis=1), gravity_x_rad=x, gravity_y_rad=y)
 
@@ -211,7 +211,7 @@ class CycleSearch:
         if self._at_border:
             now = self._cycles_between(part, np.array([0, self._longest]))
             self._begun = now, self._position(part)[shift] if self._begun is None else self._begun[1]
-        stops, starts, _ = cycle_sums.events(self._signal[: self._longest + 1], *thresholds, moving=moving)
+        stops, starts, _ = made.events(self._signal[: self._longest + 1], *thresholds, moving=moving)
         self._go_on(self._longest, moving=moving == (len(stops) == len(starts)))
 
     def _go_on(self, row: int, *, moving: bool) -> None:
