@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from friction_audit.compensation import FEED_BACK, MODEL, result
 from friction_audit.compensation.closed_loop import SUMS, add_torque
 from friction_audit.compensation.competitors import (
+    OF_FRICTION,
     PUBLISHED,
     Compensator,
     DisturbanceObserver,
@@ -18,10 +19,10 @@ from friction_audit.compensation.competitors import (
     LugreCompensation,
     TorqueRegulation,
     fit_sigmoid,
+    refuse,
 )
 from friction_audit.compensation.controller import FIND, hand_cuts
 from friction_audit.compensation.counterfactual import Run, make_scene, recording_of
-from friction_audit.compensation.feed_forward import OF_FRICTION, refuse
 from friction_audit.compensation.law import Coefficients, EnergyCompensator
 from friction_audit.compensation.result import JointReplay, Replay, Signals
 from friction_audit.compensation.settings import Competitor, Limits, ReplaySettings, limits_of
