@@ -11,8 +11,7 @@ from hypothesis import given, settings, strategies as st
 from friction_audit.compensation.competitors import FixedCompensation
 from friction_audit.compensation.law import Coefficients, EnergyCompensator
 from friction_audit.compensation.settings import Competitor, ReplaySettings, energy_compensator
-from friction_audit.joint_log import JointLog
-from friction_audit.log_in_blocks import LogInBlocks
+from friction_audit.joint_log import JointLog, LogInBlocks
 from friction_audit.pipeline import AuditSettings, LogReplay, estimate_log, replay_estimate
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.reporting.notices import sentence_of, text_of

@@ -13,8 +13,7 @@ from hypothesis import given, strategies as st
 from friction_audit.compensation.settings import ReplaySettings
 from friction_audit.io.readers import ReadOptions, read_log
 from friction_audit.io.writers.write_log import WRITERS, write_log
-from friction_audit.joint_log import JointLog, LogPart, Source
-from friction_audit.log_in_blocks import LogInBlocks, Means, block_means
+from friction_audit.joint_log import JointLog, LogInBlocks, LogPart, Means, Source, block_means
 from friction_audit.pipeline import AuditSettings, estimate_log, replay_estimate, while_read
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.preprocessing.sign import coarse_log
@@ -290,8 +289,8 @@ def test_means_are_those_of_the_whole_whatever_the_blocks(sizes: list[int]) -> N
 def test_a_long_log_is_judged_by_stretches_that_are_spread_over_it(
     frame: pd.DataFrame, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("friction_audit.log_in_blocks.MOST_MEANS", 600)
-    monkeypatch.setattr("friction_audit.log_in_blocks.STRETCH", 100)
+    monkeypatch.setattr("friction_audit.joint_log.MOST_MEANS", 600)
+    monkeypatch.setattr("friction_audit.joint_log.STRETCH", 100)
     path = written(frame, tmp_path, *PLAIN)
     usual, log = read_log(path), read_log(path, ReadOptions(in_blocks=True))
     assert isinstance(log, LogInBlocks)

@@ -9,8 +9,7 @@ import numpy as np
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Bool, Float, Int, JointLog, LogPart
-from friction_audit.preprocessing.balance import SIGNS, Balance
-from friction_audit.preprocessing.cautions import gravity_cautions, not_used, sign_cautions
+from friction_audit.preprocessing.balance import SIGNS, Balance, gravity_cautions, not_used, sign_cautions
 from friction_audit.preprocessing.interaction import Caution, Interaction, TorqueChoice
 from friction_audit.preprocessing.resampling import Grid, GridTorque, grids_of, motion_on
 from friction_audit.preprocessing.settings import TorqueSettings
