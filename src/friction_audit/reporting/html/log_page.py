@@ -27,35 +27,7 @@ PLACES = {kind: "verdicts" if kind.name == FIRST else SECTION_OF[kind.result] fo
 CLOUD = 60  # dots in a panel from which on they are an image: text would be larger than the rest of the page
 COARSE_PT = 0.5  # invisible deviation of a drawn line
 
-Drawn = Mapping[str, list[html.Figure]]
-"""The figures of a page by section, in order."""
-WORDS = {
-    "interaction torque": "F_m, the torque at the joint's torque sensor that drives the joint against friction and "
-    "inertia.",
-    "energy cycle": "From one moment of rest to the next: no energy is stored in the motion at either end, so that "
-    "the energy put in is the energy that friction dissipated.",
-    "Coulomb, viscous": "Friction that does not depend on the speed, and friction that grows with it.",
-    "95 % interval": "Holds noise and the differences between cycles; not errors of the model, such as a wrong "
-    "payload.",
-    "condition number": "How well the cycles separate the two coefficients; from some hundreds on they do not.",
-    "adequate": "No effect of the catalogue above the detection limit is missing from the model; a smaller one may be, "
-    "and what is faster than the stated frequency is not seen.",
-    "named": "The joint shows an effect that inertia, Coulomb and viscous friction do not explain, and the log "
-    "identifies it.",
-    "ambiguous": "An effect is missing, and this log does not distinguish it from another one.",
-    "unexplained": "No effect of the catalogue explains most of what is missing.",
-    "not testable": "The log lacks the motion that a test needs.",
-    "data fault": "The data are inconsistent, or a channel is dead: no conclusion is possible.",
-    "failed": "A bug ended the diagnosis of the joint; the other joints are answered.",
-    "residual RMS": "Torque that a model leaves unexplained, as root mean square; each cycle is held out once.",
-    "noise floor": "Residual RMS of the noise alone; no model of the motion gets below it.",
-    "share explained": "Share of the way from the residual RMS of the nominal model to the noise floor.",
-    "size": "RMS of the torque of an effect, free of what the nominal model fits of it. Major from 10 % of the joint's "
-    "friction on; negligible below 1 %, listed apart.",
-    "chosen in folds": "Selections, each without one fold of the cycles, that chose the effect.",
-    "removed": "Share of the energy put in that the compensator would have removed; energy given out counts as left.",
-    "passive": "The compensated joint never gave out more energy than was put into it.",
-}
+Drawn = Mapping[str, list[html.Figure]]  # the figures of a page by section, in order
 RECORD = (
     "To record: move one joint at a time, back and forth over most of its range, at least twelve times, at three or "
     "more speeds, with a rest at each end; then several joints together. Log q, dq and the joint torque at 100 Hz or "
@@ -88,6 +60,7 @@ def log_page(report: made.LogReport, *, figures: bool = True) -> html.Page:
         "Duration": f"{log.duration_s:.4g} s", "Rate": f"{log.rate_hz:.4g} Hz", "Joints": str(len(report.joints)),
         "Cycles": str(sum(one.friction.cycles for one in report.joints)),
     }  # fmt: skip
+    settings = made.report_settings(report)
     topics = {name: TOPICS[name] for name in report.sections if answered or name == "recording"}
     sections = (
         html.Section("verdicts", "Friction and verdict", [*_answer(report, answered, drawn)]),
@@ -97,7 +70,7 @@ def log_page(report: made.LogReport, *, figures: bool = True) -> html.Page:
             for name, (title, parts) in topics.items()
         ),
         html.Section("warnings", "Warnings", (listed,), folded=True, note=str(len(warnings))),
-        *html.closing_sections(WORDS, made.report_settings(report), report.command, paper=False),
+        *html.closing_sections(notices.sentences()["log_page"], settings, report.command, paper=False),
     )
     lead = in_unit(made.lead_sentence(report), report.unit)
     return html.Page(f"Joint friction: {source.path}", lead, facts, sections)
@@ -212,20 +185,19 @@ def _recording(report: made.LogReport) -> Iterator[html.Part]:
     yield tables.FINDING.people(checks, caption="Every check of the data", folded=True)
 
 
+# Sections that can be left out.
 TOPICS: Mapping[str, tuple[str, Callable[[made.LogReport], Iterator[html.Part]]]] = {
     "friction": ("Friction over time", _friction),
     "diagnosis": ("What the model misses", _missing),
     "compensator": ("What a compensator would have done", _compensator),
     "recording": ("What was recorded", _recording),
 }
-"""Sections that can be left out."""
-WRITERS: Mapping[str, Callable[[made.LogReport], bytes]] = {
+WRITERS: Mapping[str, Callable[[made.LogReport], bytes]] = {  # what is in a file of a format
     "html": lambda report: html.render_page(log_page(report)).encode(),
     "pdf": lambda report: html.write_pdf(log_page(report)),
     "markdown": lambda report: html.write_markdown(log_page(report, figures=False)).encode(),
     "json": lambda report: write_document(made.REPORT.json(report, report.unit)).encode(),
 }
-"""What is in a file of a format."""
 
 
 @lru_cache(maxsize=1)  # a page and its PDF have the same figures
