@@ -98,7 +98,7 @@ def command(
             diagnosed = diagnose_subjects(subjects, settings, done)
             found = Diagnosis(estimate=estimate, joints=diagnosed, settings=settings)
         from friction_audit.diagnosis.result import UNANSWERED
-        from friction_audit.reporting.diagnosis import diagnose_document, diagnose_lines, diagnose_tables
+        from friction_audit.reporting.diagnosis import DIAGNOSE, diagnose_lines, diagnose_tables
         from friction_audit.reporting.notices import diagnose_notices
 
         joints, json = found.joints, shared.general.json
@@ -107,7 +107,7 @@ def command(
             chain.warn_about(recorded, diagnose_notices(found), stages, marked=answered)
         if not answered:
             chain.require_one(recorded, joints, "no joint can be diagnosed")
-        document = partial(diagnose_document, found, chain.reading_settings(reading))
+        document = partial(DIAGNOSE.of, found, chain.reading_settings(reading))
         text = out.write_document(DOCUMENT, document, json=json)
         _write_model(found, out, stages)
         out.write_figures({"diagnosis": found}, [one.joint for one in joints], recorded.source.torque_unit, stages)

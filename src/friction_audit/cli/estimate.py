@@ -48,7 +48,7 @@ def command(
         if not json:
             chain.warn_about(recorded, estimate_notices(result), stages, marked=not all(one.reason for one in joints))
         chain.require_one(recorded, joints)
-        document = partial(made.estimate_document, result, chain.reading_settings(options))
+        document = partial(made.ESTIMATE.of, result, chain.reading_settings(options))
         text = out.write_document(DOCUMENT, document, json=json)
         out.write_csv(HISTORY, made.HISTORY.file(joints, "history", recorded.source.torque_unit))
         out.write_figures({"estimate": result}, [one.joint for one in joints], recorded.source.torque_unit, stages)

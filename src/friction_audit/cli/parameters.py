@@ -168,8 +168,7 @@ def parse_mapping(entries: list[str] | None) -> dict[str, str]:
     return mapping
 
 
-CONTEXT = "context"
-"""Parameter of a command that takes Typer's context."""
+CONTEXT = "context"  # parameter of a command that takes Typer's context
 ARGUMENTS, REPLAY, SIMULATION, COMPARISON = "Arguments", "Replay", "Simulation", "Comparison"
 SESSIONS, DRIFT, ESTIMATE, DIAGNOSIS = "Sessions", "Drift", "Estimate", "Diagnosis"
 OUTPUT, COMMON, FIGURE_FILES = "Output", "Common options", "Figure files"

@@ -131,8 +131,8 @@ def command(
             chain.check_joint_model(settings.joint_model.path, settings.joint_model.model, recorded)
         estimated = chain.estimate(recorded, audit, stages)
         from friction_audit.pipeline import replay_estimate
+        from friction_audit.reporting import replay as made
         from friction_audit.reporting.notices import replay_notices
-        from friction_audit.reporting.replay import HISTORY as CYCLES, replay_document, replay_lines, replay_tables
 
         with stages.step("replay"):
             found = replay_estimate(estimated, settings)
@@ -141,12 +141,12 @@ def command(
             chain.warn_about(recorded, replay_notices(found), stages, marked=not all(one.reason for one in joints))
             _warn_of_times(settings.joint_model, recorded, stages)
         chain.require_one(recorded, joints, "no joint can be replayed")
-        document = partial(replay_document, found, chain.reading_settings(reading))
+        document = partial(made.REPLAY.of, found, chain.reading_settings(reading))
         text = out.write_document(DOCUMENT, document, json=json)
-        out.write_csv(HISTORY, CYCLES.file(joints, "history", recorded.source.torque_unit))
+        out.write_csv(HISTORY, made.HISTORY.file(joints, "history", recorded.source.torque_unit))
         out.write_figures({"replay": found}, [joint.joint for joint in joints], recorded.source.torque_unit, stages)
-        out.write_exports(replay_tables(found), recorded, stages)
-    show(text, lambda: replay_lines(found), json=json)
+        out.write_exports(made.replay_tables(found), recorded, stages)
+    show(text, lambda: made.replay_lines(found), json=json)
     chain.conclude(recorded, replay_notices(found), strict=strict)
 
 

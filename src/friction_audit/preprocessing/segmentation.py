@@ -32,8 +32,7 @@ TINY = 1e-6  # a log without any motion still gets thresholds above zero
 MOST_SAMPLES = 1 << 19  # of which automatic thresholds are taken, spread evenly over the log
 
 Arrays = TypeVar("Arrays", made.EnergyCycles, made.EnergySums)
-Thresholds = tuple[float, float]
-"""Of initiation and termination."""
+Thresholds = tuple[float, float]  # of initiation and termination
 
 
 def segment_cycles(interaction: Interaction, settings: CycleSettings) -> tuple[made.EnergyCycles, ...]:

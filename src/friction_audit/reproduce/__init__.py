@@ -12,7 +12,7 @@ __all__ = ["REPRODUCTIONS", "Claim", "Reproduction", "Simulations", "simulate_fi
 
 MANY = 1000  # as many seeds as are asked for
 FEW = 5  # of an arm; ``compare --arm panda`` takes more
-REPRODUCTIONS = (
+REPRODUCTIONS = (  # the figures, in the paper's order
     Reproduction(
         "3", "Net energy, kinetic and dissipated energy of a joint with viscous friction", ("fig3",),
         one_joint.check_3, lambda done: paper.draw_exchange(*one_joint.energies(done)),
@@ -62,4 +62,3 @@ REPRODUCTIONS = (
         lambda done: draw_comparison(done["fig13"], ["velocity-torque"])["velocity-torque"], FEW, arm.compare_methods,
     ),
 )  # fmt: skip
-"""The figures, in the paper's order."""
