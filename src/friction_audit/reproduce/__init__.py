@@ -4,8 +4,8 @@ from friction_audit.compensation.comparison.methods import FULL, PAPER
 from friction_audit.reporting.figures import paper
 from friction_audit.reporting.figures.comparison import draw_comparison
 from friction_audit.reproduce import arm, one_joint
+from friction_audit.reproduce.claims import Claim, Reproduction, Simulations, make_course, simulate_figures
 from friction_audit.reproduce.one_joint import FIG_10, compensated, last_period
-from friction_audit.reproduce.reproduction import Claim, Reproduction, Simulations, make_course, simulate_figures
 from friction_audit.simulation.bench import PANDA_JOINTS
 
 __all__ = ["REPRODUCTIONS", "Claim", "Reproduction", "Simulations", "simulate_figures"]
