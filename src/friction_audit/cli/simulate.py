@@ -47,8 +47,7 @@ class ListOptions:
 
 def command(
     scenario: Annotated[
-        str | None,
-        typer.Argument(metavar="SCENARIO", autocompletion=completed_by(scenarios), help="One of --list."),
+        str | None, typer.Argument(metavar="SCENARIO", autocompletion=completed_by(scenarios), help="One of --list.")
     ] = None,
     *,
     simulation: SimulationOptions,

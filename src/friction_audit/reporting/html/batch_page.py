@@ -172,5 +172,5 @@ def draw(drawing: Drawing) -> tuple[dict[str, bytes], html.Figure | None]:
     joints = ((joint_label(one.joint, one.name), phrases.joint_sentence(arm, one)) for one in arm.joints)
     every = "; ".join(f"joint {label}: {sentence}" for label, sentence in joints)
     words = f"{kind.title}, {count_of(len(arm.sessions), 'session')} of arm {arm.robot}. {every}."
-    title = f"{kind.title}{drawing.which}"
-    return files, html.draw_inline(figure, drawing.anchor, title=title, caption=kind.caption, description=words)
+    title, caption = f"{kind.title}{drawing.which}", sentences()["captions"][kind.name]
+    return files, html.draw_inline(figure, drawing.anchor, title=title, caption=caption, description=words)

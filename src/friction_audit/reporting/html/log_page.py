@@ -22,7 +22,8 @@ from friction_audit.reporting.words import MARK, NOTHING, format_start, in_unit,
 
 FIRST = "velocity-torque"  # stands next to the answer
 SECTION_OF = {"estimate": "friction", "replay": "compensator", "diagnosis": "diagnosis"}  # by the result that is drawn
-LOG_FIGURES = tuple(kind for kind in figures_of(*SECTION_OF) if kind.caption)
+CAPTIONS = notices.sentences()["captions"]  # of the figures that stand on a page, by their kind
+LOG_FIGURES = tuple(kind for kind in figures_of(*SECTION_OF) if kind.name in CAPTIONS)
 PLACES = {kind: "verdicts" if kind.name == FIRST else SECTION_OF[kind.result] for kind in LOG_FIGURES}
 CLOUD = 60  # dots in a panel from which on they are an image: text would be larger than the rest of the page
 COARSE_PT = 0.5  # invisible deviation of a drawn line
@@ -235,4 +236,5 @@ def _figure(report: made.LogReport, kind: FigureKind, joints: tuple[made.JointRe
         line.get_path().simplify_threshold = COARSE_PT
     every = "; ".join(f"joint {joint_label(one.joint, one.name)}: {made.joint_words(one)}" for one in joints)
     about = in_unit(f"{title}. {every}.", report.unit)
-    return html.draw_inline(drawing, f"{kind.name}-{numbers[0]}", title=title, caption=kind.caption, description=about)
+    caption = CAPTIONS[kind.name]
+    return html.draw_inline(drawing, f"{kind.name}-{numbers[0]}", title=title, caption=caption, description=about)
