@@ -8,7 +8,7 @@ from friction_audit.compensation import controller
 from friction_audit.compiled import Record, compiled
 from friction_audit.joint_log import Float
 from friction_audit.simulation.effects import slow_and_events, structure
-from friction_audit.simulation.mechanics import records as row
+from friction_audit.simulation.mechanics import records
 from friction_audit.simulation.mechanics.step import accelerate, load_drive, load_joint, slide
 from friction_audit.simulation.sensors import rounded
 
@@ -55,7 +55,7 @@ def evaluate(joints: Record, states: Record, events: Float, body: Record, clock:
         if body.mode[c] == 0.0:
             body.friction[j] = body.reaction[c]
         else:
-            sign = 1.0 if body.mode[c] == row.FREE else body.mode[c]
+            sign = 1.0 if body.mode[c] == records.FREE else body.mode[c]
             body.friction[j] = sign * body.level[c] + body.viscous[j] * body.v[c]
         torque = body.friction[j] - body.inner_torque[j]
         for k in range(len(joints)):
@@ -73,7 +73,7 @@ def keep(states: Record, body: Record, out: Float) -> None:
             *(states[j].compensation_nm - states[j].passivity_nm, states[j].passivity_nm, states[j].unlogged_nm),
             *(states[j].dissipated_j, states[j].warmth),
         )
-        for i in range(row.ROWS):
+        for i in range(records.ROWS):
             out[i, j] = kept[i]
 
 
