@@ -23,7 +23,7 @@ from friction_audit.pipeline import AuditSettings, estimate_log
 from friction_audit.reporting.estimate import ESTIMATE
 from friction_audit.reporting.figures.registry import FIGURES
 from friction_audit.simulation import EFFECTS
-from friction_audit.simulation.effects import HiddenEffect
+from friction_audit.simulation.effects.effect import HiddenEffect
 from tests.diagnosed_once import diagnosed_once
 from tests.documented_commands import PAGES, ROOT, Terminal, blocks, commands, examples, same
 

@@ -14,7 +14,7 @@ import typer
 from friction_audit.cli import NAMES, command_of, parameters
 from friction_audit.cli.compare import ARMS, FIGURES, METHOD_NAMES
 from friction_audit.cli.reproduce import PAPER_FIGURES
-from friction_audit.compensation.comparison import METHODS, SCENES
+from friction_audit.compensation.comparison.methods import METHODS, SCENES
 from friction_audit.reporting import ENDINGS
 from friction_audit.reporting.figures import comparison
 from friction_audit.reporting.html.log_page import WRITERS

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from friction_audit.cli.compare import FIGURES
-from friction_audit.compensation.comparison import METHODS, SCENES, Comparison, compare, result
-from friction_audit.compensation.comparison.experiment import choose_best, find_margin
-from friction_audit.compensation.comparison.methods import BEST, IDLE, Method, Scene, Tuning
+from friction_audit.compensation.comparison import result
+from friction_audit.compensation.comparison.experiment import choose_best, compare, find_margin
+from friction_audit.compensation.comparison.methods import BEST, IDLE, METHODS, SCENES, Method, Scene, Tuning
+from friction_audit.compensation.comparison.result import Comparison
 from friction_audit.compensation.competitors import Compensator
 from friction_audit.reporting.compare import compare_lines
 from friction_audit.reporting.figures.comparison import draw_comparison as draw

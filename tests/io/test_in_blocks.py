@@ -19,7 +19,7 @@ from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.preprocessing.sign import coarse_log
 from friction_audit.reporting.estimate import ESTIMATE, estimate_tables
 from friction_audit.reporting.replay import REPLAY
-from friction_audit.robot import load_arm
+from friction_audit.robot.arm import load_arm
 from tests.each_case import thorough, with_thorough
 from tests.io.synthetic_recordings import motion, refused
 from tests.pinned.test_pinned import same

@@ -12,7 +12,7 @@ from friction_audit.joint_log import Float, JointLog
 from friction_audit.preprocessing import even_grid
 from friction_audit.preprocessing.resampling import Grid, GridTorque, grids_of, motion_on
 from friction_audit.preprocessing.settings import TorqueSettings
-from friction_audit.robot import load_arm
+from friction_audit.robot.arm import load_arm
 from tests.synthetic_interaction import log_of
 
 STEP = 1e-3

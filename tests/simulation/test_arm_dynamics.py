@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from friction_audit import simulation as sim
 from friction_audit.joint_log import Float
-from friction_audit.robot import Arm, load_arm
+from friction_audit.robot.arm import Arm, load_arm
 from friction_audit.simulation.bench import PANDA_JOINTS
 from friction_audit.simulation.settings import make_streams
 from friction_audit.simulation.strokes import HandMotion, plan_hand

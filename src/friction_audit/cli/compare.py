@@ -48,8 +48,8 @@ def command(
     overwrite: opt.Overwrite = False,
 ) -> None:
     """Compare compensation methods in simulation (two logs: diff)."""
-    from friction_audit.compensation.comparison import METHODS, SCENES, compare
-    from friction_audit.compensation.comparison.methods import NONE
+    from friction_audit.compensation.comparison.experiment import compare
+    from friction_audit.compensation.comparison.methods import METHODS, NONE, SCENES
     from friction_audit.reporting.compare import COMPARE, compare_lines
     from friction_audit.reporting.figures.comparison import draw_comparison
     from friction_audit.simulation.assign import as_nested

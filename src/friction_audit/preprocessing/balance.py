@@ -13,7 +13,7 @@ from friction_audit.preprocessing.resampling import GridTorque
 from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.preprocessing.sign import CoarseLog, most, strokes_of, voting
 from friction_audit.preprocessing.torque_source import CHANNELS, Plan, with_a_model
-from friction_audit.robot import STANDARD_GRAVITY, read_urdf
+from friction_audit.robot.arm import STANDARD_GRAVITY, read_urdf
 
 SIGNS = {"hand": -1, "robot": 1}  # factor on tau_J and on tau_ext in each row
 

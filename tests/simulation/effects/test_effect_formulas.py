@@ -11,7 +11,8 @@ from hypothesis import given, settings, strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.joint_log import Float
-from friction_audit.simulation.effects import EFFECTS, HiddenEffect, slow_and_events as slow, velocity as laws
+from friction_audit.simulation.effects import EFFECTS, slow_and_events as slow, velocity as laws
+from friction_audit.simulation.effects.effect import HiddenEffect
 from friction_audit.simulation.effects.sensors import TorqueDrift, delayed, torque_drift_nm
 from friction_audit.simulation.effects.structure import coupled_mass
 from friction_audit.simulation.mechanics.records import pack
