@@ -1,4 +1,4 @@
-"""Compensators other than the paper's: by a model of friction, or feeding back what the joint does.
+"""Compensators other than the paper's: by a model of friction, fed forward, or feeding back what the joint does.
 
 C. Gaz, M. Cognetti, A. Oliva, P. Robuffo Giordano, A. De Luca: Dynamic identification of the Franka Emika Panda robot
 with retrieval of feasible parameters using penalty-based optimization, IEEE Robotics and Automation Letters 4(4), 2019.
@@ -242,6 +242,7 @@ Compensator = (
 # In the order of the documentation, which is that of the codes in ``law``, from 1 on.
 COMPENSATORS: tuple[type[Any], ...] = get_args(Compensator)
 
+# Friction of a joint's model fed forward, and which terms of a model can run in the loop.
 
 UNABLE: Mapping[str, str] = {  # why a term cannot run in the loop: what it follows from, which the loop does not have
     **dict.fromkeys(("stiction", "frictional_lag"), "past"),

@@ -89,6 +89,8 @@ class Balance(NamedTuple):
         return torque
 
 
+# Cautions about a row: its sign, unused options, and gravity or offsets that are left in it.
+
 # An identified model errs by a few tenths of a N m, the vendor's by up to 2; a forgotten hand makes 2 to 3.
 LARGEST_NM = 1.5
 LEAST_RANGE_RAD = 0.3  # over less, gravity looks like an offset or a spring
