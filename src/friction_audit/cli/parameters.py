@@ -173,8 +173,7 @@ ARGUMENTS, REPLAY, SIMULATION, COMPARISON = "Arguments", "Replay", "Simulation",
 SESSIONS, DRIFT, ESTIMATE, DIAGNOSIS = "Sessions", "Drift", "Estimate", "Diagnosis"
 OUTPUT, COMMON, FIGURE_FILES = "Output", "Common options", "Figure files"
 READING, SELECTION, TORQUE, CYCLES = "Reading the log", "Part of the log", "Interaction torque", "Energy cycles"
-TUNING, RUNNING, GENERAL = "Compensator", "Processes", "General"
-MOTION = "Motion"
+TUNING, RUNNING, GENERAL, MOTION = "Compensator", "Processes", "General", "Motion"
 EVERY = "friction_audit.every_option"  # key in the context of a help that shows every option
 
 # Headings of the help in their order -> the commands whose ``--help`` shows them, None: every one that has options
