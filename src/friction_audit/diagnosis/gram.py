@@ -79,6 +79,7 @@ class Gram:
         self.names = np.array([b.name for b in self.blocks])
         self.starts = np.array([b.start for b in self.blocks], int)
         self.widths = np.diff(self.starts, append=self.used)
+        self.numbers = np.array([b.p + b.numbers for b in self.blocks], int)
         kinds: dict[tuple[str, int, frozenset[str]], list[int]] = {}
         for k in range(len(self.blocks) - len(blocks), len(self.blocks)):
             block = self.blocks[k]

@@ -8,7 +8,7 @@ from friction_audit.diagnosis import contact_events, residual_checks, selection
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.gram import Gram, Training
 from friction_audit.diagnosis.nonlinear import refine
-from friction_audit.diagnosis.problem import AXES, SIGNS, Nuisance, RegressionProblem, knots_of
+from friction_audit.diagnosis.problem import AXES, SIGNS, Nuisance, RegressionProblem, curve, knots_of
 from friction_audit.diagnosis.samples import NoiseModel
 from friction_audit.diagnosis.validation import gains
 from friction_audit.effects.effect import Effect
@@ -151,7 +151,8 @@ def _refitted(state: State) -> State:
     wrong = [np.zeros(len(left)), problem.model_error(baseline) ** 2]  # of gravity, of all else
     for block, torque in torques:
         wrong[block not in gravity] += (_formula_error(block) * torque) ** 2
-    noises = [NoiseModel.fit(problem.age, [left], np.sqrt(wrong[1] + k**2 * wrong[0])) for k in GRAVITY_PARTS]
+    both = _plain_and_bent(problem, (), rows)
+    noises = [NoiseModel.fit(problem.age, both, np.sqrt(wrong[1] + k**2 * wrong[0])) for k in GRAVITY_PARTS]
     noise = max(noises, key=lambda one: one.log_likelihood(left))
     known = [b for b in state.gram.blocks if not b.refined or b in state.active]
     state.dictionary.blocks = known
@@ -220,7 +221,8 @@ def accepted(state: State, active: Sequence[Block]) -> list[Block]:
 def _may_absorb_error(state: State, active: Sequence[Block], block: Block, other: Block) -> bool:
     """Whether an effect may be what the formula of another, larger one misses.
 
-    What a torque of the position or of the time alone misses is of the same quantity: a free curve over it holds that.
+    What a torque of the position, the time or the load alone misses is of the same quantity: a free curve over it holds
+    that, one for each direction if it is friction.
     """
     if other.effect.misses == "any":
         return True
@@ -229,6 +231,8 @@ def _may_absorb_error(state: State, active: Sequence[Block], block: Block, other
     assert values is not None
     knots = knots_of(values, problem.data.used)
     hats = np.column_stack([np.interp(values, knots, row) for row in np.eye(len(knots))])
+    if other.effect.misses == "directed":
+        hats = curve(values, knots, problem.data.dq)
     given = selection.Projected(state.search.training, [b for b in active if b is not block])
     return given.and_also(state.gram.whiten(problem.columns(hats))).evidence(state.gram.of(block)) < selection.PRIOR
 

@@ -45,8 +45,8 @@ class Effect:
     # What some effects have of their own.
 
     needs_nominal: ClassVar[bool] = False  # True if its columns hold torque of the nominal model and change with that
-    # What its formula may miss: any torque, one that is the same in both directions, or nothing, as that of a constant.
-    misses: ClassVar[Literal["any", "even", "nothing"]] = "any"
+    # What its formula may miss: any torque, a curve over its axis, the same or another in each direction, or nothing.
+    misses: ClassVar[Literal["any", "even", "directed", "nothing"]] = "any"
     # True if it is a constant or a curve of position, which the gravity of other joints in the torque resembles.
     like_gravity: ClassVar[bool] = False
     screened: ClassVar[int] = 1  # every so many points of its grid come first, the others where these show promise

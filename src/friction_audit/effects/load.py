@@ -28,6 +28,7 @@ class LoadDependentFriction(Effect):
     """
 
     needs_nominal = True
+    misses = "directed"
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return sgn(dq) |load|^p and, where the power's direction counts, sgn(load) |load|^p as columns."""
