@@ -5,9 +5,8 @@ python -m benchmarks.diagnosis_figures [KIND ...] [--rows FOLDER] [--first SEED]
 
 Kinds, all if none is given: strengths (the costly search), limits and separations (what the logs hold, without the
 engine), none, effects, on_arms, pairs, outside, arms, coarse, smoothed, resampled, stranger_none, stranger, real (of a
-folder of measured logs), time (on an idle machine). ``weighed`` only if asked for. Each is a table in
-the folder of rows, and is gone on with;
-``--table`` runs none.
+folder of measured logs), time (on an idle machine). ``weighed`` and ``whole_arms`` only if asked for. Each is a table
+in the folder of rows, and is gone on with; ``--table`` runs none.
 """
 
 import argparse
@@ -16,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks import bench_diagnose, coarse_encoders, resampled, smoothed_sign, weighed_joints
+from benchmarks import bench_diagnose, coarse_encoders, resampled, smoothed_sign, weighed_joints, whole_arms
 from benchmarks.answers import CLEAR, answered
 from benchmarks.diagnosis_summary import EFFECT_KINDS, Tables, load, page, real, separated, simulated
 from benchmarks.hidden_effects import limits, run, separable
@@ -35,7 +34,7 @@ SIMULATED = ("none", "effects", "on_arms", "pairs", "outside", "arms", "smoothed
 KINDS = ("strengths", "limits", "separations", *SIMULATED, "real", "time")
 ON_ARMS = ("torque_crosstalk", "inertial_coupling")
 NUMBERS = {"none": 200, "coarse": 50, "smoothed": 200, "stranger_none": 40, "stranger": 2, "effects": 10, "on_arms": 4,
-           "pairs": 40, "outside": 10, "arms": 2, "weighed": 60}  # fmt: skip
+           "pairs": 40, "outside": 10, "arms": 2, "weighed": 60, "whole_arms": 2}  # fmt: skip
 """Seeds of each kind, from the first on; of ``effects``, ``outside`` and ``stranger`` for every effect."""
 
 
@@ -72,6 +71,7 @@ class Figures:
             "coarse": lambda: coarse_encoders.job(seeds),
             "smoothed": lambda: smoothed_sign.job(seeds),
             "weighed": lambda: weighed_joints.job(("none", *weighed_joints.HIDDEN), seeds),
+            "whole_arms": lambda: whole_arms.job(seeds),
             "resampled": lambda: resampled.job(self.first),
             "stranger_none": lambda: stranger.job(("none",), seeds),
             "stranger": lambda: stranger.job((*HIDDEN, *STRANGE, *RECORDED), seeds),

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import binom
 
-from benchmarks import resampled
+from benchmarks import resampled, whole_arms
 from benchmarks.answers import (
     CLEAR,
     UNANSWERED,
@@ -38,7 +38,7 @@ from friction_audit.effects.registry import effects
 CATALOGUE = {effect.name for effect in effects()}
 EFFECT_KINDS = ("effects", "on_arms", "pairs")
 CLEAN = ("none", "arms", "smoothed", "coarse", "stranger_none")
-ROW_KINDS = (*CLEAN, "effects", "on_arms", "pairs", "outside", "stranger", "resampled", "real")
+ROW_KINDS = (*CLEAN, "effects", "on_arms", "pairs", "outside", "stranger", "resampled", "whole_arms", "real")
 Tables = dict[str, list[Row]]
 Figure = tuple[str, str, str, str, str]
 """What is measured, before, goal, measured with its 95 % interval, number."""
@@ -64,6 +64,7 @@ def load(folder: Path) -> Tables:
     """All tables of a folder; ``time`` holds lines."""
     tables: Tables = {kind: list(read(folder / f"{kind}.csv")) for kind in (*ROW_KINDS, "limits", "separations")}
     tables["resampled"] = [resampled.judged(row) for row in tables["resampled"]]
+    tables["whole_arms"] = [whole_arms.judged(row) for row in tables["whole_arms"]]
     time = folder / "time.md"
     tables["time"] = [{"text": time.read_text()}] if time.exists() else []
     return tables
@@ -166,6 +167,19 @@ def resampled_logs(tables: Tables) -> list[Figure]:
     ]  # fmt: skip
 
 
+def unmodelled_arms(tables: Tables) -> list[Figure]:
+    """Whole arms without a model; what gravity and the other joints do is no name."""
+    rows = answered(tables["whole_arms"])
+    clean, hiding = ([row for row in rows if bool(truth_of(row)) is some] for some in (False, True))
+    return [
+        *(figure(f"nothing hidden in the joint, {kind or 'any motion'}: a name [%]", "", "",
+                 (named(row) for row in clean if row["log"].endswith(kind))) for kind in (*whole_arms.MOTIONS, "")),
+        figure("nothing hidden in the joint: `unexplained` [%]", "", "", map(unexplained, clean)),
+        figure("one effect in the joint: in the answer [%]", "", "", map(held, hiding)),
+        figure("any wrong name there [%]", "", "", map(wrong, hiding)),
+    ]  # fmt: skip
+
+
 def sizes(tables: Tables) -> list[Figure]:
     """How much is explained, and how near the parameters are."""
     good = [row for row in at_least((*tables["effects"], *tables["on_arms"])) if held(row)]
@@ -243,14 +257,7 @@ def joints(tables: Tables) -> str:
         ]
         names = "; ".join(" or ".join(one.split("|")) for one in row["sets"].split(";"))
         lines.append((f"{log} {joint}", row["verdict"], names or "-", f"{100 * float(row['remainder']):.0f}", *shown))
-    head = (
-        "log, joint",
-        "verdict",
-        "names, the largest first",
-        "without a name [%]",
-        "in the first half",
-        "second half",
-    )
+    head = ("log, joint", "verdict", "names, the largest first", "without a name [%]", "in the first half", "second half")
     return table(head, lines)
 
 
@@ -273,7 +280,7 @@ def mistakes(tables: Tables) -> str:
 def mistake(kind: str, row: Row, visible: set[tuple[str, str]]) -> str:
     """What is wrong in an answer; empty where nothing is."""
     shown = kind == "real" and row["verdict"] not in UNANSWERED and row["truth"] not in row["untestable"].split(";")
-    needed = shown or kind == "resampled" or float(row.get("partial") or 0.0) >= CLEAR
+    needed = shown or kind in ("resampled", "whole_arms") or float(row.get("partial") or 0.0) >= CLEAR
     outside = kind == "outside" or row["truth"] in OUTSIDE
     plain = kind in CLEAN or row["truth"] in ("none", *RECORDED) or not hidden_here(row)
     looked_for = bool(truth_of(row)) and not plain and not outside
@@ -332,6 +339,8 @@ def page(tables: Tables) -> str:
         "Size": sizes,
         "Measured logs": measured,
     }
+    if tables["whole_arms"]:
+        parts["Whole arms"] = unmodelled_arms
     text = ["# Figures of the diagnosis", "",
             "Made by `python -m benchmarks.diagnosis_figures`; *before* is the engine that was replaced."]  # fmt: skip
     for title, make in parts.items():
