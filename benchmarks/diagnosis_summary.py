@@ -257,7 +257,8 @@ def joints(tables: Tables) -> str:
         ]
         names = "; ".join(" or ".join(one.split("|")) for one in row["sets"].split(";"))
         lines.append((f"{log} {joint}", row["verdict"], names or "-", f"{100 * float(row['remainder']):.0f}", *shown))
-    head = ("log, joint", "verdict", "names, the largest first", "without a name [%]", "in the first half", "second half")
+    head = ("log, joint", "verdict", "names, the largest first", "without a name [%]",
+            "in the first half", "second half")  # fmt: skip
     return table(head, lines)
 
 

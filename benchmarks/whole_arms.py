@@ -211,8 +211,8 @@ def recorded(signals: Sequence[np.ndarray], coulomb: np.ndarray, rng: Generator)
 def log_of(name: str, truth: str, size: float, seed: int) -> tuple[Frame, str, Sequence[Row]]:
     """Columns of a log, how it was made in words, and whether each joint hides the effect and what else is true."""
     kind, way = name.split()
-    draws = [seed, list(ARMS).index(kind), MOTIONS.index(way)]
-    rng, arm = np.random.default_rng([*draws, 77]), ARMS[kind]
+    draws = [seed, list(ARMS).index(kind), MOTIONS.index(way), ("none", *HIDDEN).index(truth)]
+    rng, arm = np.random.default_rng(draws), ARMS[kind]
     model, q = model_of(arm, rng), motion(arm, way, rng)
     dq = np.asarray(np.gradient(q, 1 / FINE_HZ, axis=0))
     load = rigid_torque(model, q, dq, np.asarray(np.gradient(dq, 1 / FINE_HZ, axis=0)))
@@ -226,7 +226,7 @@ def log_of(name: str, truth: str, size: float, seed: int) -> tuple[Frame, str, S
     torque = load + friction
     if truth != "none":
         joint = (t, *(signal[:, hidden] for signal in (q, dq, sign, load, friction)))
-        torque[:, hidden] += hidden_torque(truth, size, joint, coulomb[hidden], np.random.default_rng([*draws, 78]))
+        torque[:, hidden] += hidden_torque(truth, size, joint, coulomb[hidden], rng)
     frame, sensors = recorded((t, q, dq, torque), coulomb, rng)
     known = [{"hidden_here": str(truth != "none" and j == hidden),
               "also": "inertial_coupling;gravity_error" if heavy[j] else "inertial_coupling"}
