@@ -9,11 +9,15 @@ The noise of the measured velocity would make least squares find too little iner
 position are instruments for them.
 
 Rows of one stroke share their errors, so strokes are left out one at a time, as cycles are by the default estimator.
+
+Gravity and inertia of an arm that nobody gave a model of are a Gaussian process beside these columns: those of
+``robot.unknown_chain``, their coefficients left out with the strokes. All checks are on rows whitened with it.
 """
 
 from collections import defaultdict
 from collections.abc import Mapping
 from functools import partial
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -25,6 +29,7 @@ from friction_audit.friction.weighted import Equations, Fit, fit_windows
 from friction_audit.joint_log import Float, Int
 from friction_audit.preprocessing.interaction import Caution, Interaction, Reason
 from friction_audit.preprocessing.velocity import filter_velocity, settling_samples
+from friction_audit.robot.unknown_chain import RESTING_RAD, ChainMotion, chain_columns, constant_coupling
 
 CUTOFF_HZ = 20.0
 ROW_RATE_HZ = 50.0
@@ -52,6 +57,9 @@ CERTAIN, LIKELY, SHORTEST_DELAY_S = 2.5, 1.5, 2e-3
 # The direction, averaged over so long, stands for a low-pass of 2 Hz. The share of Coulomb friction that follows it is
 # 0.3 and more in filtered logs, at most 0.08 where no friction builds up over a distance.
 TURN_S, LEAST_FOLLOWING, SURE = 0.3, 0.25, 3.0
+# Of an unknown chain: rows among which columns are looked for, standard deviation of what has no prior and least one
+# that counts, in units of the noise, and strokes that are left out one at a time; of more, several together.
+SOUGHT, NO_PRIOR, LEAST_SD, MOST_STROKES = 1500, 1e4, 0.3, 40
 HUBER = 1.345  # residuals beyond so many standard deviations lose weight: 95 % efficiency where the noise is normal
 SIGMA_PER_MEDIAN = 1 / 0.6744897501960817  # standard deviation of a normal variable over its median absolute value
 REWEIGHTINGS = 9
@@ -74,6 +82,7 @@ def regress_torque(
         return None
     equations, fit = _fit(found)
     condition, correlation = equations.conditioning()
+    free = found.whitened()
     doubt: Reason = ()
     if others is not None:
         doubt = _coupling(found, others, dead_band_rad_s) or _doubt(found, fit)
@@ -82,7 +91,7 @@ def regress_torque(
         viscous=fit.coefficient("viscous"),
         offset_nm=fit.coefficient("offset").value,
         inertia=fit.coefficient("inertia"),
-        residual_rms_nm=float(np.sqrt(np.mean((found.torque - found.columns @ fit.value[0]) ** 2))),
+        residual_rms_nm=float(np.sqrt(np.mean((free.torque - free.columns @ fit.value[0, : len(found.names)]) ** 2))),
         samples=len(found.torque),
         condition_number=condition,
         correlation=correlation,
@@ -129,6 +138,7 @@ def _doubt(rows: "_Rows", fit: Fit) -> Reason:
         return (Caution("mostly_one_way", numbers={"percent": 100 * max(forwards, 1.0 - forwards)}),)
     if speed.std() < SMALLEST_SPREAD * speed.mean():
         return (Caution("one_speed_in_rows", numbers={"mean": float(speed.mean())}),)
+    rows = rows.whitened()
     unit = rows.columns / np.linalg.norm(rows.columns, axis=0).clip(min=CUTOFF)
     apart = np.linalg.qr(np.roll(unit, -2, axis=1))[1][-2:, -2:]  # direction and speed without the others
     condition = 1.0 / float(np.linalg.norm(apart, -2).clip(min=CUTOFF))
@@ -145,12 +155,13 @@ def _doubt(rows: "_Rows", fit: Fit) -> Reason:
 
 def _coupling(rows: "_Rows", others: "Mapping[int, RegressionRows]", dead_band_rad_s: float) -> Reason:
     """Say whether the residual follows the velocity of another joint; empty if it does not."""
-    left = _left_by(rows.columns, rows.torque)
+    free = rows.whitened()
+    left = _left_by(free.columns, free.torque)
     for number, other in others.items():
         velocity = other.found["velocity"][rows.place]
         direction = np.tanh(velocity / dead_band_rad_s)
-        more = np.column_stack([rows.columns, direction, velocity])
-        share = 1.0 - _left_by(more, rows.torque) / left
+        more = np.column_stack([free.columns, rows.free(np.column_stack([direction, velocity]))])
+        share = 1.0 - _left_by(more, free.torque) / left
         if share > LARGEST_COUPLED_SHARE:
             return (Caution("coupled", numbers={"other": number}),)
     return ()
@@ -171,6 +182,22 @@ class _Rows(NamedTuple):
     more: dict[str, Float]  # columns that are fitted with them by turns
     stroke: Int
     place: Int
+    chain: tuple[Float, Float] | None = None  # an orthonormal basis, shape (m, k), and its k standard deviations
+
+    def free(self, columns: Float) -> Float:
+        """Whiten columns, shape (m, q), of which the chain is a part of the noise."""
+        if self.chain is None:
+            return columns
+        basis, size = self.chain
+        taken = (basis.T @ columns) * (1.0 - 1.0 / np.hypot(1.0, size))[:, None]
+        return np.asarray(columns - basis @ taken)
+
+    def whitened(self) -> "_Rows":
+        """Return the rows free of the chain."""
+        if self.chain is None:
+            return self
+        columns, instruments, torque = map(self.free, (self.columns, self.instruments, self.torque[:, None]))
+        return self._replace(columns=columns, instruments=instruments, torque=torque[:, 0], chain=None)
 
 
 class RegressionRows:
@@ -202,6 +229,8 @@ class RegressionRows:
         self._blocks = np.pad(np.repeat(np.eye(3) / block, block, axis=0), ((1, 1), (0, 0)))
         # By name at all rows, those at which the joint rests among them.
         self.found: dict[str, Float] = defaultdict(partial(np.empty, len(self._index)))
+        # Position, velocity and acceleration of all joints where their torques hold what no model says, (rows, j) each.
+        self._chain, self._joint = list[Float](), column
 
     def take(self, part: Interaction, velocity: Float, start: int, stop: int) -> None:
         """Take the rows of some samples, by their numbers in the log; the velocity is filtered at CUTOFF_HZ."""
@@ -241,6 +270,15 @@ class RegressionRows:
         }
         for name, values in found.items():
             self.found[name][own] = values
+        if part.posture is not None and part.gravity_direction is None:
+            # Averages of blocks once more: of all joints at once, by sums up to their ends.
+            ends = index + np.arange(4)[:, None] * (len(self._blocks) // 3) - around
+            means = np.diff(np.cumsum(part.posture, axis=0)[ends], axis=0) / (len(self._blocks) // 3)
+            moved = part.posture[index], *differences((times @ self._blocks).T[..., None], means)
+            self._chain = self._chain or [np.empty((len(self._index), one.shape[1])) for one in moved]
+            self._joint = part.joint_numbers[column] - 1
+            for whole, one in zip(self._chain, moved, strict=True):
+                whole[own] = one
 
     def _filtered(self, load: Float, index: Int) -> Float:
         """Return a signal at the rows, through the low-pass of the others: a linear relation asks for the same one."""
@@ -266,7 +304,7 @@ class RegressionRows:
         columns |= {n: own[n] for n in ("gravity_x", "gravity_y") if len(place) and np.ptp(own[n]) > LEAST_SWING}
         by_position = {"viscous": own["velocity by position"], "inertia": own["acceleration by position"]}
         direction = own["direction"]
-        return _Rows(
+        rows = _Rows(
             names=tuple(columns),
             columns=np.array([*columns.values()]).T,
             instruments=np.array([*(columns | by_position).values()]).T,
@@ -275,6 +313,23 @@ class RegressionRows:
             stroke=np.cumsum(np.diff(direction, prepend=direction[:1]) != 0),
             place=place,
         )
+        return rows._replace(chain=self._unknown_chain(rows))
+
+    def _unknown_chain(self, rows: _Rows) -> tuple[Float, Float] | None:
+        """Return what of the torque a chain without a model takes, None where no other joint moves."""
+        moving = [np.ptp(one[rows.place], axis=0) > RESTING_RAD for one in self._chain[:1] if len(rows.place)]
+        if not moving or not np.delete(moving[0], self._joint).any():
+            return None
+        motion = ChainMotion(self._joint, *(one[rows.place] for one in self._chain))
+        every = len(rows.place) // SOUGHT + 1
+        sought = chain_columns(motion, np.ones(len(rows.place)), rows.columns.T, rows.torque, every)
+        constant = np.delete(constant_coupling(motion), self._joint, axis=0)  # own inertia has a column
+        constant *= NO_PRIOR / np.linalg.norm(constant, axis=1).clip(min=CUTOFF)[:, None]
+        every_one = np.vstack([constant, sought])
+        square, turned = np.linalg.eigh(every_one @ every_one.T)
+        kept = square > LEAST_SD**2
+        size = np.sqrt(square[kept])
+        return (every_one.T @ turned[:, kept]) / size, size
 
 
 def _gravity(interaction: Interaction, column: int, index: Int) -> list[Float]:
@@ -300,14 +355,21 @@ def _fit(rows: _Rows) -> tuple[Equations, Fit]:
     standard errors grow by the mean weight over the share that is not clipped (P. J. Huber, Robust Statistics, 1981,
     7.6).
     """
-    scale = np.linalg.norm(rows.columns, axis=0).clip(min=np.finfo(float).tiny)
+    free = rows.whitened()
+    scale = np.linalg.norm(free.columns, axis=0).clip(min=np.finfo(float).tiny)
+    weights = huber_weights(free.columns / scale, free.torque, free.instruments / scale)
     scaled, instruments = rows.columns / scale, rows.instruments / scale
-    weights = huber_weights(scaled, rows.torque, instruments)
-    weighted = instruments * weights[:, None]
     first = np.flatnonzero(np.diff(rows.stroke, prepend=-1))
+    if rows.chain is not None:
+        chain = rows.chain[0] * rows.chain[1]
+        scaled, instruments = (np.hstack([one, chain]) for one in (scaled, instruments))
+        scale = np.append(scale, np.ones(chain.shape[1]))
+        first = first[:: -(-len(first) // MOST_STROKES)]
+    weighted = instruments * weights[:, None]
+    strokes = [slice(*both) for both in pairwise([*first.tolist(), len(scaled)])]
     equations = Equations(
         names=rows.names,
-        normal=np.add.reduceat(weighted.T[:, None] * scaled.T, first, axis=-1).transpose(2, 0, 1),
+        normal=np.stack([weighted[one].T @ scaled[one] for one in strokes]),
         right=np.add.reduceat(weighted.T * rows.torque, first, axis=-1).T,
         scale=scale,
     )

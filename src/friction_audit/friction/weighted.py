@@ -28,7 +28,8 @@ RIDGE = 1e-10  # relative to unit columns: keeps a window without any motion of 
 class Equations(NamedTuple):
     """Weighted equations of one joint, summed by group (a cycle, or a stroke)."""
 
-    names: tuple[str, ...]  # names of the p columns; those of the friction model come first
+    # names of columns; those of the friction model come first, columns without a name have standard normal coefficients
+    names: tuple[str, ...]
     normal: Float  # A_g^T W A_g per group, shape (m, p, p)
     right: Float  # A_g^T W y_g per group, shape (m, p)
     scale: Float  # lengths by which the columns were divided, shape (p,)
@@ -36,7 +37,9 @@ class Equations(NamedTuple):
     def conditioning(self) -> tuple[float, float]:
         """Return the condition number of the scaled matrix and the correlation of the two friction coefficients."""
         # Not by eigenvalues: with instruments the matrix is not symmetric.
-        _, values, rows = np.linalg.svd(self.normal.sum(axis=0))
+        normal, p = self.normal.sum(axis=0), len(self.names)
+        others = np.linalg.solve(normal[p:, p:] + np.eye(len(normal) - p), normal[p:, :p])
+        _, values, rows = np.linalg.svd(normal[:p, :p] - normal[:p, p:] @ others)
         is_singular = values[-1] < len(values) * np.finfo(float).eps * values[0]
         condition = float("inf") if is_singular else float(np.sqrt(values[0] / values[-1]))
         if self.names[:2] != ("coulomb", "viscous"):
@@ -116,14 +119,15 @@ def fit_windows(equations: Equations, window: int) -> Fit:
     both = (equations.normal, equations.right)
     normal, right = (np.lib.stride_tricks.sliding_window_view(one, window, axis=0).sum(axis=-1) for one in both)
     windows = len(normal)
-    value = _solve(normal, right)
+    ridge = np.diag(np.where(np.arange(normal.shape[-1]) < len(equations.names), RIDGE, 1.0))
+    value = _solve(normal + ridge, right)
     if windows == 1:
-        variance = _solve(normal - equations.normal, right - equations.right).var(axis=0)[None]
+        variance = _solve(normal - equations.normal + ridge, right - equations.right).var(axis=0)[None]
     else:  # of a day's cycles one place in all windows at a time
         total, square = np.zeros_like(value), np.zeros_like(value)
         for first in range(window):
             place = slice(first, first + windows)
-            change = _solve(normal - equations.normal[place], right - equations.right[place]) - value
+            change = _solve(normal - equations.normal[place] + ridge, right - equations.right[place]) - value
             total, square = total + change, square + change**2
         variance = (square / window - (total / window) ** 2).clip(min=0.0)
     error = np.sqrt((window - 1) * variance) / equations.scale
@@ -131,5 +135,4 @@ def fit_windows(equations: Equations, window: int) -> Fit:
 
 
 def _solve(normal: Float, right: Float) -> Float:
-    ridge = RIDGE * np.eye(normal.shape[-1])
-    return np.asarray(np.linalg.solve(normal + ridge, right[..., None])[..., 0], np.float64)
+    return np.asarray(np.linalg.solve(normal, right[..., None])[..., 0], np.float64)

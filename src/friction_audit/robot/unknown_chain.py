@@ -1,0 +1,154 @@
+"""Rigid-body torque of a chain of revolute joints whose model nobody gave, identified from the log itself.
+
+The torque of gravity is linear in cosine and sine of each angle, and a sine of the joint's own; that of inertia is
+linear in accelerations and products of velocities, and of second degree in cosine and sine of each angle. Gaussian
+processes with kernels of such functions hold every chain (A. Dalla Libera, R. Carli, IEEE Robotics and Automation
+Letters 5 (2020) 24); their covariance at the samples by Cholesky decomposition with pivoting (H. Harbrecht, M. Peters,
+R. Schneider, Appl. Numer. Math. 62 (2012) 428).
+"""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from friction_audit.joint_log import Float, Int
+
+MOST = 100  # columns of a process
+RESTING_RAD = 0.05  # a joint without a cycle whose position stays within this does not move, and velocities are noise
+ROUNDS = 10  # of expectation maximisation
+ABSORBED = 1e-4  # of the norm of a column: less of it is rounding
+
+
+class ChainMotion(NamedTuple):
+    """Motion of all j joints of a chain at n samples, shape (n, j) each."""
+
+    joint: int  # column of the joint that bears the torque
+    q: Float  # [rad]
+    dq: Float  # [rad/s]
+    ddq: Float  # [rad/s^2]
+
+    def each(self, change: Callable[[Float], Float]) -> "ChainMotion":
+        """The motion as something else sees it."""
+        return self._replace(q=change(self.q), dq=change(self.dq), ddq=change(self.ddq))
+
+    def at(self, which: Sequence[int] | Int | slice) -> "ChainMotion":
+        """The motion at some of its samples."""
+        return self._replace(q=self.q[which], dq=self.dq[which], ddq=self.ddq[which])
+
+
+class Process(NamedTuple):
+    """A Gaussian process of the torque."""
+
+    covariance: Callable[[ChainMotion, ChainMotion], Float]  # of n samples with p others, shape (p, n)
+    variance: Callable[[ChainMotion], Float]  # of each sample, shape (n,)
+    effects: Callable[[ChainMotion], Float]  # torques that are effects or the nominal model, left out, shape (e, n)
+    least: float  # what a column must add of the mean variance: noise is no smaller
+
+
+class Columns(NamedTuple):
+    """Columns of a process, each of a normal coefficient of one variance: covariances with some samples, mixed."""
+
+    process: Process
+    pivots: ChainMotion  # the samples, p of them
+    mixing: Float  # shape (p, k)
+    left_out: Float  # share of the effects, shape (e, k)
+
+    def at(self, motion: ChainMotion) -> Float:
+        """The columns at samples, shape (k, n)."""
+        covariance = self.process.covariance(motion, self.pivots)
+        return np.asarray(self.mixing.T @ covariance - self.left_out.T @ self.process.effects(motion))
+
+
+def _alike(motion: ChainMotion, pivots: ChainMotion, joint: int) -> Float:
+    """Cosine of the difference of an angle, 1 where it is the same, shape (p, n)."""
+    one, other = (np.stack([np.cos(angle), np.sin(angle)]) for angle in (pivots.q[:, joint], motion.q[:, joint]))
+    return np.asarray(one.T @ other)
+
+
+def _of_gravity(motion: ChainMotion, pivots: ChainMotion) -> Float:
+    out = _alike(motion, pivots, motion.joint)
+    for other in (k for k in range(motion.q.shape[1]) if k != motion.joint):
+        out *= 0.5 + 0.5 * _alike(motion, pivots, other)
+    return out
+
+
+def _of_inertia(motion: ChainMotion, pivots: ChainMotion) -> Float:
+    out = pivots.ddq @ motion.ddq.T + (pivots.dq @ motion.dq.T) ** 2
+    for k in range(motion.q.shape[1]):
+        out *= (0.5 + 0.5 * _alike(motion, pivots, k)) ** 2
+    return np.asarray(out)
+
+
+def own_sines(motion: ChainMotion) -> Float:
+    """Gravity of the load alone, an effect, shape (2, n)."""
+    angle = motion.q[:, motion.joint]
+    return np.stack([np.cos(angle), np.sin(angle)])
+
+
+def constant_coupling(motion: ChainMotion) -> Float:
+    """Inertia that no angle changes, shape (2 j, n): the own one is nominal, that of the others an effect."""
+    return np.vstack([motion.ddq.T, motion.dq.T**2])
+
+
+GRAVITY = Process(_of_gravity, lambda motion: np.ones(len(motion.q)), own_sines, 1e-7)
+INERTIA = Process(
+    _of_inertia,
+    lambda motion: np.asarray(np.sum(motion.ddq**2, axis=1) + np.sum(motion.dq**2, axis=1) ** 2),
+    constant_coupling,
+    1e-5,
+)
+
+
+def decomposed(process: Process, motion: ChainMotion) -> Columns:
+    """Columns of a process at samples of equal weight, without its effects."""
+    # Row by row: the whole matrix, for LAPACK's dpstrf, has the square of some thousand samples.
+    m, left = len(motion.q), process.variance(motion)
+    enough = process.least * max(float(left.mean()), 1e-300)
+    rows, pivots = np.empty((MOST, m)), list[int]()
+    while len(pivots) < MOST and left.mean() > enough:
+        k, pivot = len(pivots), int(np.argmax(left))
+        row = process.covariance(motion, motion.at([pivot]))[0] - rows[:k, pivot] @ rows[:k]
+        rows[k] = row / np.sqrt(left[pivot])
+        left = np.maximum(left - rows[k] ** 2, 0.0)
+        pivots.append(pivot)
+    rows, known = rows[: len(pivots)], process.effects(motion)
+    shares = np.linalg.lstsq(known.T, rows.T)[0]
+    turned, size, _ = np.linalg.svd(rows - shares.T @ known, full_matrices=False)
+    turned = turned[:, size**2 > enough * m]
+    mixing = np.linalg.solve(rows[:, pivots], turned)
+    return Columns(process, motion.at(pivots), mixing, shares @ turned)
+
+
+def chain_columns(motion: ChainMotion, weight: Float, known: Float, y: Float, every: int = 1) -> Float:
+    """Columns of both processes, each of a standard normal coefficient in units of the noise, shape (k, m).
+
+    Their variances and that of the noise by expectation maximisation (D. A. Harville, J. Am. Stat. Assoc. 72 (1977)
+    320), beside known columns, shape (b, m), and the effects that they leave out. The samples have some weight each;
+    every so many of them are candidates for the Cholesky decomposition.
+    """
+    thin = motion.at(slice(None, None, every))
+    columns = [weight * decomposed(process, thin).at(motion) for process in (GRAVITY, INERTIA)]
+    known = np.vstack([known, *(weight * process.effects(motion) for process in (GRAVITY, INERTIA))])
+    inside = np.linalg.qr((known / np.maximum(np.linalg.norm(known, axis=1), 1e-300)[:, None]).T)[0].T
+    both, which = np.vstack(columns), np.repeat([0, 1], [len(one) for one in columns])
+    free, left = (one - (one @ inside.T) @ inside for one in (both, y))
+    noise = max(float(np.mean(left**2)), 1e-300)
+    variances = noise / np.array([max(float(np.mean(np.sum(one**2, axis=0))), 1e-300) for one in columns])
+    least, products, along = 1e-9 * variances, free @ free.T, free @ left
+    for _ in range(ROUNDS):
+        covariance = np.linalg.inv(products / noise + np.diag(1.0 / variances[which]))
+        found = covariance @ along / noise
+        noise = max(float(np.mean((left - found @ free) ** 2) + np.sum(covariance * products) / len(y)), 1e-300)
+        power = np.bincount(which, found**2 + np.diag(covariance), 2) / np.maximum(np.bincount(which, minlength=2), 1)
+        variances = np.maximum(power, least)
+    return np.asarray(both * np.sqrt(variances[which] / noise)[:, None])
+
+
+def free_of(basis: Float, rows: Float) -> Float:
+    """Rows, shape (p, m), without what an orthonormal basis, shape (k, m), takes of them; zero where it takes all."""
+    if not len(basis):
+        return rows
+    left = rows - (rows @ basis.T) @ basis
+    left[np.sum(left**2, axis=1) <= ABSORBED**2 * np.sum(rows**2, axis=1)] = 0.0
+    return np.asarray(left)
