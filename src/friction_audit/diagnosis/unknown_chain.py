@@ -29,7 +29,7 @@ def chain_basis(data: JointData, weight: Float, seen: Callable[[Float], Float], 
     A direction counts beside nominal columns, shape (b, m), if its coefficient varies by more than noise makes of it.
     ``seen`` brings the fine grid, shape (n, j), to the samples, shape (j, m), of some weight each.
     """
-    motion = _chain_of(data).each(lambda x: (seen(x) / weight).T)
+    motion = _chain_of(data, lambda x: (seen(x) / weight).T)
     columns = chain_columns(motion, weight, np.vstack([X, weight]), y)
     _, size, basis = np.linalg.svd(columns, full_matrices=False)
     return np.asarray(basis[size > 1.0][: int(MOST_PER_SAMPLE * len(y))])
@@ -68,5 +68,5 @@ def with_gravity(data: JointData) -> JointData:
     return replace(data, load=load)
 
 
-def _chain_of(data: JointData) -> ChainMotion:
-    return ChainMotion(data.own_column, data.others_q, data.others_dq, data.others_ddq)
+def _chain_of(data: JointData, seen: Callable[[Float], Float] = np.asarray) -> ChainMotion:
+    return ChainMotion.of(data.own_column, *map(seen, (data.others_q, data.others_dq, data.others_ddq)))

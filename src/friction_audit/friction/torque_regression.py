@@ -271,10 +271,11 @@ class RegressionRows:
         for name, values in found.items():
             self.found[name][own] = values
         if part.posture is not None and part.gravity_direction is None:
-            # Averages of blocks once more: of all joints at once, by sums up to their ends.
-            ends = index + np.arange(4)[:, None] * (len(self._blocks) // 3) - around
-            means = np.diff(np.cumsum(part.posture, axis=0)[ends], axis=0) / (len(self._blocks) // 3)
-            moved = part.posture[index], *differences((times @ self._blocks).T[..., None], means)
+            block = len(self._blocks) // 3  # averages once more, of all joints at once
+            borders = index[:, None] + block * np.arange(4) - around + 1
+            sums = np.add.reduceat(part.posture, borders.ravel(), axis=0).reshape(*borders.shape, -1)
+            by_position = differences((times @ self._blocks).T[..., None], sums[:, :3].swapaxes(0, 1) / block)
+            moved = part.posture[index], *by_position
             self._chain = self._chain or [np.empty((len(self._index), one.shape[1])) for one in moved]
             self._joint = part.joint_numbers[column] - 1
             for whole, one in zip(self._chain, moved, strict=True):
@@ -320,7 +321,7 @@ class RegressionRows:
         moving = [np.ptp(one[rows.place], axis=0) > RESTING_RAD for one in self._chain[:1] if len(rows.place)]
         if not moving or not np.delete(moving[0], self._joint).any():
             return None
-        motion = ChainMotion(self._joint, *(one[rows.place] for one in self._chain))
+        motion = ChainMotion.of(self._joint, *(one[rows.place] for one in self._chain))
         every = len(rows.place) // SOUGHT + 1
         sought = chain_columns(motion, np.ones(len(rows.place)), rows.columns.T, rows.torque, every)
         constant = np.delete(constant_coupling(motion), self._joint, axis=0)  # own inertia has a column

@@ -24,17 +24,19 @@ class ChainMotion(NamedTuple):
     """Motion of all j joints of a chain at n samples, shape (n, j) each."""
 
     joint: int  # column of the joint that bears the torque
-    q: Float  # [rad]
+    cosine: Float  # of each position
+    sine: Float
     dq: Float  # [rad/s]
     ddq: Float  # [rad/s^2]
 
-    def each(self, change: Callable[[Float], Float]) -> "ChainMotion":
-        """The motion as something else sees it."""
-        return self._replace(q=change(self.q), dq=change(self.dq), ddq=change(self.ddq))
+    @classmethod
+    def of(cls, joint: int, q: Float, dq: Float, ddq: Float) -> "ChainMotion":
+        """Return the motion with these positions [rad]."""
+        return cls(joint, np.cos(q), np.sin(q), dq, ddq)
 
     def at(self, which: Sequence[int] | Int | slice) -> "ChainMotion":
-        """The motion at some of its samples."""
-        return self._replace(q=self.q[which], dq=self.dq[which], ddq=self.ddq[which])
+        """Return the motion at some of its samples."""
+        return type(self)(self.joint, *(one[which] for one in self[1:]))
 
 
 class Process(NamedTuple):
@@ -60,30 +62,29 @@ class Columns(NamedTuple):
         return np.asarray(self.mixing.T @ covariance - self.left_out.T @ self.process.effects(motion))
 
 
-def _alike(motion: ChainMotion, pivots: ChainMotion, joint: int) -> Float:
-    """Cosine of the difference of an angle, 1 where it is the same, shape (p, n)."""
-    one, other = (np.stack([np.cos(angle), np.sin(angle)]) for angle in (pivots.q[:, joint], motion.q[:, joint]))
-    return np.asarray(one.T @ other)
+def _alike(motion: ChainMotion, pivots: ChainMotion, k: int) -> Float:
+    """Cosine of the difference of an angle, shape (p, n)."""
+    same: Float = pivots.cosine[:, [k]] * motion.cosine[:, k] + pivots.sine[:, [k]] * motion.sine[:, k]
+    return same
 
 
 def _of_gravity(motion: ChainMotion, pivots: ChainMotion) -> Float:
     out = _alike(motion, pivots, motion.joint)
-    for other in (k for k in range(motion.q.shape[1]) if k != motion.joint):
+    for other in (k for k in range(motion.dq.shape[1]) if k != motion.joint):
         out *= 0.5 + 0.5 * _alike(motion, pivots, other)
     return out
 
 
 def _of_inertia(motion: ChainMotion, pivots: ChainMotion) -> Float:
     out = pivots.ddq @ motion.ddq.T + (pivots.dq @ motion.dq.T) ** 2
-    for k in range(motion.q.shape[1]):
+    for k in range(motion.dq.shape[1]):
         out *= (0.5 + 0.5 * _alike(motion, pivots, k)) ** 2
     return np.asarray(out)
 
 
 def own_sines(motion: ChainMotion) -> Float:
     """Gravity of the load alone, an effect, shape (2, n)."""
-    angle = motion.q[:, motion.joint]
-    return np.stack([np.cos(angle), np.sin(angle)])
+    return np.stack([motion.cosine[:, motion.joint], motion.sine[:, motion.joint]])
 
 
 def constant_coupling(motion: ChainMotion) -> Float:
@@ -91,7 +92,7 @@ def constant_coupling(motion: ChainMotion) -> Float:
     return np.vstack([motion.ddq.T, motion.dq.T**2])
 
 
-GRAVITY = Process(_of_gravity, lambda motion: np.ones(len(motion.q)), own_sines, 1e-7)
+GRAVITY = Process(_of_gravity, lambda motion: np.ones(len(motion.dq)), own_sines, 1e-7)
 INERTIA = Process(
     _of_inertia,
     lambda motion: np.asarray(np.sum(motion.ddq**2, axis=1) + np.sum(motion.dq**2, axis=1) ** 2),
@@ -103,7 +104,7 @@ INERTIA = Process(
 def decomposed(process: Process, motion: ChainMotion) -> Columns:
     """Columns of a process at samples of equal weight, without its effects."""
     # Row by row: the whole matrix, for LAPACK's dpstrf, has the square of some thousand samples.
-    m, left = len(motion.q), process.variance(motion)
+    m, left = len(motion.dq), process.variance(motion)
     enough = process.least * max(float(left.mean()), 1e-300)
     rows, pivots = np.empty((MOST, m)), list[int]()
     while len(pivots) < MOST and left.mean() > enough:
