@@ -59,7 +59,7 @@ CERTAIN, LIKELY, SHORTEST_DELAY_S = 2.5, 1.5, 2e-3
 TURN_S, LEAST_FOLLOWING, SURE = 0.3, 0.25, 3.0
 # Of an unknown chain: rows among which columns are looked for, standard deviation of what has no prior and least one
 # that counts, in units of the noise, and strokes that are left out one at a time; of more, several together.
-SOUGHT, NO_PRIOR, LEAST_SD, MOST_STROKES = 1500, 1e4, 0.3, 40
+SOUGHT, NO_PRIOR, LEAST_SD, SMALLEST, MOST_STROKES = 1500, 1e4, 0.3, 1e-3, 40
 HUBER = 1.345  # residuals beyond so many standard deviations lose weight: 95 % efficiency where the noise is normal
 SIGMA_PER_MEDIAN = 1 / 0.6744897501960817  # standard deviation of a normal variable over its median absolute value
 REWEIGHTINGS = 9
@@ -323,14 +323,18 @@ class RegressionRows:
             return None
         motion = ChainMotion.of(self._joint, *(one[rows.place] for one in self._chain))
         every = len(rows.place) // SOUGHT + 1
-        sought = chain_columns(motion, np.ones(len(rows.place)), rows.columns.T, rows.torque, every)
+        known = rows.columns[:, :3].T  # inertia and gravity are among the effects
+        sought = chain_columns(motion, np.ones(len(rows.place)), known, rows.torque, every)
         constant = np.delete(constant_coupling(motion), self._joint, axis=0)  # own inertia has a column
-        constant *= NO_PRIOR / np.linalg.norm(constant, axis=1).clip(min=CUTOFF)[:, None]
-        every_one = np.vstack([constant, sought])
-        square, turned = np.linalg.eigh(every_one @ every_one.T)
+        constant = constant / np.linalg.norm(constant, axis=1).clip(min=CUTOFF)[:, None]
+        _, size, constant = np.linalg.svd(constant, full_matrices=False)
+        constant = constant[size > SMALLEST]
+        sought -= (sought @ constant.T) @ constant
+        square, turned = np.linalg.eigh(sought @ sought.T)
         kept = square > LEAST_SD**2
         size = np.sqrt(square[kept])
-        return (every_one.T @ turned[:, kept]) / size, size
+        basis = np.vstack([constant, (turned[:, kept] / size).T @ sought])
+        return basis.T, np.append(np.full(len(constant), NO_PRIOR), size)
 
 
 def _gravity(interaction: Interaction, column: int, index: Int) -> list[Float]:
