@@ -255,7 +255,8 @@ def intervals(gram: Gram, dictionary: Dictionary, active: Sequence[Block], basel
             numbers = {labels[0]: _following(block, nonlinear)}
             unknown = (*unknown, *(name for name, one in numbers.items() if not np.isfinite(one.high)))
         else:
-            numbers = {name: _around(*one) for name, *one in zip(labels, c, next(linear), strict=False)}
+            numbers, lost = _linear(labels, c, next(linear), block.columns)
+            unknown = (*unknown, *lost)
         effects.append(numbers | nonlinear)
         missing.append(unknown)
     return Estimates(nominal=nominal, effects=tuple(effects), not_identifiable=tuple(missing))
@@ -271,6 +272,13 @@ def _following(block: Block, nonlinear: dict[str, Coefficient]) -> Coefficient:
 
 def _around(value: float, half: float) -> Coefficient:
     return Coefficient(value=float(value), low=float(value - half), high=float(value + half))
+
+
+def _linear(labels: Sequence[str], c: Float, half: Float, columns: Float) -> tuple[dict[str, Coefficient], list[str]]:
+    """Coefficients, and the names of those whose error alone makes more torque than the whole effect."""
+    errors, torque = half * np.sqrt(np.mean(columns**2, axis=1)), float(np.sqrt(np.mean((c @ columns) ** 2)))
+    found = {name: _around(*one) for name, *one in zip(labels, c, half, strict=True)}
+    return found, [name for name, error in zip(labels, errors.tolist(), strict=True) if not error <= torque]
 
 
 def _free(scale: Scale, half: Float) -> tuple[dict[str, Coefficient], tuple[str, ...]]:
