@@ -7,7 +7,8 @@ import pytest
 from statsmodels.robust.robust_linear_model import RLM
 
 from friction_audit.api import log_from_frame
-from friction_audit.friction.torque_regression import CUTOFF_HZ, RegressionRows, huber_weights, regress_torque
+from friction_audit.friction.torque_regression import CUTOFF_HZ, RegressionRows, regress_torque
+from friction_audit.friction.weighted import huber_weights
 from friction_audit.joint_log import Float, median_step
 from friction_audit.pipeline import AuditSettings, estimate_log
 from friction_audit.preprocessing.interaction import Interaction

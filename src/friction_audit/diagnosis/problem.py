@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.diagnosis.known_load import chain_basis, left_to_effects, with_gravity
 from friction_audit.diagnosis.samples import (
     SAMPLE_HZ,
     Index,
@@ -21,7 +22,6 @@ from friction_audit.diagnosis.samples import (
     make_samples,
     nominal_model,
 )
-from friction_audit.diagnosis.unknown_chain import chain_basis, left_to_effects, with_gravity
 from friction_audit.effects.joint_data import JointData, Nominal, displacement
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.errors import AnalysisError

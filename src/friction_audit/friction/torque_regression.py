@@ -17,15 +17,13 @@ Gravity and inertia of an arm that nobody gave a model of are a Gaussian process
 from collections import defaultdict
 from collections.abc import Mapping
 from functools import partial
-from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 
 from friction_audit.friction.history import TorqueRegression
 from friction_audit.friction.reasons import SMALLEST_SPREAD
 from friction_audit.friction.settings import FEWEST_CYCLES
-from friction_audit.friction.weighted import Equations, Fit, fit_windows
+from friction_audit.friction.weighted import CUTOFF, Fit, Rows, fit_rows
 from friction_audit.joint_log import Float, Int
 from friction_audit.preprocessing.interaction import Caution, Interaction, Reason
 from friction_audit.preprocessing.velocity import filter_velocity, settling_samples
@@ -58,12 +56,8 @@ CERTAIN, LIKELY, SHORTEST_DELAY_S = 2.5, 1.5, 2e-3
 # 0.3 and more in filtered logs, at most 0.08 where no friction builds up over a distance.
 TURN_S, LEAST_FOLLOWING, SURE = 0.3, 0.25, 3.0
 # Of an unknown chain: rows among which columns are looked for, standard deviation of what has no prior and least one
-# that counts, in units of the noise, and strokes that are left out one at a time; of more, several together.
-SOUGHT, NO_PRIOR, LEAST_SD, SMALLEST, MOST_STROKES = 1500, 1e4, 0.3, 1e-3, 40
-HUBER = 1.345  # residuals beyond so many standard deviations lose weight: 95 % efficiency where the noise is normal
-SIGMA_PER_MEDIAN = 1 / 0.6744897501960817  # standard deviation of a normal variable over its median absolute value
-REWEIGHTINGS = 9
-CUTOFF = 1e-14  # relative size below which a singular value of the normal matrix counts as zero
+# that counts, in units of the noise; least share of a column that no others hold.
+SOUGHT, NO_PRIOR, LEAST_SD, SMALLEST = 1500, 1e4, 0.3, 1e-3
 
 
 def regress_torque(
@@ -80,7 +74,7 @@ def regress_torque(
     strokes = int(found.stroke[-1]) + 1 if len(found.stroke) else 0
     if len(found.torque) < FEWEST_ROWS or strokes < FEWEST_CYCLES:
         return None
-    equations, fit = _fit(found)
+    equations, fit = fit_rows(found)
     condition, correlation = equations.conditioning()
     free = found.whitened()
     doubt: Reason = ()
@@ -101,7 +95,7 @@ def regress_torque(
     )
 
 
-def _delay(rows: "_Rows", plain: Fit) -> float:
+def _delay(rows: Rows, plain: Fit) -> float:
     """Return how late the torque is, NaN if that is not certain. [s]
 
     Of a torque that is late by d, the inertia leaves -d B times the jerk. Noise of the jerk makes it too small.
@@ -113,7 +107,7 @@ def _delay(rows: "_Rows", plain: Fit) -> float:
     return -jerk / inertia if is_certain and abs(jerk) > SHORTEST_DELAY_S * inertia else np.nan
 
 
-def _turning(rows: "_Rows") -> tuple[float, float] | None:
+def _turning(rows: Rows) -> tuple[float, float] | None:
     """Return both coefficients if friction may change slowly at reversals, None if it changes at once.
 
     Friction that builds up over a distance follows a slower mean of the direction.
@@ -124,14 +118,14 @@ def _turning(rows: "_Rows") -> tuple[float, float] | None:
     return (coulomb, viscous) if follows > SURE * half and follows > LEAST_FOLLOWING * coulomb > 0.0 else None
 
 
-def _fit_with(rows: "_Rows", name: str, *others: str) -> list[tuple[float, float]]:
+def _fit_with(rows: Rows, name: str, *others: str) -> list[tuple[float, float]]:
     """Return value and half width of one more column and of others that were there, fitted together."""
     columns, instruments = (np.vstack([one.T, rows.more[name]]).T for one in (rows.columns, rows.instruments))
-    _, fit = _fit(rows._replace(names=(*rows.names, name), columns=columns, instruments=instruments))
+    _, fit = fit_rows(rows._replace(names=(*rows.names, name), columns=columns, instruments=instruments))
     return [(float(value[0]), float(half[0])) for value, half in map(fit.column, (name, *others))]
 
 
-def _doubt(rows: "_Rows", fit: Fit) -> Reason:
+def _doubt(rows: Rows, fit: Fit) -> Reason:
     """Say why direction and velocity do not stand for friction; empty if they do."""
     speed, forwards = np.abs(rows.columns[:, 1]), float(np.mean(rows.columns[:, 0] > 0))
     if min(forwards, 1.0 - forwards) < LEAST_ONE_WAY:
@@ -153,7 +147,7 @@ def _doubt(rows: "_Rows", fit: Fit) -> Reason:
     return ()
 
 
-def _coupling(rows: "_Rows", others: "Mapping[int, RegressionRows]", dead_band_rad_s: float) -> Reason:
+def _coupling(rows: Rows, others: "Mapping[int, RegressionRows]", dead_band_rad_s: float) -> Reason:
     """Say whether the residual follows the velocity of another joint; empty if it does not."""
     free = rows.whitened()
     left = _left_by(free.columns, free.torque)
@@ -170,34 +164,6 @@ def _coupling(rows: "_Rows", others: "Mapping[int, RegressionRows]", dead_band_r
 def _left_by(columns: Float, torque: Float) -> float:
     """Return the sum of squares that least squares on some columns leaves."""
     return float(np.sum((torque - columns @ np.linalg.lstsq(columns, torque, rcond=None)[0]) ** 2))
-
-
-class _Rows(NamedTuple):
-    """Rows of the regression, m rows and p columns, their instruments, strokes and places among all rows."""
-
-    names: tuple[str, ...]
-    columns: Float
-    instruments: Float
-    torque: Float
-    more: dict[str, Float]  # columns that are fitted with them by turns
-    stroke: Int
-    place: Int
-    chain: tuple[Float, Float] | None = None  # an orthonormal basis, shape (m, k), and its k standard deviations
-
-    def free(self, columns: Float) -> Float:
-        """Whiten columns, shape (m, q), of which the chain is a part of the noise."""
-        if self.chain is None:
-            return columns
-        basis, size = self.chain
-        taken = (basis.T @ columns) * (1.0 - 1.0 / np.hypot(1.0, size))[:, None]
-        return np.asarray(columns - basis @ taken)
-
-    def whitened(self) -> "_Rows":
-        """Return the rows free of the chain."""
-        if self.chain is None:
-            return self
-        columns, instruments, torque = map(self.free, (self.columns, self.instruments, self.torque[:, None]))
-        return self._replace(columns=columns, instruments=instruments, torque=torque[:, 0], chain=None)
 
 
 class RegressionRows:
@@ -295,7 +261,7 @@ class RegressionRows:
             return np.asarray(sum(products[k : k + len(index), k] for k in range(stretches)))
         return np.asarray(self._smooth(load)[index[:, None] + NEIGHBOURS] @ SIMPSON)
 
-    def moving(self, dead_band_rad_s: float) -> _Rows:
+    def moving(self, dead_band_rad_s: float) -> Rows:
         """Return the rows at which the joint moves, after the last part."""
         moving = np.abs(self.found["velocity"]) > dead_band_rad_s
         place = np.flatnonzero(moving & (self.found["lasting"] < LONGEST * 2 * self.around * self._step_s))
@@ -305,7 +271,7 @@ class RegressionRows:
         columns |= {n: own[n] for n in ("gravity_x", "gravity_y") if len(place) and np.ptp(own[n]) > LEAST_SWING}
         by_position = {"viscous": own["velocity by position"], "inertia": own["acceleration by position"]}
         direction = own["direction"]
-        rows = _Rows(
+        rows = Rows(
             names=tuple(columns),
             columns=np.array([*columns.values()]).T,
             instruments=np.array([*(columns | by_position).values()]).T,
@@ -316,7 +282,7 @@ class RegressionRows:
         )
         return rows._replace(chain=self._unknown_chain(rows))
 
-    def _unknown_chain(self, rows: _Rows) -> tuple[Float, Float] | None:
+    def _unknown_chain(self, rows: Rows) -> tuple[Float, Float] | None:
         """Return what of the torque a chain without a model takes, None where no other joint moves."""
         moving = [np.ptp(one[rows.place], axis=0) > RESTING_RAD for one in self._chain[:1] if len(rows.place)]
         if not moving or not np.delete(moving[0], self._joint).any():
@@ -351,51 +317,3 @@ def differences(t: Float, q: Float) -> tuple[Float, Float]:
     (before, here, after), (first, middle, last) = q, t
     left, right = (here - before) / (middle - first), (after - here) / (last - middle)
     return (after - before) / (last - first), 2.0 * (right - left) / (last - first)
-
-
-def _fit(rows: _Rows) -> tuple[Equations, Fit]:
-    """Sum the rows by stroke with Huber's weights, and solve, with intervals by the factor that the weights ask for.
-
-    A clipped residual does not answer to a change of the coefficients, which weights that are held do not show:
-    standard errors grow by the mean weight over the share that is not clipped (P. J. Huber, Robust Statistics, 1981,
-    7.6).
-    """
-    free = rows.whitened()
-    scale = np.linalg.norm(free.columns, axis=0).clip(min=np.finfo(float).tiny)
-    weights = huber_weights(free.columns / scale, free.torque, free.instruments / scale)
-    scaled, instruments = rows.columns / scale, rows.instruments / scale
-    first = np.flatnonzero(np.diff(rows.stroke, prepend=-1))
-    if rows.chain is not None:
-        chain = rows.chain[0] * rows.chain[1]
-        scaled, instruments = (np.hstack([one, chain]) for one in (scaled, instruments))
-        scale = np.append(scale, np.ones(chain.shape[1]))
-        first = first[:: -(-len(first) // MOST_STROKES)]
-    weighted = instruments * weights[:, None]
-    strokes = [slice(*both) for both in pairwise([*first.tolist(), len(scaled)])]
-    equations = Equations(
-        names=rows.names,
-        normal=np.stack([weighted[one].T @ scaled[one] for one in strokes]),
-        right=np.add.reduceat(weighted.T * rows.torque, first, axis=-1).T,
-        scale=scale,
-    )
-    fit = fit_windows(equations, len(first))
-    return equations, fit._replace(error=float(weights.mean() / np.mean(weights >= 1.0)) * fit.error)
-
-
-def huber_weights(design: Float, target: Float, instruments: Float | None = None) -> Float:
-    """Return the weights of the rows in Huber's estimate, 1 except for outliers.
-
-    The weights of ``RLM`` of statsmodels (a test compares them), which knows no instruments, takes ten times as long
-    on few columns and many rows, and takes longer to load than an hour of log to read. The columns of the design, of
-    comparable length, shape (m, p), are noisy themselves where instruments stand for them: weights from a biased
-    solution are biased, for they count less where noise and error have one sign.
-    """
-    instruments = design if instruments is None else instruments
-    smallest = np.finfo(float).eps * float(np.abs(target).max()) + np.finfo(float).tiny
-    weights = np.ones(len(target))
-    for _ in range(REWEIGHTINGS):
-        weighted = instruments * weights[:, None]
-        solution = np.linalg.lstsq(weighted.T @ design, weighted.T @ target, CUTOFF)[0]
-        residual = np.abs(target - design @ solution).clip(min=smallest)
-        weights = np.minimum(HUBER * SIGMA_PER_MEDIAN * np.median(residual) / residual, 1.0)
-    return weights
