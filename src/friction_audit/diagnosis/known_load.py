@@ -1,4 +1,4 @@
-"""The load on every joint by a model of the arm or by the log itself, and the torque per unit of that model's errors."""
+"""The load on every joint by a model of the arm or by the log, and the torque per unit of that model's errors."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
