@@ -56,8 +56,8 @@ CERTAIN, LIKELY, SHORTEST_DELAY_S = 2.5, 1.5, 2e-3
 # 0.3 and more in filtered logs, at most 0.08 where no friction builds up over a distance.
 TURN_S, LEAST_FOLLOWING, SURE = 0.3, 0.25, 3.0
 # Of an unknown chain: rows among which columns are looked for, standard deviation of what has no prior and least one
-# that counts, in units of the noise; least share of a column that no others hold.
-SOUGHT, NO_PRIOR, LEAST_SD, SMALLEST = 1500, 1e4, 0.3, 1e-3
+# that counts, in units of the noise; least share of a column that no others hold; most columns per row.
+SOUGHT, NO_PRIOR, LEAST_SD, SMALLEST, MOST_PER_ROW = 1500, 1e4, 0.3, 1e-3, 0.25
 
 
 def regress_torque(
@@ -66,7 +66,8 @@ def regress_torque(
     """Regress the torque of one joint on its motion, samples slower than the dead band left out.
 
     With the rows of the other joints by number it is also checked whether the regression can stand for the friction of
-    the joint where no energy does. Too few moving samples or strokes give None.
+    the joint where no energy does. Too few moving samples or strokes give None. Beside an unknown chain first; where
+    that leaves a doubt, of a short log as a rule, without.
     """
     if not rows.found:  # the log is shorter than what a row needs
         return None
@@ -74,6 +75,13 @@ def regress_torque(
     strokes = int(found.stroke[-1]) + 1 if len(found.stroke) else 0
     if len(found.torque) < FEWEST_ROWS or strokes < FEWEST_CYCLES:
         return None
+    beside = found._replace(chain=rows.unknown_chain(found))
+    if beside.chain is not None and not (regression := _regress(beside, dead_band_rad_s, others or {})).doubt:
+        return regression
+    return _regress(found, dead_band_rad_s, others)
+
+
+def _regress(found: Rows, dead_band_rad_s: float, others: "Mapping[int, RegressionRows] | None") -> TorqueRegression:
     equations, fit = fit_rows(found)
     condition, correlation = equations.conditioning()
     free = found.whitened()
@@ -271,7 +279,7 @@ class RegressionRows:
         columns |= {n: own[n] for n in ("gravity_x", "gravity_y") if len(place) and np.ptp(own[n]) > LEAST_SWING}
         by_position = {"viscous": own["velocity by position"], "inertia": own["acceleration by position"]}
         direction = own["direction"]
-        rows = Rows(
+        return Rows(
             names=tuple(columns),
             columns=np.array([*columns.values()]).T,
             instruments=np.array([*(columns | by_position).values()]).T,
@@ -280,10 +288,9 @@ class RegressionRows:
             stroke=np.cumsum(np.diff(direction, prepend=direction[:1]) != 0),
             place=place,
         )
-        return rows._replace(chain=self._unknown_chain(rows))
 
-    def _unknown_chain(self, rows: Rows) -> tuple[Float, Float] | None:
-        """Return what of the torque a chain without a model takes, None where no other joint moves."""
+    def unknown_chain(self, rows: Rows) -> tuple[Float, Float] | None:
+        """Return what of the torque a chain without a model takes, None where no other joint moves, or of few rows."""
         moving = [np.ptp(one[rows.place], axis=0) > RESTING_RAD for one in self._chain[:1] if len(rows.place)]
         if not moving or not np.delete(moving[0], self._joint).any():
             return None
@@ -299,6 +306,8 @@ class RegressionRows:
         square, turned = np.linalg.eigh(sought @ sought.T)
         kept = square > LEAST_SD**2
         size = np.sqrt(square[kept])
+        if len(constant) + len(size) > MOST_PER_ROW * len(rows.place):
+            return None
         basis = np.vstack([constant, (turned[:, kept] / size).T @ sought])
         return basis.T, np.append(np.full(len(constant), NO_PRIOR), size)
 
