@@ -52,7 +52,6 @@ def regress(
     torque_noise: float = 0.0,
     resolution: float = 0.0,
     every: int = 1,
-    gravity_nm: float = 0.0,
     seed: int = 0,
 ) -> Any:
     """Regress forty gentle strokes of a known joint, each sensor with a noise of its own."""
@@ -61,7 +60,7 @@ def regress(
     lengths = rng.uniform(0.4, 1.0, 40) * np.where(np.arange(40) % 2, -1.0, 1.0)
     t, dq, ddq = strokes(lengths.tolist(), durations.tolist())
     q = np.concatenate([[0.0], np.cumsum(0.5 * (dq[1:] + dq[:-1]) * np.diff(t))])
-    torque = COULOMB * np.sign(dq) + VISCOUS * dq + INERTIA * ddq + gravity_nm * np.sin(q)
+    torque = COULOMB * np.sign(dq) + VISCOUS * dq + INERTIA * ddq
     q = q + position_noise * rng.normal(size=len(t))
     q = np.rint(q / resolution) * resolution if resolution else q
     dq = dq + velocity_noise * rng.normal(size=len(t))
@@ -109,10 +108,21 @@ def test_a_clock_takes_nothing_from_the_inertia(clock: str) -> None:
     assert found.residual_rms_nm < 0.02 or clock == "holes"
 
 
-def test_gravity_that_is_left_in_the_torque_moves_no_coefficient() -> None:
-    found = regress(velocity_noise=0.01, torque_noise=0.05, position_noise=4e-6, gravity_nm=0.5)
-    assert found.inertia.value == pytest.approx(INERTIA, rel=0.01)
-    assert found.coulomb.value == pytest.approx(COULOMB, rel=0.02)
+def test_an_arm_without_a_model_takes_nothing_from_friction() -> None:
+    t, rng = np.arange(0.0, 60.0, 4e-3), np.random.default_rng(0)
+    q = np.stack([np.sin(0.9 * t) + 0.5 * np.sin(2.1 * t), np.sin(1.3 * t + 1.0) + 0.4 * np.sin(0.7 * t)])
+    dq = np.gradient(q, t, axis=1)
+    ddq, turned = np.gradient(dq, t, axis=1), q[0] + q[1]
+    torque = COULOMB * np.sign(dq) + VISCOUS * dq + INERTIA * ddq + 3.0 * np.sin(turned)
+    torque[0] += (
+        4.0 * np.sin(q[0]) + 0.2 * np.cos(q[1]) * ddq.sum(axis=0) - 0.2 * np.sin(q[1]) * dq[1] * (dq[0] + dq[1])
+    )
+    log = {"time": t}
+    for k in range(2):
+        measured = torque[k] + 0.02 * rng.standard_normal(len(t))
+        log |= {f"q_{k + 1}": q[k], f"dq_{k + 1}": dq[k], f"tau_J_{k + 1}": measured}
+    for one in estimate_log(log_from_frame(log), AuditSettings()).friction.joints:
+        assert (one.coulomb.value, one.viscous.value) == pytest.approx((COULOMB, VISCOUS), rel=0.03)
 
 
 def test_a_short_range_that_hides_gravity_among_the_offsets_does_not_hide_friction() -> None:

@@ -84,7 +84,7 @@ def regress_torque(
 def _regress(found: Rows, dead_band_rad_s: float, others: "Mapping[int, RegressionRows] | None") -> TorqueRegression:
     equations, fit = fit_rows(found)
     condition, correlation = equations.conditioning()
-    free = found.whitened()
+    free = found.free()
     doubt: Reason = ()
     if others is not None:
         doubt = _coupling(found, others, dead_band_rad_s) or _doubt(found, fit)
@@ -140,7 +140,7 @@ def _doubt(rows: Rows, fit: Fit) -> Reason:
         return (Caution("mostly_one_way", numbers={"percent": 100 * max(forwards, 1.0 - forwards)}),)
     if speed.std() < SMALLEST_SPREAD * speed.mean():
         return (Caution("one_speed_in_rows", numbers={"mean": float(speed.mean())}),)
-    rows = rows.whitened()
+    rows = rows.free()
     unit = rows.columns / np.linalg.norm(rows.columns, axis=0).clip(min=CUTOFF)
     apart = np.linalg.qr(np.roll(unit, -2, axis=1))[1][-2:, -2:]  # direction and speed without the others
     condition = 1.0 / float(np.linalg.norm(apart, -2).clip(min=CUTOFF))
@@ -157,12 +157,12 @@ def _doubt(rows: Rows, fit: Fit) -> Reason:
 
 def _coupling(rows: Rows, others: "Mapping[int, RegressionRows]", dead_band_rad_s: float) -> Reason:
     """Say whether the residual follows the velocity of another joint; empty if it does not."""
-    free = rows.whitened()
+    free = rows.free()
     left = _left_by(free.columns, free.torque)
     for number, other in others.items():
         velocity = other.found["velocity"][rows.place]
         direction = np.tanh(velocity / dead_band_rad_s)
-        more = np.column_stack([free.columns, rows.free(np.column_stack([direction, velocity]))])
+        more = np.column_stack([free.columns, rows.whitened(np.column_stack([direction, velocity]))])
         share = 1.0 - _left_by(more, free.torque) / left
         if share > LARGEST_COUPLED_SHARE:
             return (Caution("coupled", numbers={"other": number}),)
@@ -203,12 +203,12 @@ class RegressionRows:
         self._blocks = np.pad(np.repeat(np.eye(3) / block, block, axis=0), ((1, 1), (0, 0)))
         # By name at all rows, those at which the joint rests among them.
         self.found: dict[str, Float] = defaultdict(partial(np.empty, len(self._index)))
-        # Position, velocity and acceleration of all joints where their torques hold what no model says, (rows, j) each.
-        self._chain, self._joint = list[Float](), column
+        # Position, velocity and acceleration of all joints where their torques hold what no model says, (3, rows, j).
+        self._chain, self._joint = np.empty((0, 0, 0)), 0
 
     def take(self, part: Interaction, velocity: Float, start: int, stop: int) -> None:
         """Take the rows of some samples, by their numbers in the log; the velocity is filtered at CUTOFF_HZ."""
-        column, around = self._column, self.around
+        column, around, self._joint = self._column, self.around, part.joint_numbers[self._column] - 1
         own = slice(*np.searchsorted(self._index, (start, stop)))
         index = self._index[own] - part.first
         if not len(index):
@@ -249,11 +249,9 @@ class RegressionRows:
             borders = index[:, None] + block * np.arange(4) - around + 1
             sums = np.add.reduceat(part.posture, borders.ravel(), axis=0).reshape(*borders.shape, -1)
             by_position = differences((times @ self._blocks).T[..., None], sums[:, :3].swapaxes(0, 1) / block)
-            moved = part.posture[index], *by_position
-            self._chain = self._chain or [np.empty((len(self._index), one.shape[1])) for one in moved]
-            self._joint = part.joint_numbers[column] - 1
-            for whole, one in zip(self._chain, moved, strict=True):
-                whole[own] = one
+            if not len(self._chain):
+                self._chain = np.empty((3, len(self._index), sums.shape[2]))
+            self._chain[:, own] = part.posture[index], *by_position
 
     def _filtered(self, load: Float, index: Int) -> Float:
         """Return a signal at the rows, through the low-pass of the others: a linear relation asks for the same one."""
@@ -291,11 +289,10 @@ class RegressionRows:
 
     def unknown_chain(self, rows: Rows) -> tuple[Float, Float] | None:
         """Return what of the torque a chain without a model takes, None where no other joint moves, or of few rows."""
-        moving = [np.ptp(one[rows.place], axis=0) > RESTING_RAD for one in self._chain[:1] if len(rows.place)]
-        if not moving or not np.delete(moving[0], self._joint).any():
+        moved = self._chain[:, rows.place] if len(self._chain) else np.empty((1, 1, 1))
+        if not np.any(np.ptp(np.delete(moved[0], self._joint, axis=1), axis=0) > RESTING_RAD):
             return None
-        motion = ChainMotion.of(self._joint, *(one[rows.place] for one in self._chain))
-        every = len(rows.place) // SOUGHT + 1
+        motion, every = ChainMotion.of(self._joint, *moved), len(rows.place) // SOUGHT + 1
         known = rows.columns[:, :3].T  # inertia and gravity are among the effects
         sought = chain_columns(motion, np.ones(len(rows.place)), known, rows.torque, every)
         constant = np.delete(constant_coupling(motion), self._joint, axis=0)  # own inertia has a column
@@ -306,10 +303,10 @@ class RegressionRows:
         square, turned = np.linalg.eigh(sought @ sought.T)
         kept = square > LEAST_SD**2
         size = np.sqrt(square[kept])
-        if len(constant) + len(size) > MOST_PER_ROW * len(rows.place):
-            return None
         basis = np.vstack([constant, (turned[:, kept] / size).T @ sought])
-        return basis.T, np.append(np.full(len(constant), NO_PRIOR), size)
+        if len(basis) > MOST_PER_ROW * len(rows.place):
+            return None
+        return basis, np.append(np.full(len(constant), NO_PRIOR), size)
 
 
 def _gravity(interaction: Interaction, column: int, index: Int) -> list[Float]:

@@ -154,22 +154,19 @@ class Rows(NamedTuple):
     more: dict[str, Float]  # columns that are fitted with them by turns
     stroke: Int
     place: Int
-    chain: tuple[Float, Float] | None = None  # an orthonormal basis, shape (m, k), and its k standard deviations
+    chain: tuple[Float, Float] | None = None  # an orthonormal basis, shape (k, m), and its k standard deviations
 
-    def free(self, columns: Float) -> Float:
-        """Whiten columns, shape (m, q), of which the chain is a part of the noise."""
+    def whitened(self, columns: Float) -> Float:
+        """Return columns, shape (m, q) or (m,), among whose noise the chain is no more."""
         if self.chain is None:
             return columns
         basis, size = self.chain
-        taken = (basis.T @ columns) * (1.0 - 1.0 / np.hypot(1.0, size))[:, None]
-        return np.asarray(columns - basis @ taken)
+        return np.asarray(columns - ((basis @ columns).T * (1.0 - 1.0 / np.hypot(1.0, size)) @ basis).T)
 
-    def whitened(self) -> "Rows":
-        """Return the rows free of the chain."""
-        if self.chain is None:
-            return self
-        columns, instruments, torque = map(self.free, (self.columns, self.instruments, self.torque[:, None]))
-        return self._replace(columns=columns, instruments=instruments, torque=torque[:, 0], chain=None)
+    def free(self) -> "Rows":
+        """Return the rows without the chain."""
+        changed = {name: self.whitened(getattr(self, name)) for name in ("columns", "instruments", "torque")}
+        return self._replace(**changed, chain=None)
 
 
 def fit_rows(rows: Rows) -> tuple[Equations, Fit]:
@@ -179,15 +176,14 @@ def fit_rows(rows: Rows) -> tuple[Equations, Fit]:
     standard errors grow by the mean weight over the share that is not clipped (P. J. Huber, Robust Statistics, 1981,
     7.6).
     """
-    free = rows.whitened()
+    free = rows.free()
     scale = np.linalg.norm(free.columns, axis=0).clip(min=np.finfo(float).tiny)
     weights = huber_weights(free.columns / scale, free.torque, free.instruments / scale)
     scaled, instruments = rows.columns / scale, rows.instruments / scale
     first = np.flatnonzero(np.diff(rows.stroke, prepend=-1))
     if rows.chain is not None:
-        chain = rows.chain[0] * rows.chain[1]
-        scaled, instruments = (np.hstack([one, chain]) for one in (scaled, instruments))
-        scale = np.append(scale, np.ones(chain.shape[1]))
+        scaled, instruments = (np.hstack([one, rows.chain[0].T * rows.chain[1]]) for one in (scaled, instruments))
+        scale = np.append(scale, np.ones(len(rows.chain[1])))
         first = first[:: -(-len(first) // MOST_STROKES)]
     weighted = instruments * weights[:, None]
     strokes = [slice(*both) for both in pairwise([*first.tolist(), len(scaled)])]
