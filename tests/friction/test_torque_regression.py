@@ -114,13 +114,10 @@ def test_an_arm_without_a_model_takes_nothing_from_friction() -> None:
     dq = np.gradient(q, t, axis=1)
     ddq, turned = np.gradient(dq, t, axis=1), q[0] + q[1]
     torque = COULOMB * np.sign(dq) + VISCOUS * dq + INERTIA * ddq + 3.0 * np.sin(turned)
-    torque[0] += (
-        4.0 * np.sin(q[0]) + 0.2 * np.cos(q[1]) * ddq.sum(axis=0) - 0.2 * np.sin(q[1]) * dq[1] * (dq[0] + dq[1])
-    )
-    log = {"time": t}
-    for k in range(2):
-        measured = torque[k] + 0.02 * rng.standard_normal(len(t))
-        log |= {f"q_{k + 1}": q[k], f"dq_{k + 1}": dq[k], f"tau_J_{k + 1}": measured}
+    coriolis = np.sin(q[1]) * dq[1] * dq.sum(axis=0)
+    torque[0] += 4.0 * np.sin(q[0]) + 0.2 * (np.cos(q[1]) * ddq.sum(axis=0) - coriolis)
+    signals = {"q": q, "dq": dq, "tau_J": torque + 0.02 * rng.standard_normal(q.shape)}
+    log = {"time": t} | {f"{name}_{k + 1}": signal[k] for name, signal in signals.items() for k in range(2)}
     for one in estimate_log(log_from_frame(log), AuditSettings()).friction.joints:
         assert (one.coulomb.value, one.viscous.value) == pytest.approx((COULOMB, VISCOUS), rel=0.03)
 

@@ -13,17 +13,9 @@ from friction_audit.joint_log import Float
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.even_grid import on_finer_grid
 from friction_audit.preprocessing.interaction import TorqueChoice
+from friction_audit.robot import unknown_chain
 from friction_audit.robot.arm import Arm, chunks
 from friction_audit.robot.regressor import Index, Motion, random_motion, regressor_entries, significant, tilt_torque
-from friction_audit.robot.unknown_chain import (
-    GRAVITY,
-    INERTIA,
-    ChainMotion,
-    chain_columns,
-    constant_coupling,
-    decomposed,
-    own_sines,
-)
 
 # Above twice the bandwidth of the motion on the grid; at 100 Hz the noise of accelerations folds back: the floor of a
 # measured Panda's joints 1 to 4 rises by half, and joint 4 is unexplained.
@@ -149,7 +141,7 @@ def chain_basis(data: JointData, weight: Float, seen: Callable[[Float], Float], 
     ``seen`` brings the fine grid, shape (n, j), to the samples, shape (j, m), of some weight each.
     """
     motion = _chain_of(data, lambda x: (seen(x) / weight).T)
-    columns = chain_columns(motion, weight, np.vstack([X, weight]), y)
+    columns = unknown_chain.chain_columns(motion, weight, np.vstack([X, weight]), y)
     _, size, basis = np.linalg.svd(columns, full_matrices=False)
     return np.asarray(basis[size > 1.0][: int(MOST_PER_SAMPLE * len(y))])
 
@@ -157,7 +149,7 @@ def chain_basis(data: JointData, weight: Float, seen: Callable[[Float], Float], 
 def left_to_effects(data: JointData) -> Float:
     """What of an unknown chain's torque is an effect of its own, on the fine grid, shape (n, e)."""
     motion = _chain_of(data)
-    return np.vstack([process.effects(motion) for process in (GRAVITY, INERTIA)]).T
+    return np.vstack([process.effects(motion) for process in unknown_chain.PROCESSES]).T
 
 
 def with_gravity(data: JointData) -> JointData:
@@ -170,10 +162,10 @@ def with_gravity(data: JointData) -> JointData:
         return data
     some, motion = used[:: len(used) // FITTED + 1], _chain_of(data)
     at = motion.at(some)
-    chain, sines = decomposed(GRAVITY, at), own_sines(at)
+    chain, sines = unknown_chain.decomposed(unknown_chain.GRAVITY, at), unknown_chain.own_sines(at)
     of_chain = chain.at(at)
     weighing = np.vstack([sines, of_chain])
-    rows = np.vstack([weighing, np.stack([data.direction, data.dq])[:, some], constant_coupling(at)])
+    rows = np.vstack([weighing, np.stack([data.direction, data.dq])[:, some], unknown_chain.constant_coupling(at)])
     size = np.maximum(np.sqrt(np.mean(rows**2, axis=1)), 1e-12)
     prior = np.zeros((len(weighing), len(rows)))
     np.fill_diagonal(prior, np.sqrt(NOISE * len(some)))
@@ -183,9 +175,9 @@ def with_gravity(data: JointData) -> JointData:
     load = np.empty(len(data.q))
     for first in range(0, len(load), AT_ONCE):
         part = motion.at(slice(first, first + AT_ONCE))
-        load[first : first + AT_ONCE] = own @ own_sines(part) + others @ chain.at(part)
+        load[first : first + AT_ONCE] = own @ unknown_chain.own_sines(part) + others @ chain.at(part)
     return replace(data, load=load)
 
 
-def _chain_of(data: JointData, seen: Callable[[Float], Float] = np.asarray) -> ChainMotion:
-    return ChainMotion.of(data.own_column, *map(seen, (data.others_q, data.others_dq, data.others_ddq)))
+def _chain_of(data: JointData, seen: Callable[[Float], Float] = np.asarray) -> unknown_chain.ChainMotion:
+    return unknown_chain.ChainMotion.of(data.own_column, *map(seen, (data.others_q, data.others_dq, data.others_ddq)))

@@ -99,6 +99,7 @@ INERTIA = Process(
     constant_coupling,
     1e-5,
 )
+PROCESSES = (GRAVITY, INERTIA)
 
 
 def decomposed(process: Process, motion: ChainMotion) -> Columns:
@@ -129,8 +130,8 @@ def chain_columns(motion: ChainMotion, weight: Float, known: Float, y: Float, ev
     every so many of them are candidates for the Cholesky decomposition.
     """
     thin = motion.at(slice(None, None, every))
-    columns = [weight * decomposed(process, thin).at(motion) for process in (GRAVITY, INERTIA)]
-    known = np.vstack([known, *(weight * process.effects(motion) for process in (GRAVITY, INERTIA))])
+    columns = [weight * decomposed(process, thin).at(motion) for process in PROCESSES]
+    known = np.vstack([known, *(weight * process.effects(motion) for process in PROCESSES)])
     inside = np.linalg.qr((known / np.maximum(np.linalg.norm(known, axis=1), 1e-300)[:, None]).T)[0].T
     both, which = np.vstack(columns), np.repeat([0, 1], [len(one) for one in columns])
     free, left = (one - (one @ inside.T) @ inside for one in (both, y))
