@@ -31,7 +31,7 @@ from friction_audit.robot.unknown_chain import RESTING_RAD, ChainMotion, chain_c
 
 CUTOFF_HZ = 20.0
 ROW_RATE_HZ = 50.0
-MOST_ROWS = 20_000
+MOST_ROWS, MOST_BESIDE = 20_000, 6_000  # the second beside an unknown chain
 FEWEST_ROWS = 100
 # A difference of neighbours is a mean slope: torque and velocity are averaged likewise, for the inertia of slow logs.
 NEIGHBOURS, SIMPSON = np.array([-1, 0, 1]), np.array([1.0, 4.0, 1.0]) / 6.0
@@ -75,7 +75,8 @@ def regress_torque(
     strokes = int(found.stroke[-1]) + 1 if len(found.stroke) else 0
     if len(found.torque) < FEWEST_ROWS or strokes < FEWEST_CYCLES:
         return None
-    beside = found._replace(chain=rows.unknown_chain(found))
+    beside = found.every(-(-len(found.torque) // MOST_BESIDE))
+    beside = beside._replace(chain=rows.unknown_chain(beside))
     if beside.chain is not None and not (regression := _regress(beside, dead_band_rad_s, others or {})).doubt:
         return regression
     return _regress(found, dead_band_rad_s, others)

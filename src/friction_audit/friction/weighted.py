@@ -9,7 +9,7 @@ take up what is not friction: a torque offset, an error of gravity, and the kine
 import math
 from functools import cache
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -163,9 +163,17 @@ class Rows(NamedTuple):
         basis, size = self.chain
         return np.asarray(columns - ((basis @ columns).T * (1.0 - 1.0 / np.hypot(1.0, size)) @ basis).T)
 
+    def every(self, step: int) -> "Rows":
+        """Return one of so many rows."""
+        names = ("columns", "instruments", "torque", "stroke", "place")
+        changed: dict[str, Any] = {name: getattr(self, name)[::step] for name in names}
+        return self._replace(**changed, more={name: one[::step] for name, one in self.more.items()})
+
     def free(self) -> "Rows":
         """Return the rows without the chain."""
-        changed = {name: self.whitened(getattr(self, name)) for name in ("columns", "instruments", "torque")}
+        changed: dict[str, Any] = {
+            name: self.whitened(getattr(self, name)) for name in ("columns", "instruments", "torque")
+        }
         return self._replace(**changed, chain=None)
 
 
