@@ -75,7 +75,7 @@ def regress_torque(
     strokes = int(found.stroke[-1]) + 1 if len(found.stroke) else 0
     if len(found.torque) < FEWEST_ROWS or strokes < FEWEST_CYCLES:
         return None
-    beside = found.every(-(-len(found.torque) // MOST_BESIDE))
+    beside = rows.moving(dead_band_rad_s, -(-len(found.torque) // MOST_BESIDE))
     beside = beside._replace(chain=rows.unknown_chain(beside))
     if beside.chain is not None and not (regression := _regress(beside, dead_band_rad_s, others or {})).doubt:
         return regression
@@ -268,10 +268,10 @@ class RegressionRows:
             return np.asarray(sum(products[k : k + len(index), k] for k in range(stretches)))
         return np.asarray(self._smooth(load)[index[:, None] + NEIGHBOURS] @ SIMPSON)
 
-    def moving(self, dead_band_rad_s: float) -> Rows:
-        """Return the rows at which the joint moves, after the last part."""
+    def moving(self, dead_band_rad_s: float, every: int = 1) -> Rows:
+        """Return the rows at which the joint moves, or one of so many, after the last part."""
         moving = np.abs(self.found["velocity"]) > dead_band_rad_s
-        place = np.flatnonzero(moving & (self.found["lasting"] < LONGEST * 2 * self.around * self._step_s))
+        place = np.flatnonzero(moving & (self.found["lasting"] < LONGEST * 2 * self.around * self._step_s))[::every]
         own = {name: column[place] for name, column in self.found.items()}
         columns = {name: own[name] for name in ("coulomb", "viscous")}
         columns |= {"offset": np.ones(len(place)), "inertia": own["inertia"]}

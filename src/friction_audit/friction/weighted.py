@@ -163,12 +163,6 @@ class Rows(NamedTuple):
         basis, size = self.chain
         return np.asarray(columns - ((basis @ columns).T * (1.0 - 1.0 / np.hypot(1.0, size)) @ basis).T)
 
-    def every(self, step: int) -> "Rows":
-        """Return one of so many rows."""
-        names = ("columns", "instruments", "torque", "stroke", "place")
-        changed: dict[str, Any] = {name: getattr(self, name)[::step] for name in names}
-        return self._replace(**changed, more={name: one[::step] for name, one in self.more.items()})
-
     def free(self) -> "Rows":
         """Return the rows without the chain."""
         changed: dict[str, Any] = {
