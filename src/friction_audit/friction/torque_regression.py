@@ -290,7 +290,9 @@ class RegressionRows:
 
     def unknown_chain(self, rows: Rows) -> tuple[Float, Float] | None:
         """Return what of the torque a chain without a model takes, None where no other joint moves, or of few rows."""
-        moved = self._chain[:, rows.place] if len(self._chain) else np.empty((1, 1, 1))
+        if not len(self._chain):
+            return None
+        moved = self._chain[:, rows.place]
         if not np.any(np.ptp(np.delete(moved[0], self._joint, axis=1), axis=0) > RESTING_RAD):
             return None
         motion, every = ChainMotion.of(self._joint, *moved), len(rows.place) // SOUGHT + 1
