@@ -10,14 +10,22 @@ from math import isinf, pi
 
 import numpy as np
 
-from friction_audit.compensation.comparison import METHODS, SCENES, compare
-from friction_audit.compensation.comparison.methods import NO_COMPENSATION, OBSERVED_SHARE, OBSERVER, Joint, Tuning
+from friction_audit.compensation.comparison.experiment import compare
+from friction_audit.compensation.comparison.methods import (
+    METHODS,
+    NO_COMPENSATION,
+    OBSERVED_SHARE,
+    OBSERVER,
+    SCENES,
+    Joint,
+    Tuning,
+)
 from friction_audit.compensation.comparison.result import find_reference, measure, vibration_nm
 from friction_audit.compensation.competitors import DisturbanceObserver
 from friction_audit.compensation.law import PUBLISHED, RIDGE, Coefficients, EnergyCompensator, payback_s
 from friction_audit.parallel import own_process
+from friction_audit.reproduce.claims import SECOND, make_course
 from friction_audit.reproduce.one_joint import LOW_PEAK_NM, compensated, peak_nm
-from friction_audit.reproduce.reproduction import SECOND, make_course
 from friction_audit.simulation import PANDA_SENSORS, JointParameters, Operator
 from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.bench import BenchSettings

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from friction_audit.joint_log import Float
-    from friction_audit.robot import Arm
+    from friction_audit.robot.arm import Arm
 
 JOINTS = range(1, 8)
 RATE_HZ = 1000
@@ -87,7 +87,7 @@ def write_log(path: Path, case: Case, hours: float, seed: int = 1) -> None:
     import pyarrow as pa  # noqa: PLC0415
     import pyarrow.parquet as pq  # noqa: PLC0415
 
-    from friction_audit.robot import load_arm  # noqa: PLC0415
+    from friction_audit.robot.arm import load_arm  # noqa: PLC0415
 
     rng, arm, samples = np.random.default_rng(seed), load_arm(), int(hours * 3600 * RATE_HZ)
     schema = pa.schema([(name, pa.float64()) for name in case.columns])

@@ -28,7 +28,7 @@ from friction_audit.pipeline import AuditSettings, Diagnosis, diagnosis_subjects
 from friction_audit.planning.design import limits_of
 from friction_audit.planning.plan import plan_task
 from friction_audit.planning.task import AUTO, SERVO, tasks_of
-from friction_audit.reporting.diagnosis import diagnose_document
+from friction_audit.reporting.diagnosis import DIAGNOSE
 from friction_audit.simulation import Operator
 from friction_audit.simulation.scenarios import simulate
 
@@ -93,7 +93,7 @@ def work(asked: Row) -> list[dict[str, Any]]:
     row["before"] = sets_of(found)
     if found.joints[0].verdict == "ambiguous" and open_names(truth, row["before"]):
         pairs = [(subjects[0], found.joints[0])]
-        _, (task,) = tasks_of(diagnose_document(found), Path(log.source.path), [0.0], subjects=pairs)
+        _, (task,) = tasks_of(DIAGNOSE.of(found), Path(log.source.path), [0.0], subjects=pairs)
         limits = limits_of(task.joint, 0.0, urdf=None, robot="panda")
         plan = plan_task(task, limits, check=False)
         row["unknown"] = "|".join(task.unknown)

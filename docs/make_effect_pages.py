@@ -11,7 +11,8 @@ from pathlib import Path
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.parameter import Parameter
 from friction_audit.effects.registry import NAMES, effect_of, effects
-from friction_audit.simulation.effects import EFFECTS, HiddenEffect
+from friction_audit.simulation.effects import EFFECTS
+from friction_audit.simulation.effects.effect import HiddenEffect
 
 FOLDER = Path(__file__).parent / "effects"
 HIDDEN = {effect.name: effect for effect in EFFECTS}

@@ -20,10 +20,10 @@ from friction_audit.io.readers.channel_names import QUANTITIES, parse_name
 from friction_audit.io.readers.clocks import find_time
 from friction_audit.joint_log import JOINT_CHANNELS
 from friction_audit.pipeline import AuditSettings, estimate_log
-from friction_audit.reporting.estimate import estimate_document
+from friction_audit.reporting.estimate import ESTIMATE
 from friction_audit.reporting.figures.registry import FIGURES
 from friction_audit.simulation import EFFECTS
-from friction_audit.simulation.effects import HiddenEffect
+from friction_audit.simulation.effects.effect import HiddenEffect
 from tests.diagnosed_once import diagnosed_once
 from tests.documented_commands import PAGES, ROOT, Terminal, blocks, commands, examples, same
 
@@ -170,7 +170,7 @@ def assert_shown(shown: Any, real: Any, where: str = "") -> None:
 def test_the_document_shown_is_the_document() -> None:
     (body,) = blocks((DOCS / "commands" / "estimate.md").read_text(), "json")
     log = read_log(ROOT / "sample_logs" / "hand_guided.parquet")
-    document = estimate_document(estimate_log(log, AuditSettings(joints=(1,))))
+    document = ESTIMATE.of(estimate_log(log, AuditSettings(joints=(1,))))
     assert_shown(json.loads(body), document["joints"][0])
 
 

@@ -9,7 +9,8 @@ import numpy as np
 
 from friction_audit.effects.joint_model import ArmModel, simple_model
 from friction_audit.effects.registry import effects, same_as
-from friction_audit.simulation.effects import EFFECTS, HiddenEffect
+from friction_audit.simulation.effects import EFFECTS
+from friction_audit.simulation.effects.effect import HiddenEffect
 from friction_audit.simulation.scenarios import SCENARIOS
 from friction_audit.simulation.settings import PANDA_SENSORS, JointParameters, Sensors
 

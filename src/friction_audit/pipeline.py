@@ -12,8 +12,7 @@ from friction_audit.errors import FrictionAuditError
 from friction_audit.friction.history import FrictionHistory
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.io.recording import WholeLogError
-from friction_audit.joint_log import Float, JointLog, LogPart, Recording
-from friction_audit.log_in_blocks import LogInBlocks
+from friction_audit.joint_log import Float, JointLog, LogInBlocks, LogPart, Recording
 from friction_audit.parallel import per_joint, release_memory, sparing_memory
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction

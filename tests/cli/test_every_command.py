@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from friction_audit.cli import NAMES, choices, command_of
+from friction_audit.cli import NAMES, command_of, parameters
 from tests.cli.conftest import Run
 
 EACH = pytest.mark.parametrize("name", NAMES)
@@ -56,9 +56,9 @@ def of(*figures: str) -> list[str]:
 
 
 FILES = {
-    "estimate": ["estimate.json", "coefficient_history.csv", *of(*choices.FIGURES)],
-    "replay": ["replay.json", "replay_cycles.csv", *of(*choices.REPLAY_FIGURES)],
-    "diagnose": ["diagnose.json", "model.toml", *of(*choices.DIAGNOSIS_FIGURES)],
+    "estimate": ["estimate.json", "coefficient_history.csv", *of(*parameters.FIGURES)],
+    "replay": ["replay.json", "replay_cycles.csv", *of(*parameters.REPLAY_FIGURES)],
+    "diagnose": ["diagnose.json", "model.toml", *of(*parameters.DIAGNOSIS_FIGURES)],
     "report": ["absent.report.html"],
     "plot": of("velocity-torque", "velocity-torque-joint5"),
     "compare": of("energy"),

@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 import typer
 
-from friction_audit.cli import NAMES, choices, command_of
+from friction_audit.cli import NAMES, command_of, parameters
 from friction_audit.cli.compare import ARMS, FIGURES, METHOD_NAMES
 from friction_audit.cli.reproduce import PAPER_FIGURES
-from friction_audit.compensation.comparison import METHODS, SCENES
+from friction_audit.compensation.comparison.methods import METHODS, SCENES
 from friction_audit.reporting import ENDINGS
 from friction_audit.reporting.figures import comparison
 from friction_audit.reporting.html.log_page import WRITERS
@@ -74,12 +74,12 @@ def test_every_name_that_the_help_lists_is_offered() -> None:
 
 
 @pytest.mark.parametrize(("command", "option", "names"), [
-    ("simulate", "scenario", choices.scenarios()),
-    ("simulate", "--effect", choices.EFFECTS),
-    ("compare", "--effect", choices.EFFECTS),
-    ("diagnose", "--candidates", choices.EFFECTS),
-    ("simulate", "--dialect", choices.dialects()),
-    ("convert", "--dialect", choices.dialects()),
+    ("simulate", "scenario", parameters.scenarios()),
+    ("simulate", "--effect", parameters.EFFECTS),
+    ("compare", "--effect", parameters.EFFECTS),
+    ("diagnose", "--candidates", parameters.EFFECTS),
+    ("simulate", "--dialect", parameters.dialects()),
+    ("convert", "--dialect", parameters.dialects()),
 ])  # fmt: skip
 def test_names_that_another_option_lists_are_offered(command: str, option: str, names: tuple[str, ...]) -> None:
     assert offered(command, option) == list(names)

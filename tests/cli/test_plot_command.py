@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from friction_audit import parallel
-from friction_audit.cli.choices import PLOTTED
+from friction_audit.cli.parameters import PLOTTED
 from friction_audit.reporting.figures.style import RC
 from tests.cli.conftest import Run
 from tests.each_case import thorough

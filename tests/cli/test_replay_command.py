@@ -12,8 +12,7 @@ import pytest
 
 from friction_audit.cli import main
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, Provenance, save_model, simple_model
-from friction_audit.joint_log import JointLog
-from friction_audit.log_in_blocks import LogInBlocks
+from friction_audit.joint_log import JointLog, LogInBlocks
 from friction_audit.pipeline import Estimate, estimate_log
 from tests.cli.conftest import Run
 

@@ -9,17 +9,10 @@ import numpy as np
 import pytest
 
 from friction_audit.cli.compare import FIGURES
-from friction_audit.compensation.comparison import METHODS, SCENES, Comparison, compare
-from friction_audit.compensation.comparison.experiment import choose_best, find_margin
-from friction_audit.compensation.comparison.methods import BEST, IDLE, Method, Scene, Tuning
-from friction_audit.compensation.comparison.result import (
-    Point,
-    find_reference,
-    make_course,
-    mean_interval,
-    measure,
-    median_interval,
-)
+from friction_audit.compensation.comparison import result
+from friction_audit.compensation.comparison.experiment import choose_best, compare, find_margin
+from friction_audit.compensation.comparison.methods import BEST, IDLE, METHODS, SCENES, Method, Scene, Tuning
+from friction_audit.compensation.comparison.result import Comparison
 from friction_audit.compensation.competitors import Compensator
 from friction_audit.reporting.compare import compare_lines
 from friction_audit.reporting.figures.comparison import draw_comparison as draw
@@ -53,14 +46,14 @@ HALF = 3.182446 * np.std([1, 2, 3, 4], ddof=1) / 2
 @pytest.mark.parametrize(
     ("interval", "values", "expected"),
     [
-        (mean_interval, [1.0, 2.0, 3.0, 4.0], (2.5, 2.5 - HALF, 2.5 + HALF)),
-        (mean_interval, [1.0, nan, 1.0], (1.0, 1.0, 1.0)),
-        (mean_interval, [nan], (nan, nan, nan)),
-        (mean_interval, [2.0], (2.0, nan, nan)),
-        (median_interval, list(range(1, 21)), (10, 6, 15)),
-        (median_interval, [6, 5, 4, 3, 2, 1], (3, 1, 6)),
-        (median_interval, [2.0, 1.0, inf, inf, inf, inf, inf], (inf, 1.0, inf)),
-        (median_interval, [], (nan, nan, nan)),
+        (result.mean_interval, [1.0, 2.0, 3.0, 4.0], (2.5, 2.5 - HALF, 2.5 + HALF)),
+        (result.mean_interval, [1.0, nan, 1.0], (1.0, 1.0, 1.0)),
+        (result.mean_interval, [nan], (nan, nan, nan)),
+        (result.mean_interval, [2.0], (2.0, nan, nan)),
+        (result.median_interval, list(range(1, 21)), (10, 6, 15)),
+        (result.median_interval, [6, 5, 4, 3, 2, 1], (3, 1, 6)),
+        (result.median_interval, [2.0, 1.0, inf, inf, inf, inf, inf], (inf, 1.0, inf)),
+        (result.median_interval, [], (nan, nan, nan)),
     ],
 )
 def test_means_and_medians_by_hand(interval: Any, values: list[float], expected: tuple[float, float, float]) -> None:
@@ -104,11 +97,11 @@ def test_every_tuning_makes_a_compensator_for_every_joint(method: Method) -> Non
 def test_without_compensation_a_person_feels_the_joint() -> None:
     rigid: Any = replace(short_joint().settings, hidden=(Hidden(),), sensors=(IDEAL_SENSORS,), compensator=IDLE)
     alone = simulate(rigid, 0)
-    outcome = measure(alone, find_reference(alone))
+    outcome = result.measure(alone, result.find_reference(alone))
     assert outcome.lost_s == np.inf
     assert (outcome.coulomb_left, outcome.viscous_left, outcome.inertia_left) == pytest.approx((1, 1, 1), abs=1e-3)
     assert outcome.standstill_rad_s == 0.0
-    motion, ends = alone.truth.motion, find_reference(alone).ends
+    motion, ends = alone.truth.motion, result.find_reference(alone).ends
     per_cycle = (motion.dissipated_j[ends[-1], 0] - motion.dissipated_j[ends[1], 0]) / (
         motion.t[ends[-1]] - motion.t[ends[1]]
     )
@@ -119,9 +112,9 @@ def test_a_competitor_that_is_unstable_is_caught_and_drawn_up_to_there() -> None
     scene = short_joint()
     (method,) = (one for one in METHODS if one.name == "torque_regulation")
     wild: Tuning = method.sweeps[0].at(40.0)
-    reference = find_reference(simulate(scene.compensated(METHODS[0].paper), 0))
+    reference = result.find_reference(simulate(scene.compensated(METHODS[0].paper), 0))
     simulation = simulate(scene.compensated(wild), 0)
-    outcome, course = measure(simulation, reference), make_course(simulation, reference)
+    outcome, course = result.measure(simulation, reference), result.make_course(simulation, reference)
     assert 0.0 < outcome.lost_s < scene.settings.duration_s
     assert course.lost_s == outcome.lost_s == course.t[-1]
     assert len(course.t) == len(course.dq) == len(course.interaction_nm) == len(course.energy_j)
@@ -183,6 +176,6 @@ def test_best_is_what_no_tuning_person_loses(tried: list[tuple[tuple[float, ...]
     some, points = compared().rows[0].outcomes[0], []
     for slopes, losses in tried:
         outcomes = (replace(some, lost_s=inf if n >= losses else 1.0, energy_slope_w=w) for n, w in enumerate(slopes))
-        points.append(Point(value=0.0, tuning=METHODS[0].paper, outcomes=tuple(outcomes)))
+        points.append(result.Point(value=0.0, tuning=METHODS[0].paper, outcomes=tuple(outcomes)))
     assert choose_best(points) is points[best]
     assert len(points[best].lost_s) == tried[best][1]

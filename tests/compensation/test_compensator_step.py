@@ -11,18 +11,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from numpy.testing import assert_array_equal
 
-from friction_audit.compensation import law
-from friction_audit.compensation.competitors import (
-    COMPENSATORS,
-    Compensator,
-    DisturbanceObserver,
-    FixedCompensation,
-    JointModelCompensation,
-    LugreCompensation,
-    SigmoidCompensation,
-    TorqueRegulation,
-    fit_sigmoid,
-)
+from friction_audit.compensation import competitors, law
 from friction_audit.compensation.controller import FIND, REVERSALS, TORQUE_BOUND_NM, run, step
 from friction_audit.compensation.law import PUBLISHED, Checked, Coefficients, EnergyCompensator
 from friction_audit.compensation.records import GAP, MEMORY, fresh_memory, pack
@@ -59,7 +48,7 @@ def closed(compensator: EnergyCompensator, dq: Float, force: Float) -> Any:
 
 
 FORCED = EnergyCompensator(forced=Coefficients(coulomb_nm=0.2), forced_from_cycle=1, passivity=False)
-FIXED = FixedCompensation(coulomb_nm=0.3, viscous_nms_per_rad=0.1)
+FIXED = competitors.FixedCompensation(coulomb_nm=0.3, viscous_nms_per_rad=0.1)
 
 
 @pytest.mark.parametrize(
@@ -183,7 +172,7 @@ def test_a_limit_of_the_rate_does_not_wind_up() -> None:
     assert np.all(signals["u_nm"] >= np.minimum.accumulate(asked) - 1e-12)
 
 
-LUGRE = LugreCompensation(coulomb_nm=COULOMB, breakaway_nm=0.4, viscous_nms_per_rad=VISCOUS)
+LUGRE = competitors.LugreCompensation(coulomb_nm=COULOMB, breakaway_nm=0.4, viscous_nms_per_rad=VISCOUS)
 
 
 @pytest.mark.parametrize(
@@ -196,7 +185,7 @@ LUGRE = LugreCompensation(coulomb_nm=COULOMB, breakaway_nm=0.4, viscous_nms_per_
         (lambda: EnergyCompensator(forced_from_cycle=0), "cycles count from 1"),
         (lambda: pack([None], 0.0), "rate 0 Hz"),
         (lambda: replace(LUGRE, breakaway_nm=0.2), "breakaway_nm 0.2: expected coulomb_nm 0.3 or more"),
-        (lambda: fit_sigmoid(0.0, 0.0), "friction above zero"),
+        (lambda: competitors.fit_sigmoid(0.0, 0.0), "friction above zero"),
     ],
 )
 def test_what_makes_no_sense_is_refused(made: Callable[[], object], message: str) -> None:
@@ -206,23 +195,25 @@ def test_what_makes_no_sense_is_refused(made: Callable[[], object], message: str
 
 # What every compensator and all settings with bounds keep to, and loops that ran away.
 
-EXAMPLES: dict[str, Compensator | None] = {
+EXAMPLES: dict[str, competitors.Compensator | None] = {
     "none": None,
-    "fixed": FixedCompensation(coulomb_nm=COULOMB, viscous_nms_per_rad=VISCOUS),
+    "fixed": competitors.FixedCompensation(coulomb_nm=COULOMB, viscous_nms_per_rad=VISCOUS),
     "energy": EnergyCompensator(),
-    "sigmoid": SigmoidCompensation(height_nm=0.6, steepness_s_per_rad=9.0, shift_rad_s=0.03),
+    "sigmoid": competitors.SigmoidCompensation(height_nm=0.6, steepness_s_per_rad=9.0, shift_rad_s=0.03),
     "lugre": LUGRE,
-    "disturbance_observer": DisturbanceObserver(inertia_kg_m2=INERTIA, observer_gain_per_s=50.0),
-    "torque_regulation": TorqueRegulation(inertia_kg_m2=INERTIA, desired_inertia_kg_m2=0.15, cutoff_hz=100.0),
-    "joint_model": JointModelCompensation(terms=(FittedTerm("coulomb", (COULOMB,)),)),
+    "disturbance_observer": competitors.DisturbanceObserver(inertia_kg_m2=INERTIA, observer_gain_per_s=50.0),
+    "torque_regulation": competitors.TorqueRegulation(
+        inertia_kg_m2=INERTIA, desired_inertia_kg_m2=0.15, cutoff_hz=100.0
+    ),
+    "joint_model": competitors.JointModelCompensation(terms=(FittedTerm("coulomb", (COULOMB,)),)),
 }
 COMPETITORS = [name for name in EXAMPLES if name not in ("none", "energy")]
 
 
 def test_every_kind_has_an_example_and_its_own_code() -> None:
-    assert [type(one) for one in EXAMPLES.values()] == [type(None), *COMPENSATORS]
+    assert [type(one) for one in EXAMPLES.values()] == [type(None), *competitors.COMPENSATORS]
     assert [getattr(law, name.upper()) for name in EXAMPLES] == list(range(len(EXAMPLES)))
-    assert [kind.name for kind in COMPENSATORS] == [*EXAMPLES][1:]
+    assert [kind.name for kind in competitors.COMPENSATORS] == [*EXAMPLES][1:]
 
 
 @pytest.mark.parametrize("name", EXAMPLES)
@@ -291,7 +282,7 @@ DQ: Float = np.sin(T)
 def test_a_reading_that_is_none_silences_for_good_and_does_not_reach_the_ledgers(signal: str, bad: float) -> None:
     dq, torque = DQ.copy(), np.ones_like(T)
     (dq if signal == "speed" else torque)[200] = bad
-    traces = run(FixedCompensation(coulomb_nm=0.3, viscous_nms_per_rad=0.0), T, dq, torque)
+    traces = run(competitors.FixedCompensation(coulomb_nm=0.3, viscous_nms_per_rad=0.0), T, dq, torque)
     assert np.all(traces["u_nm"][50:200] == 0.3)
     assert np.all(traces["u_nm"][200:] == 0.0)
     assert_array_equal(traces["unstable"], np.arange(500) >= 200)
@@ -299,14 +290,14 @@ def test_a_reading_that_is_none_silences_for_good_and_does_not_reach_the_ledgers
 
 
 def test_its_own_torque_is_watched_too() -> None:
-    regulation = TorqueRegulation(inertia_kg_m2=1.0, desired_inertia_kg_m2=1e-3)
+    regulation = competitors.TorqueRegulation(inertia_kg_m2=1.0, desired_inertia_kg_m2=1e-3)
     torque, memory = feed(regulation, 0.0, [1.0, 5.0, 20.0, 1.0])
     assert torque == pytest.approx([999.0, 4995.0, 0.0, 0.0])
     assert (memory["unstable"], memory["ticks"]) == (1, 4)
 
 
 def test_turning_back_at_the_limit_tick_by_tick_is_no_control() -> None:
-    held = TorqueRegulation(inertia_kg_m2=1.0, desired_inertia_kg_m2=0.1, max_torque_nm=1.0)
+    held = competitors.TorqueRegulation(inertia_kg_m2=1.0, desired_inertia_kg_m2=0.1, max_torque_nm=1.0)
     sides = np.where(np.arange(200) % 2, 1.0, -1.0)
     torque, memory = feed(held, 0.0, sides)
     assert memory["unstable"] == 1

@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 from friction_audit.compensation.closed_loop import CYCLE
-from friction_audit.compensation.competitors import TorqueRegulation
+from friction_audit.compensation.competitors import UNABLE, TorqueRegulation, feed_friction, feed_of
 from friction_audit.compensation.controller import hand_cuts
 from friction_audit.compensation.counterfactual import tables_of_file
-from friction_audit.compensation.feed_forward import UNABLE, feed_friction, feed_of
 from friction_audit.compensation.records import fresh_memory
 from friction_audit.compensation.result import ReplayHistory, dissipation_removed, find_step, first_right
 from friction_audit.compensation.settings import Competitor, ModelFile, ReplaySettings, energy_compensator

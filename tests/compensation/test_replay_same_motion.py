@@ -11,12 +11,11 @@ from hypothesis import given, settings, strategies as st
 from friction_audit.compensation.competitors import FixedCompensation
 from friction_audit.compensation.law import Coefficients, EnergyCompensator
 from friction_audit.compensation.settings import Competitor, ReplaySettings, energy_compensator
-from friction_audit.joint_log import JointLog
-from friction_audit.log_in_blocks import LogInBlocks
+from friction_audit.joint_log import JointLog, LogInBlocks
 from friction_audit.pipeline import AuditSettings, LogReplay, estimate_log, replay_estimate
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.reporting.notices import sentence_of, text_of
-from friction_audit.reporting.replay import replay_document
+from friction_audit.reporting.replay import REPLAY
 from friction_audit.simulation import ArmSettings, simulate
 from friction_audit.simulation.bench import BenchSettings, Operator
 from friction_audit.simulation.effects import Hidden
@@ -266,7 +265,7 @@ def replayed(log: JointLog, name: str) -> LogReplay:
 
 def numbers(found: LogReplay) -> dict[str, Any]:
     """Return all that the document says of the joints and warns of, path by path."""
-    document = replay_document(found)
+    document = REPLAY.of(found)
     return pinned([document["joints"], document["warnings"]], "")
 
 

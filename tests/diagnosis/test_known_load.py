@@ -10,7 +10,7 @@ from friction_audit.diagnosis.known_load import know_load, known_inertias
 from friction_audit.diagnosis.problem import RegressionProblem
 from friction_audit.diagnosis.samples import least_squares
 from friction_audit.joint_log import Float
-from friction_audit.robot import load_arm
+from friction_audit.robot.arm import load_arm
 from tests.effects.joint_data_by_hand import joint_of, sines
 from tests.synthetic_interaction import choice
 

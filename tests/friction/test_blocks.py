@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings, strategies as st
 
-from friction_audit.joint_log import Float, JointLog, median_step
-from friction_audit.log_in_blocks import LogInBlocks
+from friction_audit.joint_log import Float, JointLog, LogInBlocks, median_step
 from friction_audit.pipeline import AuditSettings, Estimate, estimate_log
 from friction_audit.preprocessing import segmentation
 from friction_audit.preprocessing.energy_cycles import EnergyCycles

@@ -13,14 +13,13 @@ from hypothesis import given, strategies as st
 from friction_audit.compensation.settings import ReplaySettings
 from friction_audit.io.readers import ReadOptions, read_log
 from friction_audit.io.writers.write_log import WRITERS, write_log
-from friction_audit.joint_log import JointLog, LogPart, Source
-from friction_audit.log_in_blocks import LogInBlocks, Means, block_means
+from friction_audit.joint_log import JointLog, LogInBlocks, LogPart, Means, Source, block_means
 from friction_audit.pipeline import AuditSettings, estimate_log, replay_estimate, while_read
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.preprocessing.sign import coarse_log
-from friction_audit.reporting.estimate import estimate_document, estimate_tables
-from friction_audit.reporting.replay import replay_document
-from friction_audit.robot import load_arm
+from friction_audit.reporting.estimate import ESTIMATE, estimate_tables
+from friction_audit.reporting.replay import REPLAY
+from friction_audit.robot.arm import load_arm
 from tests.each_case import thorough, with_thorough
 from tests.io.synthetic_recordings import motion, refused
 from tests.pinned.test_pinned import same
@@ -101,7 +100,7 @@ def test_the_estimate_is_the_same(
         assert isinstance(log, LogInBlocks) is options.in_blocks
         estimate = estimate_log(log, settings)
         cycles = [len(rows) for rows in estimate_tables(estimate)[2].rows]
-        found.append((estimate_document(estimate), cycles))
+        found.append((ESTIMATE.of(estimate), cycles))
     assert_same(found[1], found[0])
 
 
@@ -114,7 +113,7 @@ def test_the_replay_reads_what_the_torque_is_made_from(frame: pd.DataFrame, tmp_
         for how in (ReadOptions(), ReadOptions(in_blocks=True))
     )
     assert any(joint.numbers for joint in whole.replay.joints)
-    assert_same(replay_document(blocks)["joints"], replay_document(whole)["joints"])
+    assert_same(REPLAY.of(blocks)["joints"], REPLAY.of(whole)["joints"])
 
 
 def assert_same_log(
@@ -133,7 +132,7 @@ def assert_same_log(
     np.testing.assert_allclose(np.concatenate([part.t for part in parts]), usual.t, rtol=0, atol=1e-12)
     for name, array in usual.channels().items():
         np.testing.assert_array_equal(np.concatenate([getattr(part, name) for part in parts]), array)
-    assert_same(estimate_document(estimate_log(log, settings)), estimate_document(estimate_log(usual, settings)))
+    assert_same(ESTIMATE.of(estimate_log(log, settings)), ESTIMATE.of(estimate_log(usual, settings)))
     return log
 
 
@@ -159,9 +158,9 @@ def test_a_sound_log_is_estimated_while_it_is_checked(
 
     monkeypatch.setattr(LogInBlocks, "blocks", blocks)
     settings = AuditSettings()
-    found = estimate_document(estimate_log(read_log(path, ReadOptions(in_blocks=True), while_read(settings)), settings))
+    found = ESTIMATE.of(estimate_log(read_log(path, ReadOptions(in_blocks=True), while_read(settings)), settings))
     assert counted[0] == passes
-    assert_same(found, estimate_document(estimate_log(read_log(path), settings)))
+    assert_same(found, ESTIMATE.of(estimate_log(read_log(path), settings)))
 
 
 ROWS, JOINTS = [5000, 5003, 10006, 12_001], range(1, 8)
@@ -290,8 +289,8 @@ def test_means_are_those_of_the_whole_whatever_the_blocks(sizes: list[int]) -> N
 def test_a_long_log_is_judged_by_stretches_that_are_spread_over_it(
     frame: pd.DataFrame, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("friction_audit.log_in_blocks.MOST_MEANS", 600)
-    monkeypatch.setattr("friction_audit.log_in_blocks.STRETCH", 100)
+    monkeypatch.setattr("friction_audit.joint_log.MOST_MEANS", 600)
+    monkeypatch.setattr("friction_audit.joint_log.STRETCH", 100)
     path = written(frame, tmp_path, *PLAIN)
     usual, log = read_log(path), read_log(path, ReadOptions(in_blocks=True))
     assert isinstance(log, LogInBlocks)

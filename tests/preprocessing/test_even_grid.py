@@ -9,19 +9,10 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import lfilter
 
 from friction_audit.joint_log import Float, JointLog
-from friction_audit.preprocessing.even_grid import (
-    LowPass,
-    belated_samples,
-    first_order,
-    fresh_samples,
-    gaps,
-    natural_spline,
-    steady_clock,
-    times_of_samples,
-)
+from friction_audit.preprocessing import even_grid
 from friction_audit.preprocessing.resampling import Grid, GridTorque, grids_of, motion_on
 from friction_audit.preprocessing.settings import TorqueSettings
-from friction_audit.robot import load_arm
+from friction_audit.robot.arm import load_arm
 from tests.synthetic_interaction import log_of
 
 STEP = 1e-3
@@ -29,7 +20,7 @@ STEP = 1e-3
 
 def test_a_slow_sine_passes_with_its_derivative() -> None:
     t = np.arange(0, 5, 1e-3)
-    low_pass = LowPass.for_stamps(t)
+    low_pass = even_grid.LowPass.for_stamps(t)
     slow, slope = low_pass.with_slope(t, np.sin(4 * np.pi * t))
     inside = (low_pass.t > 0.2) & (low_pass.t < 4.7)
     assert np.abs(slow - np.sin(4 * np.pi * low_pass.t))[inside].max() < 1e-3
@@ -38,7 +29,7 @@ def test_a_slow_sine_passes_with_its_derivative() -> None:
 
 def test_a_position_bends_over_lost_samples() -> None:
     t = np.delete(np.arange(0, 5, 1e-3), np.arange(2000, 2009))
-    low_pass = LowPass.for_stamps(t)
+    low_pass = even_grid.LowPass.for_stamps(t)
     _, slope = low_pass.with_slope(t, 5.0 * t**2)
     inside = (low_pass.t > 0.2) & (low_pass.t < 4.7)
     # A straight line over 10 ms would be off by 0.125 mrad, and its slope by 14 mrad/s.
@@ -51,16 +42,16 @@ def test_samples_of_an_earlier_moment_are_found_by_the_motion() -> None:
     times[37::50] -= 0.6 * STEP
     q, dq = np.sin(4 * times) + 4e-6 * rng.standard_normal(len(t)), 4 * np.cos(4 * times)
     at_rest = np.zeros_like(t)
-    found = belated_samples(t, np.column_stack([q, at_rest]), np.column_stack([dq, at_rest]))
+    found = even_grid.belated_samples(t, np.column_stack([q, at_rest]), np.column_stack([dq, at_rest]))
     turning = np.abs(dq) < 0.2
     np.testing.assert_array_equal(found[~turning], (times < t)[~turning])
-    assert not belated_samples(t, at_rest[:, None], at_rest[:, None]).any()
+    assert not even_grid.belated_samples(t, at_rest[:, None], at_rest[:, None]).any()
 
 
 @pytest.mark.parametrize(("frequency", "gain"), [(40.0, 1.0), (80.0, 0.5), (130.0, 0.0)])
 def test_corner(frequency: float, gain: float) -> None:
     t = np.arange(0, 5, 2.5e-4)
-    low_pass = LowPass.for_stamps(t)
+    low_pass = even_grid.LowPass.for_stamps(t)
     inside = (low_pass.t > 0.2) & (low_pass.t < 4.7)
     passed = low_pass.of(t, np.sin(2 * np.pi * frequency * t + 0.7))[inside]
     assert np.sqrt(2 * np.mean(passed**2)) == pytest.approx(gain, abs=0.01)
@@ -71,7 +62,7 @@ def test_corner(frequency: float, gain: float) -> None:
 )
 def test_grid_is_not_faster_than_the_log(rate: float, grid: float, corner: float) -> None:
     t = np.arange(0, 5, 1 / rate)
-    low_pass = LowPass.for_stamps(t)
+    low_pass = even_grid.LowPass.for_stamps(t)
     assert 1 / (low_pass.t[1] - low_pass.t[0]) == pytest.approx(grid)
     assert low_pass.corner_hz == pytest.approx(corner)
     assert (low_pass.t[0], low_pass.t[-1]) == pytest.approx((0.0, t[-1]), abs=1 / grid)
@@ -80,7 +71,7 @@ def test_grid_is_not_faster_than_the_log(rate: float, grid: float, corner: float
 
 def test_gaps_are_those_that_motion_bends_in() -> None:
     t = np.delete(np.arange(2000) * 1e-3, [*range(500, 515), *range(900, 925)])
-    (gap,) = gaps(t)
+    (gap,) = even_grid.gaps(t)
     assert t[gap] == pytest.approx(0.899)
 
 
@@ -88,15 +79,15 @@ def test_a_stale_sample_of_a_moving_joint_is_stale_and_that_of_a_resting_one_is_
     t: Float = np.arange(500.0) * STEP
     q, dq = np.sin(t), np.cos(t)
     q[101], dq[101] = q[100], dq[100]
-    assert np.flatnonzero(~fresh_samples(log_of(t, q, dq, tau_J=0.0 * t))).tolist() == [101]
-    assert fresh_samples(log_of(t, np.full_like(q, 0.3), 0.0 * t, tau_J=0.0 * t)).all()
+    assert np.flatnonzero(~even_grid.fresh_samples(log_of(t, q, dq, tau_J=0.0 * t))).tolist() == [101]
+    assert even_grid.fresh_samples(log_of(t, np.full_like(q, 0.3), 0.0 * t, tau_J=0.0 * t)).all()
 
 
 def test_a_state_that_is_read_in_coarse_steps_repeats_and_is_not_stale() -> None:
     t: Float = np.arange(5000.0) * STEP
     q, dq = np.round(0.05 * np.sin(2.0 * t), 3), 0.05 * np.round(2.0 * np.cos(2.0 * t))  # 0.1 of 1 mrad in a sample
     assert np.mean((np.diff(q) == 0) & (np.diff(dq) == 0) & (dq[1:] != 0)) > 0.5
-    assert fresh_samples(log_of(t, q, dq, tau_J=0.0 * t)).all()
+    assert even_grid.fresh_samples(log_of(t, q, dq, tau_J=0.0 * t)).all()
 
 
 def off_ticks(steady: Float, tick: Float) -> float:
@@ -116,7 +107,7 @@ def test_late_stamps_go_to_their_ticks_and_lost_ticks_stay_lost(
     rng = np.random.default_rng(seed)
     tick: Float = np.flatnonzero(rng.random(4000) >= lost).astype(np.float64) / rate
     t: Float = (tick + rng.uniform(0, jitter, len(tick)) / rate).astype(np.float64)
-    steady = steady_clock(t)
+    steady = even_grid.steady_clock(t)
     # The mean lateness over half a second, n samples of a uniform distribution, is known to jitter / sqrt(12 n).
     assert off_ticks(steady, tick) <= 1e-9 + 8 * jitter / rate / np.sqrt(12 * 0.25 * rate)
     assert np.array_equal(np.round(np.diff(steady) * rate), np.round(np.diff(tick) * rate))
@@ -126,7 +117,7 @@ def test_a_clock_that_drifts_is_followed() -> None:
     rng = np.random.default_rng(1)
     k = np.arange(20_000)
     tick = STEP * (1 + 3e-5) * k + 2e-4 * np.sin(2 * np.pi * k / 20_000)
-    steady = steady_clock(tick + rng.uniform(0, 2e-4, len(tick)))
+    steady = even_grid.steady_clock(tick + rng.uniform(0, 2e-4, len(tick)))
     inside = slice(300, -300)
     assert off_ticks(steady[inside], tick[inside]) < 3e-5
 
@@ -136,7 +127,7 @@ def test_a_stamp_nearer_to_the_next_tick_goes_back_to_its_own(rate: int) -> None
     rng = np.random.default_rng(4)
     tick = np.flatnonzero(rng.random(20_000) >= 0.03) / rate
     late = np.minimum(rng.exponential(1.9e-4, len(tick)), 0.8 / rate)
-    steady = steady_clock(tick + late)
+    steady = even_grid.steady_clock(tick + late)
     apart = np.abs(steady - tick - np.median(steady - tick))
     assert np.mean(late > 0.5 / rate) > 2e-3
     # One whose next tick was lost cannot be seen to be late by that, but it would be far earlier than any other.
@@ -147,14 +138,14 @@ def test_a_stamp_nearer_to_the_next_tick_goes_back_to_its_own(rate: int) -> None
 def test_late_stamps_do_not_stretch_the_period() -> None:
     rng = np.random.default_rng(5)
     tick = np.flatnonzero(rng.random(60_000) >= 0.06) * STEP
-    late = steady_clock(tick + rng.exponential(1.9e-4, len(tick)).clip(max=0.8e-3)) - tick
+    late = even_grid.steady_clock(tick + rng.exponential(1.9e-4, len(tick)).clip(max=0.8e-3)) - tick
     assert np.ptp(np.polyval(np.polyfit(tick, late, 1), tick[[0, -1]])) < 1e-4
 
 
 def test_stamps_without_a_clock_and_a_handful_stay_as_they_are() -> None:
     rng = np.random.default_rng(2)
     for t in (np.cumsum(rng.exponential(STEP, 3000)), STEP * np.arange(99) + rng.uniform(0, 1e-4, 99)):
-        assert steady_clock(t) is t
+        assert even_grid.steady_clock(t) is t
 
 
 @pytest.mark.parametrize("samples_are_late", [False, True])
@@ -164,7 +155,7 @@ def test_the_position_shows_whether_samples_are_as_late_as_their_stamps(samples_
     t = tick + rng.exponential(1e-4, len(tick)).clip(max=0.8e-3)
     taken = t if samples_are_late else tick
     q = np.column_stack([np.sin(taken), 0.5 * np.sin(2.0 * taken)]) + rng.normal(scale=1e-6, size=(len(tick), 2))
-    times = times_of_samples(t, q, np.column_stack([np.cos(taken), np.cos(2.0 * taken)]))
+    times = even_grid.times_of_samples(t, q, np.column_stack([np.cos(taken), np.cos(2.0 * taken)]))
     assert np.std(times - taken) < 0.2 * np.std(t - tick)
 
 
@@ -174,14 +165,14 @@ def test_the_spline_is_the_natural_one_of_scipy(n: int, seed: int) -> None:
     x, y = np.cumsum(rng.uniform(0.5, 2.0, n)), rng.standard_normal(n)
     at = np.linspace(x[0] - 0.1, x[-1] + 0.1, 50)
     expected = CubicSpline(x, y, bc_type="natural" if n > 2 else "not-a-knot")(at)
-    assert natural_spline(x, y, at) == pytest.approx(expected, abs=1e-9)
+    assert even_grid.natural_spline(x, y, at) == pytest.approx(expected, abs=1e-9)
 
 
 @pytest.mark.parametrize(("pole", "before"), [(0.97, 0.3), (0.97 * np.exp(0.1j), 0.2 - 0.1j)])
 def test_the_first_order_filter_is_that_of_scipy(pole: complex, before: complex) -> None:
     signal = np.random.default_rng(0).standard_normal(200).astype(type(pole))
     expected = lfilter([1.0 - pole], [1.0, -pole], signal, zi=[pole * before])[0]
-    assert first_order(signal, pole, before) == pytest.approx(expected, rel=1e-12)
+    assert even_grid.first_order(signal, pole, before) == pytest.approx(expected, rel=1e-12)
 
 
 # The model's torque on a coarse grid against the same at every sample.

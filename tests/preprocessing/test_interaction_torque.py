@@ -19,7 +19,7 @@ from friction_audit.preprocessing.segmentation import segment_cycles
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.preprocessing.torque_source import known_arm
 from friction_audit.reporting.notices import sentence_of
-from friction_audit.robot import load_arm
+from friction_audit.robot.arm import load_arm
 from tests.robot.test_arm import PENDULUM
 from tests.synthetic_interaction import choice, log_of as made_log
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from friction_audit.joint_log import Float
-from friction_audit.preprocessing import cycle_sums
+from friction_audit.preprocessing import energy_cycles
 from friction_audit.preprocessing.energy_cycles import GAP, KEPT, LONG, ONE_WAY, OPEN, SMALL
 from friction_audit.preprocessing.segmentation import segment_cycles
 from friction_audit.preprocessing.settings import CycleSettings
@@ -128,14 +128,14 @@ def test_two_humps_without_rest_are_one_stroke_with_rest_or_without_a_sign_two()
     t = np.arange(0, 2.0, 0.001)
     dip = np.pad(0.5 * np.abs(np.sin(np.pi * t)) + 0.01, 100)
     rest = np.where(np.abs(np.arange(len(dip)) - 1100) < 50, 0.0, dip)
-    assert len(cycle_sums.find_borders(dip, 0.2, 0.05, merge=True)) == 2
-    assert len(cycle_sums.find_borders(rest, 0.2, 0.05, merge=True)) == 3
-    assert cycle_sums.find_borders(dip, 0.2, 0.05, merge=False).tolist()[1] == 1100
+    assert len(energy_cycles.find_borders(dip, 0.2, 0.05, merge=True)) == 2
+    assert len(energy_cycles.find_borders(rest, 0.2, 0.05, merge=True)) == 3
+    assert energy_cycles.find_borders(dip, 0.2, 0.05, merge=False).tolist()[1] == 1100
 
 
 def test_velocity_noise_at_rest_adds_no_path() -> None:
     t = np.arange(20_000) / 1000
     noise, filtered = np.random.default_rng(1).normal(size=(2, len(t))) * [[0.003], [1e-4]]
-    sums = cycle_sums.add_up(t, np.zeros_like(t), noise, filtered, noise, None, np.array([[0, 19_999]]))
+    sums = energy_cycles.add_up(t, np.zeros_like(t), noise, filtered, noise, None, np.array([[0, 19_999]]))
     assert sums["rectified_path_rad"].item() > 0.04  # 0.0024 rad per second of dwell
     assert sums["path_rad"].item() == 0.0

@@ -10,19 +10,10 @@ from numpy.testing import assert_allclose
 from scipy.signal import butter, lfilter, sosfiltfilt
 
 from friction_audit.joint_log import Float, JointLog, median_step
+from friction_audit.preprocessing import velocity
 from friction_audit.preprocessing.interaction_torque import extract_interaction
 from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.preprocessing.sign import coarse_log
-from friction_audit.preprocessing.velocity import (
-    complementary_mean,
-    crossover_of,
-    filter_velocity,
-    find_lag,
-    noise_of_both,
-    on_time,
-    position_of,
-    read_on_time,
-)
 from friction_audit.reporting.notices import sentence_of
 from tests.effects.joint_data_by_hand import sines
 from tests.synthetic_interaction import log_of
@@ -41,7 +32,7 @@ def log_with(dq: Float, q: Float | None = None) -> JointLog:
 
 
 def lag_ms(log: JointLog) -> float:
-    return 1e3 * float(find_lag(coarse_log(log), median_step(log.t))[0])
+    return 1e3 * float(velocity.find_lag(coarse_log(log), median_step(log.t))[0])
 
 
 @pytest.mark.parametrize("lag_s", [0.002, 0.006, 0.02])
@@ -49,7 +40,7 @@ def test_a_pure_delay_is_found_and_undone(lag_s: float) -> None:
     dq = motion()[1]
     late = log_with(np.interp(T - lag_s, T, dq))
     assert lag_ms(late) == pytest.approx(1e3 * lag_s, rel=0.05)
-    mended = on_time(late, coarse_log(late))[0].dq[100:-100, 0]
+    mended = velocity.on_time(late, coarse_log(late))[0].dq[100:-100, 0]
     assert np.abs(mended - dq[100:-100]).max() < 0.03 * np.abs(dq).max()
 
 
@@ -57,26 +48,26 @@ def test_a_filtered_difference_is_replaced_by_a_centred_one() -> None:
     q, dq = motion()
     pole = np.exp(-2 * np.pi * 30.0 * STEP_S)
     filtered = lfilter([1 - pole], [1, -pole], np.diff(q, prepend=q[0]) / STEP_S)
-    mended = on_time(log_with(filtered), coarse_log(log_with(filtered)))[0].dq[100:-100, 0]
+    mended = velocity.on_time(log_with(filtered), coarse_log(log_with(filtered)))[0].dq[100:-100, 0]
     assert np.sqrt(np.mean((mended - dq[100:-100]) ** 2)) < 0.1 * np.sqrt(np.mean((filtered - dq)[100:-100] ** 2))
 
 
 def test_a_steady_motion_has_its_velocity_to_both_ends() -> None:
-    mended = read_on_time(log_with(np.full(len(T), 0.4), 0.4 * T), np.array([0.006]))
+    mended = velocity.read_on_time(log_with(np.full(len(T), 0.4), 0.4 * T), np.array([0.006]))
     np.testing.assert_allclose(mended.dq, 0.4, rtol=1e-9)
 
 
 def test_a_coarse_position_makes_no_velocity() -> None:
     q, dq = motion()
     log = log_with(np.interp(T - 0.005, T, dq), np.round(q / 0.02) * 0.02)
-    mended = read_on_time(log, np.array([0.005])).dq[100:-100, 0]
+    mended = velocity.read_on_time(log, np.array([0.005])).dq[100:-100, 0]
     assert_allclose(mended, dq[100:-100], rtol=0.0, atol=1e-3)
 
 
 @pytest.mark.parametrize(("lag_s", "noise"), [(0.0, 0.0), (-0.006, 0.0), (0.0004, 0.0), (0.0, 0.02)])
 def test_a_velocity_that_is_not_late_stays_as_it_is(lag_s: float, noise: float) -> None:
     log = log_with(np.interp(T - lag_s, T, motion()[1]) + noise * np.random.default_rng(1).standard_normal(len(T)))
-    same, cautions = on_time(log, coarse_log(log))
+    same, cautions = velocity.on_time(log, coarse_log(log))
     assert same is log
     assert cautions == ()
 
@@ -118,20 +109,20 @@ def test_a_velocity_of_another_clock_is_said_and_left_as_it_is() -> None:
 def test_a_joint_that_stands_still_is_not_accused_of_its_vibration() -> None:
     q, dq = 0.01 * motion()[0], 0.01 * motion()[1]
     log = log_with(np.interp(T - 0.006, T, dq), q)
-    assert on_time(log, coarse_log(log)) == (log, ())
+    assert velocity.on_time(log, coarse_log(log)) == (log, ())
 
 
 @pytest.mark.parametrize(("rate_hz", "samples"), [(40.0, 100), (1000.0, 15)])
 def test_what_cannot_be_filtered_is_left_alone(rate_hz: float, samples: int) -> None:
     dq = np.random.default_rng(0).normal(size=samples)
-    assert filter_velocity(dq, rate_hz=rate_hz, cutoff_hz=20) is dq
+    assert velocity.filter_velocity(dq, rate_hz=rate_hz, cutoff_hz=20) is dq
 
 
 @given(st.integers(0, 1000), st.integers(16, 3000), st.floats(51, 10_000))
 def test_the_filter_is_that_of_scipy(seed: int, samples: int, rate_hz: float) -> None:
     dq = np.random.default_rng(seed).normal(size=samples).cumsum()
     expected = sosfiltfilt(butter(2, 20.0, fs=rate_hz, output="sos"), dq)
-    filtered = filter_velocity(dq, rate_hz=rate_hz, cutoff_hz=20.0)
+    filtered = velocity.filter_velocity(dq, rate_hz=rate_hz, cutoff_hz=20.0)
     np.testing.assert_allclose(filtered, expected, atol=1e-9 * np.abs(dq).max())
 
 
@@ -158,9 +149,9 @@ def below(signal: Float, hertz: float) -> float:
 
 
 def test_the_crossover_is_where_both_are_equally_noisy_and_none_is_below_the_frequencies_of_motions() -> None:
-    assert crossover_of(*readings(1e-5, 2 * np.pi * 20.0 * 1e-5), GRID_S) == pytest.approx(20.0, rel=0.1)
-    assert crossover_of(*readings(1e-3, 2 * np.pi * 1e-3), GRID_S) == 0.0
-    assert crossover_of(np.zeros(50), np.ones(50), GRID_S) == 0.0
+    assert velocity.crossover_of(*readings(1e-5, 2 * np.pi * 20.0 * 1e-5), GRID_S) == pytest.approx(20.0, rel=0.1)
+    assert velocity.crossover_of(*readings(1e-3, 2 * np.pi * 1e-3), GRID_S) == 0.0
+    assert velocity.crossover_of(np.zeros(50), np.ones(50), GRID_S) == 0.0
 
 
 @pytest.mark.parametrize("share", [1.0, 0.1])
@@ -171,13 +162,13 @@ def test_noise_that_comes_and_goes_is_found_as_what_two_velocities_do_not_have_i
     noise = np.array([[1e-5], [1e-3]]) * there * rng.standard_normal(there.shape)
     white = np.fft.rfft(noise) * (hertz < 80.0)
     slope, logged = (TRUE + np.fft.irfft(one) for one in (2j * np.pi * hertz * white[0], white[1]))
-    found = noise_of_both(slope, logged, np.ones(len(GRID), bool), GRID_S, 0.0)
+    found = velocity.noise_of_both(slope, logged, np.ones(len(GRID), bool), GRID_S, 0.0)
     assert_allclose(found, np.array([1e-5, 1e-3]) * np.sqrt(2.0 * GRID_S), rtol=0.1)
 
 
 def test_the_mean_is_quieter_than_either_at_all_frequencies() -> None:
     slope, logged = readings(1e-5, 2 * np.pi * 20.0 * 1e-5)
-    both = complementary_mean(slope, logged, np.ones(len(GRID), bool), GRID_S, 20.0) - TRUE
+    both = velocity.complementary_mean(slope, logged, np.ones(len(GRID), bool), GRID_S, 20.0) - TRUE
     for hertz in (5.0, 20.0, 80.0):
         assert below(both, hertz) < min(below(slope - TRUE, hertz), below(logged - TRUE, hertz))
     assert below(both, 5.0) < 0.3 * below(logged - TRUE, 5.0)
@@ -187,7 +178,7 @@ def test_where_the_position_cannot_be_trusted_it_is_the_logged_one() -> None:
     slope, logged = readings(1e-5, 1e-3)
     hole = (GRID > 40.0) & (GRID < 45.0)
     wild = np.where(hole, 1e3, slope)
-    both = complementary_mean(wild, logged, ~hole, GRID_S, 20.0)
+    both = velocity.complementary_mean(wild, logged, ~hole, GRID_S, 20.0)
     inside = (GRID > 41.0) & (GRID < 44.0)
     assert both[inside] == pytest.approx(logged[inside])
     assert np.abs(both - TRUE).max() < 0.01
@@ -197,6 +188,6 @@ def test_a_position_is_as_good_as_the_velocity_and_follows_itself_through_a_hole
     rng, q = np.random.default_rng(3), -np.cos(np.pi * GRID) / np.pi
     valid = (GRID < 40.0) | (GRID > 41.0)
     dq, ddq = np.where(valid, TRUE + 1e-3 * rng.standard_normal(len(GRID)), 0.0), np.pi * np.cos(np.pi * GRID)
-    error = position_of(q + 1e-4 * rng.standard_normal(len(GRID)), dq, ddq, valid, GRID_S, 0.0) - q
+    error = velocity.position_of(q + 1e-4 * rng.standard_normal(len(GRID)), dq, ddq, valid, GRID_S, 0.0) - q
     assert np.std(error[valid]) < 3e-5
     assert np.abs(error).max() < 4e-4

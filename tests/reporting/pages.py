@@ -7,7 +7,7 @@ from html.parser import HTMLParser
 
 import pytest
 
-from friction_audit.cli.choices import BATCH_FIGURES
+from friction_audit.cli.parameters import BATCH_FIGURES
 from friction_audit.reporting.drift import BatchSummary
 from friction_audit.reporting.figures.registry import figures_of
 from friction_audit.reporting.html import batch_page, log_page as page_of_log

@@ -13,13 +13,13 @@ from friction_audit import __version__
 from friction_audit.diagnosis.result import VERDICTS
 from friction_audit.io.readers.reader import Topic
 from friction_audit.pipeline import Estimate
-from friction_audit.reporting.diagnosis import diagnose_document
+from friction_audit.reporting.diagnosis import DIAGNOSE
 from friction_audit.reporting.diagnosis_words import joint_message
 from friction_audit.reporting.documents import KINDS, load_schema, write_document
 from friction_audit.reporting.drift import BatchSummary, write_batch_document
-from friction_audit.reporting.estimate import estimate_document
+from friction_audit.reporting.estimate import ESTIMATE
 from friction_audit.reporting.info import INFO, InfoEntry, summarize_log
-from friction_audit.reporting.replay import replay_document
+from friction_audit.reporting.replay import REPLAY
 from friction_audit.reporting.report import REPORT, report_notices
 from tests.reporting import batch_by_hand, log_report_by_hand
 from tests.reporting.conftest import COULOMB, build_estimate
@@ -55,7 +55,7 @@ def test_schemas_are_schemas_and_describe_every_key(kind: str) -> None:
 
 
 def test_estimate(seven: Estimate) -> None:
-    document = checked(estimate_document(seven, {"topic": None, "time_scale": 1.0}))
+    document = checked(ESTIMATE.of(seven, {"topic": None, "time_scale": 1.0}))
     first, still = document["joints"][0], document["joints"][2]
     low, high = first["coulomb_nm"]["ci95"]
     assert low < COULOMB[0] < high
@@ -63,7 +63,7 @@ def test_estimate(seven: Estimate) -> None:
     assert still["coulomb_nm"] is still["viscous_nms_per_rad"] is still["condition_number"] is first["reason"] is None
     assert "did not move" in still["reason"]
     assert [(one["code"], one["joint"]) for one in document["warnings"]] == [("not_determined", 3)]
-    damaged = checked(estimate_document(build_estimate(1, damaged=True)))
+    damaged = checked(ESTIMATE.of(build_estimate(1, damaged=True)))
     assert [warning["code"] for warning in damaged["warnings"]] == ["truncated"]
 
 
@@ -85,10 +85,10 @@ def test_info(seven: Estimate) -> None:
 def test_every_verdict_keeps_to_the_schema() -> None:
     joints = (*VERDICTS_BY_HAND, FAILED)
     assert {joint.verdict for joint in joints} == set(VERDICTS)
-    for joint, found in zip(joints, checked(diagnose_document(diagnosis(*joints)))["joints"], strict=True):
+    for joint, found in zip(joints, checked(DIAGNOSE.of(diagnosis(*joints)))["joints"], strict=True):
         assert (found["verdict"], found["message"]) == (joint.verdict, joint_message(joint))
         assert (found["gap"] is None) == (joint.gap is None)
-    found = checked(diagnose_document(diagnosis()))["joints"]
+    found = checked(DIAGNOSE.of(diagnosis()))["joints"]
     assert found[2]["gap"]["shrink"] is found[0]["from_energy"]["viscous_nms_per_rad"] is None
     assert found[4]["detection_limit_nm"] is found[4]["omnibus_p_value"] is found[4]["simulation_gap"] is None
     (effect,) = found[1]["effects"]
@@ -99,7 +99,7 @@ def test_every_verdict_keeps_to_the_schema() -> None:
 
 def test_a_joint_with_an_effect() -> None:
     lost = replace(STRIBECK, name="warm_up", grade="negligible", not_identifiable=("stribeck_exponent",))
-    document = checked(diagnose_document(diagnosis(replace(NAMED, negligible=(lost,), detection_limit_nm=math.inf))))
+    document = checked(DIAGNOSE.of(diagnosis(replace(NAMED, negligible=(lost,), detection_limit_nm=math.inf))))
     (found,) = document["joints"]
     (effect,), (other,) = found["effects"], found["negligible"]
     assert effect["parameters"] == {"stribeck_excess_nm": 0.15, "stribeck_speed_rad_s": 0.1, "stribeck_exponent": 2.0}
@@ -142,7 +142,7 @@ def test_what_drifts_and_when() -> None:
 def test_a_report_holds_the_documents_of_its_parts() -> None:
     found: Any = log_report_by_hand.report()
     document = checked(REPORT.json(found, found.unit))
-    parts = (estimate_document(found.estimate), diagnose_document(found.diagnosis), replay_document(found.replay))
+    parts = (ESTIMATE.of(found.estimate), DIAGNOSE.of(found.diagnosis), REPLAY.of(found.replay))
     for name, whole in zip(("estimate", "diagnose", "replay"), map(checked, parts), strict=True):
         assert document[name] == {key: whole[key] for key in document[name]}
         assert "joints" in document[name]

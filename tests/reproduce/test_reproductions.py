@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from friction_audit.compensation.comparison import METHODS, SCENES, compare
+from friction_audit.compensation.comparison.experiment import compare
+from friction_audit.compensation.comparison.methods import METHODS, SCENES
 from friction_audit.reproduce import REPRODUCTIONS, Claim, Simulations, simulate_figures
 from friction_audit.reproduce.arm import KEPT, ORDER, SLOPE_BOUND
 from friction_audit.reproduce.one_joint import tolerance_j

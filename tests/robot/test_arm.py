@@ -11,8 +11,7 @@ from numpy.testing import assert_allclose
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.robot import load_arm
-from friction_audit.robot.arm import read_urdf
+from friction_audit.robot.arm import load_arm, read_urdf
 from friction_audit.robot.regressor import random_motion, regressor_entries, significant, tilt_torque
 
 READY = np.array([0.0, -np.pi / 4, 0.0, -3 * np.pi / 4, 0.0, np.pi / 2, np.pi / 4])

@@ -15,7 +15,7 @@ from friction_audit.joint_log import Float, JointLog
 from friction_audit.pipeline import AuditSettings, Estimate, estimate_log
 from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.presets import PRESETS
-from friction_audit.robot import load_arm
+from friction_audit.robot.arm import load_arm
 from friction_audit.simulation import EFFECTS, IDEAL_SENSORS, ArmSettings, Hidden, JointParameters, TrueMotion, simulate
 from friction_audit.simulation.bench import PANDA_JOINTS
 from friction_audit.simulation.effects.load_and_place import GravityError

@@ -11,37 +11,29 @@ from numpy.testing import assert_allclose
 from scipy.integrate import cumulative_trapezoid
 from scipy.spatial.transform import Rotation
 
+from friction_audit import simulation as sim
 from friction_audit.joint_log import Float
-from friction_audit.robot import Arm, load_arm
-from friction_audit.simulation import (
-    IDEAL_SENSORS,
-    ArmSettings,
-    Hand,
-    Simulation,
-    TrueMotion,
-    settings as settings_module,
-    simulate,
-)
+from friction_audit.robot.arm import Arm, load_arm
 from friction_audit.simulation.bench import PANDA_JOINTS
 from friction_audit.simulation.settings import make_streams
 from friction_audit.simulation.strokes import HandMotion, plan_hand
 
-IDEAL = (IDEAL_SENSORS,) * 7
+IDEAL = (sim.IDEAL_SENSORS,) * 7
 ROTORS = np.array([joint.inertia_kg_m2 for joint in PANDA_JOINTS])
-NOBODY = replace(Hand(), **{item.name: 0.0 for item in fields(Hand) if item.name != "path"})  # type: ignore[arg-type]
+NOBODY = replace(sim.Hand(), **{item.name: 0.0 for item in fields(sim.Hand) if item.name != "path"})  # type: ignore[arg-type]
 SMOOTH = tuple(replace(joint, coulomb_nm=0.0, viscous_nms_per_rad=0.0) for joint in PANDA_JOINTS)
-SWING = ArmSettings(sensors=IDEAL, hand=NOBODY, compensates_gravity=False, duration_s=1.0)
+SWING = sim.ArmSettings(sensors=IDEAL, hand=NOBODY, compensates_gravity=False, duration_s=1.0)
 SEED = 1
 
 
-def model_of(settings: ArmSettings) -> Arm:
+def model_of(settings: sim.ArmSettings) -> Arm:
     """Return the arm with the hand's mass and the load at the flange."""
     held = settings.hand.mass_kg if not settings.driven else 0.0
     turning = np.eye(3) * (0.002 if held else 0.0)
     return load_arm().with_load(held + settings.carried_kg, np.zeros(3), turning)
 
 
-def energies(settings: ArmSettings, motion: TrueMotion) -> Float:
+def energies(settings: sim.ArmSettings, motion: sim.TrueMotion) -> Float:
     """Return the kinetic and potential energy of links, load, hand and motors, shape (n,). [J]"""
     model = model_of(settings).model
     data, links = mujoco.MjData(model), []
@@ -53,15 +45,15 @@ def energies(settings: ArmSettings, motion: TrueMotion) -> Float:
     return np.array(links) + motors
 
 
-def inverse_dynamics(settings: ArmSettings, motion: TrueMotion) -> Float:
+def inverse_dynamics(settings: sim.ArmSettings, motion: sim.TrueMotion) -> Float:
     return model_of(settings).inverse_dynamics(motion.q, motion.dq, motion.inner_ddq)
 
 
 work = partial(cumulative_trapezoid, dx=1e-3, axis=0, initial=0)  # of a power, from the start [J]
 
 
-def at_rate(settings: ArmSettings, rate_hz: float, monkeypatch: pytest.MonkeyPatch) -> TrueMotion:
-    monkeypatch.setattr(settings_module, "CONTROL_RATE_HZ", rate_hz)
+def at_rate(settings: sim.ArmSettings, rate_hz: float, monkeypatch: pytest.MonkeyPatch) -> sim.TrueMotion:
+    monkeypatch.setattr(sim.settings, "CONTROL_RATE_HZ", rate_hz)
     return settings.move(make_streams(SEED, 7), "free swing", None).motion
 
 
@@ -93,7 +85,7 @@ class Pull(NamedTuple):
     power_w: Float  # power into the arm and the hand's own mass, shape (n,) [W]
 
 
-def intended(settings: ArmSettings, seed: int, ticks: int) -> HandMotion:
+def intended(settings: sim.ArmSettings, seed: int, ticks: int) -> HandMotion:
     return plan_hand(settings.hand.path, ticks, 1e-3, make_streams(seed, 7).person)
 
 
@@ -110,7 +102,7 @@ def flange_poses(arm: Arm, q: Float) -> tuple[Float, Float, Float]:
     return position, turned, jacobian
 
 
-def pull(settings: ArmSettings, seed: int, motion: TrueMotion) -> Pull:
+def pull(settings: sim.ArmSettings, seed: int, motion: sim.TrueMotion) -> Pull:
     arm, hand = load_arm(), settings.hand
     path = intended(settings, seed, len(motion.t) - 1)
     n = len(motion.q)
@@ -130,9 +122,9 @@ def pull(settings: ArmSettings, seed: int, motion: TrueMotion) -> Pull:
 
 
 @cache
-def guided() -> tuple[ArmSettings, Simulation, TrueMotion, Pull]:
-    settings = ArmSettings(sensors=IDEAL, duration_s=4.0, carried_kg=2.0)
-    simulation = simulate(settings, SEED)
+def guided() -> tuple[sim.ArmSettings, sim.Simulation, sim.TrueMotion, Pull]:
+    settings = sim.ArmSettings(sensors=IDEAL, duration_s=4.0, carried_kg=2.0)
+    simulation = sim.simulate(settings, SEED)
     return settings, simulation, simulation.truth.motion, pull(settings, SEED, simulation.truth.motion)
 
 
@@ -155,8 +147,8 @@ def test_energy_balances_in_every_joint_and_over_the_arm() -> None:
 
 
 def test_sensors_of_a_driven_arm_read_inverse_dynamics_and_friction() -> None:
-    settings = ArmSettings(sensors=IDEAL, duration_s=4.0, driven=True, carried_kg=1.0)
-    simulation = simulate(settings, SEED)
+    settings = sim.ArmSettings(sensors=IDEAL, duration_s=4.0, driven=True, carried_kg=1.0)
+    simulation = sim.simulate(settings, SEED)
     motion = simulation.truth.motion
     error = simulation.log.channels()["tau_J"] - inverse_dynamics(settings, motion) - motion.friction_nm
     assert np.abs(error).max() < 3e-3

@@ -18,7 +18,8 @@ from friction_audit.joint_numbers import parse_joint_numbers, write_joint_number
 from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.assign import Kind, PerJoint, as_nested, assign_text, assign_texts, paths, write_value
 from friction_audit.simulation.bench import BenchSettings
-from friction_audit.simulation.effects import EFFECTS, HiddenEffect
+from friction_audit.simulation.effects import EFFECTS
+from friction_audit.simulation.effects.effect import HiddenEffect
 from friction_audit.simulation.effects.velocity import Stribeck
 from friction_audit.simulation.hide import EQUALS, hidden_effects, hide, with_model
 from friction_audit.simulation.periodic import Sinusoid

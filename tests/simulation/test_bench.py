@@ -15,7 +15,8 @@ from friction_audit.joint_log import Float
 from friction_audit.simulation import IDEAL_SENSORS, BenchSettings, JointParameters, Operator, Sensors, simulate
 from friction_audit.simulation.arm import ArmSettings, Servo
 from friction_audit.simulation.bench import HandGuidedPanda
-from friction_audit.simulation.effects import EFFECTS, Hidden, HiddenEffect
+from friction_audit.simulation.effects import EFFECTS, Hidden
+from friction_audit.simulation.effects.effect import HiddenEffect
 from friction_audit.simulation.effects.load_and_place import JointLimitStop
 from friction_audit.simulation.effects.structure import InertiaError, JointElasticity
 from friction_audit.simulation.sensors import draw_noise, quantise

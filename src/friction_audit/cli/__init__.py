@@ -16,19 +16,17 @@ from typer.core import TyperGroup
 
 from friction_audit import __version__
 from friction_audit.cli.console import discard, open_streams, remark, say
-from friction_audit.cli.grouped_help import GroupedCommand, LateParams, with_option_groups
+from friction_audit.cli.parameters import GroupedCommand, LateParams, with_option_groups
 from friction_audit.errors import AnalysisError, FrictionAuditError, InputError, UsageError, shortened
 from friction_audit.parallel import BLAS_THREADS, own_process
 
-NAMES = (
+NAMES = (  # of the commands, in the order of the help text
     *("info", "estimate", "plot", "replay", "diagnose", "report", "plan", "export", "diff"),
     *("batch-report", "convert", "simulate", "reproduce", "compare"),
 )
-"""Of the commands, in the order of the help text."""
+# Errors of the system that say that a place cannot be written to; all others are bugs if they come as far as here.
 NO_PLACE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.ENAMETOOLONG)
-"""Errors of the system that say that a place cannot be written to; all others are bugs if they come as far as here."""
-LONGEST_COMMAND = 200
-"""Characters of a command that a message repeats."""
+LONGEST_COMMAND = 200  # characters of a command that a message repeats
 
 
 @cache

@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from friction_audit import __version__
-from friction_audit.cli import chain, choices, options as opt
-from friction_audit.cli.choices import flag, group, option
+from friction_audit.cli import chain, options as opt
 from friction_audit.cli.console import Voice, remark, say
-from friction_audit.cli.grouped_help import DRIFT, RUNNING, SESSIONS, command_line
 from friction_audit.cli.outputs import check_junit, write_junit
+from friction_audit.cli.parameters import BATCH_FIGURES, DRIFT, RUNNING, SESSIONS, command_line, flag, group, option
 from friction_audit.errors import UsageError, encodable, few
 
 if TYPE_CHECKING:
@@ -167,7 +166,7 @@ class Batch:
         """Refuse to replace results that this ledger and these settings did not make."""
         if self.ledger.note(SETTINGS) == self.settings.key():
             return
-        figures = [f"*{kind}.{one}" for kind in choices.BATCH_FIGURES for one in self.formats]
+        figures = [f"*{kind}.{one}" for kind in BATCH_FIGURES for one in self.formats]
         drawn = sorted(path for figure in figures for path in self.folder.glob(figure))
         existing = [str(path) for path in (*(self.folder / name for name in RESULTS), *drawn) if path.exists()]
         if existing:

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from friction_audit.cli import options as opt
-from friction_audit.cli.choices import parse_joints, parse_mapping, parse_numbers
 from friction_audit.cli.console import DAMAGED, EXCEEDED, Voice, remark
+from friction_audit.cli.parameters import parse_joints, parse_mapping, parse_numbers
 from friction_audit.errors import AnalysisError, UsageError, few
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.io.files import check_place, keep_input

@@ -5,9 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from friction_audit.cli import options as opt
-from friction_audit.cli.choices import group, option
-from friction_audit.cli.grouped_help import COMPARISON, GENERAL
 from friction_audit.cli.outputs import ResultFolder, show
+from friction_audit.cli.parameters import COMPARISON, GENERAL, group, option
 from friction_audit.cli.simulate import changed
 
 EXAMPLES = """Examples:
@@ -18,8 +17,8 @@ EXAMPLES = """Examples:
 
 ARMS = ("joint", "panda")
 FIGURES = ("energy", "velocity-torque", "sweep", "summary")
+# Written down again, so that the help text loads no numerics.
 METHOD_NAMES = ("none", "sigmoid", "lugre", "disturbance_observer", "torque_regulation", "energy", "oracle")
-"""Written down again, as in ``choices``, so that the help text loads no numerics."""
 
 
 @group(COMPARISON)
@@ -49,8 +48,8 @@ def command(
     overwrite: opt.Overwrite = False,
 ) -> None:
     """Compare compensation methods in simulation (two logs: diff)."""
-    from friction_audit.compensation.comparison import METHODS, SCENES, compare
-    from friction_audit.compensation.comparison.methods import NONE
+    from friction_audit.compensation.comparison.experiment import compare
+    from friction_audit.compensation.comparison.methods import METHODS, NONE, SCENES
     from friction_audit.reporting.compare import COMPARE, compare_lines
     from friction_audit.reporting.figures.comparison import draw_comparison
     from friction_audit.simulation.assign import as_nested

@@ -6,10 +6,9 @@ from typing import Annotated
 import typer
 
 from friction_audit.cli import chain, options as opt
-from friction_audit.cli.choices import flag, parse_joints
 from friction_audit.cli.console import say_table
-from friction_audit.cli.grouped_help import OUTPUT
 from friction_audit.cli.outputs import show_written
+from friction_audit.cli.parameters import OUTPUT, flag, parse_joints
 from friction_audit.joint_numbers import require_joints
 
 EXAMPLES = """Examples:

@@ -7,11 +7,10 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from friction_audit.cli import chain, choices, options as opt
-from friction_audit.cli.choices import group, option, positive
+from friction_audit.cli import chain, options as opt
 from friction_audit.cli.console import Voice
-from friction_audit.cli.grouped_help import DIAGNOSIS
 from friction_audit.cli.outputs import ResultFolder, show
+from friction_audit.cli.parameters import DIAGNOSIS, DIAGNOSIS_FIGURES, EFFECTS, group, option, positive
 
 if TYPE_CHECKING:
     from friction_audit.diagnosis.settings import DiagnosisSettings
@@ -39,7 +38,7 @@ class DiagnosisOptions:
     """What is asked of a diagnosis."""
 
     candidates: list[str] = option(
-        "Effects to consider. Default: all.", default=(), some_of=choices.EFFECTS, metavar="NAME,..."
+        "Effects to consider. Default: all.", default=(), some_of=EFFECTS, metavar="NAME,..."
     )
     min_effect: opt.MinEffect = 0.0
     seed: int = option(
@@ -65,7 +64,7 @@ def command(
     folder: Path | None = opt.folder_option(
         f"Also write {DOCUMENT}, the augmented model {MODEL} and the figures to DIR."
     ),
-    figures: list[str] = opt.figures_option(choices.DIAGNOSIS_FIGURES),
+    figures: list[str] = opt.figures_option(DIAGNOSIS_FIGURES),
     export: opt.Exports = [],
     strict: opt.Strict = False,
 ) -> None:
@@ -99,7 +98,7 @@ def command(
             diagnosed = diagnose_subjects(subjects, settings, done)
             found = Diagnosis(estimate=estimate, joints=diagnosed, settings=settings)
         from friction_audit.diagnosis.result import UNANSWERED
-        from friction_audit.reporting.diagnosis import diagnose_document, diagnose_lines, diagnose_tables
+        from friction_audit.reporting.diagnosis import DIAGNOSE, diagnose_lines, diagnose_tables
         from friction_audit.reporting.notices import diagnose_notices
 
         joints, json = found.joints, shared.general.json
@@ -108,7 +107,7 @@ def command(
             chain.warn_about(recorded, diagnose_notices(found), stages, marked=answered)
         if not answered:
             chain.require_one(recorded, joints, "no joint can be diagnosed")
-        document = partial(diagnose_document, found, chain.reading_settings(reading))
+        document = partial(DIAGNOSE.of, found, chain.reading_settings(reading))
         text = out.write_document(DOCUMENT, document, json=json)
         _write_model(found, out, stages)
         out.write_figures({"diagnosis": found}, [one.joint for one in joints], recorded.source.torque_unit, stages)

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from friction_audit.cli import chain, choices, options as opt
-from friction_audit.cli.choices import parse_joints
+from friction_audit.cli import chain, options as opt
 from friction_audit.cli.console import DAMAGED, EXCEEDED, UNTESTABLE
 from friction_audit.cli.outputs import ResultFolder, check_junit, show, write_junit
+from friction_audit.cli.parameters import DIFF_FIGURES, parse_joints
 from friction_audit.errors import FrictionAuditError, InputError, UsageError
 from friction_audit.io.files import read_document
 
@@ -37,7 +37,7 @@ def command(
     shared: opt.LogOptions,
     drawing: opt.FigureOptions,
     folder: Path | None = opt.folder_option(f"Also write {DOCUMENT}, {TABLE} and the figures to DIR."),
-    figures: list[str] = opt.figures_option(choices.DIFF_FIGURES),
+    figures: list[str] = opt.figures_option(DIFF_FIGURES),
     fail_on: opt.FailOn = None,
     junit: opt.JUnit = None,
     strict: opt.Strict = False,

@@ -4,8 +4,9 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from friction_audit.cli import chain, choices, options as opt
+from friction_audit.cli import chain, options as opt
 from friction_audit.cli.outputs import ResultFolder, show
+from friction_audit.cli.parameters import FIGURES
 
 EXAMPLES = """Examples:
   friction-audit estimate run.mcap
@@ -23,7 +24,7 @@ def command(
     shared: opt.LogOptions,
     drawn: opt.FigureOptions,
     folder: Path | None = opt.folder_option(f"Also write {DOCUMENT}, {HISTORY} and the figures to DIR."),
-    figures: list[str] = opt.figures_option(choices.FIGURES),
+    figures: list[str] = opt.figures_option(FIGURES),
     export: opt.Exports = [],
     strict: opt.Strict = False,
 ) -> None:
@@ -40,18 +41,18 @@ def command(
             how = replace(options, in_blocks=True, hashed=shared.general.json) if folder is None else options
             recorded = chain.read(log, how, stages, while_read(settings))
         result = chain.estimate(recorded, settings, stages)
-        from friction_audit.reporting import estimate as made
+        from friction_audit.reporting import estimate as output
         from friction_audit.reporting.notices import estimate_notices
 
         joints, json = result.friction.joints, shared.general.json
         if not json:
             chain.warn_about(recorded, estimate_notices(result), stages, marked=not all(one.reason for one in joints))
         chain.require_one(recorded, joints)
-        document = partial(made.estimate_document, result, chain.reading_settings(options))
+        document = partial(output.ESTIMATE.of, result, chain.reading_settings(options))
         text = out.write_document(DOCUMENT, document, json=json)
-        out.write_csv(HISTORY, made.HISTORY.file(joints, "history", recorded.source.torque_unit))
+        out.write_csv(HISTORY, output.HISTORY.file(joints, "history", recorded.source.torque_unit))
         out.write_figures({"estimate": result}, [one.joint for one in joints], recorded.source.torque_unit, stages)
         if export:
-            out.write_exports(made.estimate_tables(result), recorded, stages)
-    show(text, lambda: made.estimate_lines(result), json=json)
+            out.write_exports(output.estimate_tables(result), recorded, stages)
+    show(text, lambda: output.estimate_lines(result), json=json)
     chain.conclude(recorded, estimate_notices(result), strict=strict)

@@ -7,9 +7,8 @@ from typing import Annotated
 import typer
 
 from friction_audit.cli import chain, options as opt
-from friction_audit.cli.choices import group, option, parse_joints, parse_range
-from friction_audit.cli.grouped_help import OUTPUT
 from friction_audit.cli.outputs import show
+from friction_audit.cli.parameters import OUTPUT, group, option, parse_joints, parse_range
 from friction_audit.errors import UsageError
 
 EXAMPLES = """Examples:

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from friction_audit.cli import chain, options as opt
-from friction_audit.cli.choices import flag
 from friction_audit.cli.console import DAMAGED, Voice, remark, say
-from friction_audit.cli.grouped_help import READING
+from friction_audit.cli.parameters import READING, flag
 from friction_audit.errors import FrictionAuditError
 from friction_audit.io.files import stamp_of
 

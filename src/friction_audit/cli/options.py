@@ -7,66 +7,65 @@ from typing import Annotated, Any
 
 import typer
 
-from friction_audit.cli import choices, grouped_help as panel
-from friction_audit.cli.choices import described, flag, group, option
+from friction_audit.cli import parameters as params
 from friction_audit.cli.console import Voice
-from friction_audit.cli.grouped_help import load_config, show_every_option
+from friction_audit.cli.parameters import described, flag, group, load_config, option, show_every_option
 from friction_audit.friction.settings import ESTIMATORS, MODELS
 from friction_audit.preprocessing import settings
 
-FORMATS = described("Formats of figures.", "--figure-format", some_of=choices.IMAGE_FORMATS, panel=panel.FIGURE_FILES)
+FORMATS = described("Formats of figures.", "--figure-format", some_of=params.IMAGE_FORMATS, panel=params.FIGURE_FILES)
 FigureFormats = Annotated[list[str], FORMATS]
 STYLE = "sans; ieee or latex: fonts of a paper or of LaTeX; a style of matplotlib, or a style sheet."
 
 
-@group(panel.FIGURE_FILES)
+@group(params.FIGURE_FILES)
 class FigureOptions:
     """How figures are drawn."""
 
     formats: FigureFormats = ("png",)  # type: ignore[assignment] # a dataclass takes no list
-    style: str = option(STYLE, default="sans", metavar="NAME|FILE.mplstyle", callback=choices.style)
+    style: str = option(STYLE, default="sans", metavar="NAME|FILE.mplstyle", callback=params.set_style)
 
 
 EXPORT = "Also write every table to DIR: mcap as topics on the log's clock, csv and parquet one file per table."
-Exports = Annotated[list[str], described(EXPORT, some_of=choices.EXPORTS, panel=panel.OUTPUT)]
+Exports = Annotated[list[str], described(EXPORT, some_of=params.EXPORTS, panel=params.OUTPUT)]
 MIN_EFFECT = "Effects of a smaller rms torque [N m] are negligible: listed separately, and not in the verdict."
-MinEffect = Annotated[float, described(MIN_EFFECT, metavar="NM", min=0.0, panel=panel.DIAGNOSIS)]
+MinEffect = Annotated[float, described(MIN_EFFECT, metavar="NM", min=0.0, panel=params.DIAGNOSIS)]
 FAIL_ON = "Exit with 5 if a coefficient has changed by more, e.g. coulomb=15%, with 7 if it is untestable. Repeatable."
-FailOn = Annotated[list[str] | None, described(FAIL_ON, metavar="COEFFICIENT=LIMIT", panel=panel.DRIFT)]
+FailOn = Annotated[list[str] | None, described(FAIL_ON, metavar="COEFFICIENT=LIMIT", panel=params.DRIFT)]
 JUNIT = "Write the limits as JUnit, a case per joint and limit: failure if exceeded, error if it cannot be tested."
-JUnit = Annotated[Path | None, described(JUNIT, metavar="FILE.xml", panel=panel.DRIFT)]
+JUnit = Annotated[Path | None, described(JUNIT, metavar="FILE.xml", panel=params.DRIFT)]
 
 
-def figures_option(names: Sequence[str], default: str = choices.ALL) -> Any:  # noqa: ANN401 - of any parameter
+def figures_option(names: Sequence[str], default: str = params.ALL) -> Any:  # noqa: ANN401 - of any parameter
     """Return the option that says which of some figures are drawn."""
-    text, known = f"Figures to draw: {choices.ALL}, or some of {', '.join(names)}.", (*names, choices.ALL)
-    check = choices.check_known(known)
-    settings: dict[str, Any] = {"some_of": known, "metavar": "NAME,...", "panel": panel.OUTPUT}
-    settings["callback"] = lambda value: [name for name in names if {name, choices.ALL} & {*check(value)}]
+    text, known = f"Figures to draw: {params.ALL}, or some of {', '.join(names)}.", (*names, params.ALL)
+    check = params.check_known(known)
+    settings: dict[str, Any] = {"some_of": known, "metavar": "NAME,...", "panel": params.OUTPUT}
+    settings["callback"] = lambda value: [name for name in names if {name, params.ALL} & {*check(value)}]
     return option(text, "--figures", default=(default,), **settings)
 
 
 def folder_option(text: str, default: Path | None = None) -> Any:  # noqa: ANN401
     """Return the option that names the folder of the results."""
-    return option(text, "--output", "-o", default=default, metavar="DIR", panel=panel.OUTPUT)
+    return option(text, "--output", "-o", default=default, metavar="DIR", panel=params.OUTPUT)
 
 
 DIALECT = "One of convert --list-dialects. Default: the first one with the suffix of the new log."
-OFFERED = choices.completed_by(choices.dialects)
-Dialect = Annotated[str | None, described(DIALECT, metavar="NAME", autocompletion=OFFERED, panel=panel.GENERAL)]
+OFFERED = params.completed_by(params.dialects)
+Dialect = Annotated[str | None, described(DIALECT, metavar="NAME", autocompletion=OFFERED, panel=params.GENERAL)]
 LogPath = Annotated[Path, typer.Argument(metavar="LOG", help="A log file, or the directory of a ROS 2 bag.")]
-Overwrite = Annotated[bool, described("Replace files that exist.", "--overwrite", panel=panel.GENERAL)]
+Overwrite = Annotated[bool, described("Replace files that exist.", "--overwrite", panel=params.GENERAL)]
 STRICT = "Exit with 5, when all is written, if a warning is about the physics."
-Strict = Annotated[bool, described(STRICT, "--strict", panel=panel.GENERAL)]
+Strict = Annotated[bool, described(STRICT, "--strict", panel=params.GENERAL)]
 
 
-@group(panel.READING)
+@group(params.READING)
 class ReadingOptions:
     """How the log is read."""
 
     robot: str = option(
         "Arm that gives limits and kind of torque, and, of the panda, a rigid-body model; auto: the robot that the "
-        "log names.", default="auto", one_of=settings.ROBOTS, panel=panel.COMMON,
+        "log names.", default="auto", one_of=settings.ROBOTS, panel=params.COMMON,
     )  # fmt: skip
     topic: str | None = option("Topic or table to read, where a file holds several.", metavar="NAME")
     mapping: list[str] | None = option(
@@ -80,32 +79,34 @@ class ReadingOptions:
     time_scale: float = option("Factor on the log's clock, if its rate is wrong.", default=1.0, metavar="FACTOR")
     torque_constant: str | None = option(
         "The torque column is a motor current: torque constant [N m/A], one or per joint.", metavar="K,...",
-        panel=panel.TORQUE,
+        panel=params.TORQUE,
     )  # fmt: skip
     gear_ratio: str | None = option(
-        "With it, turns of the motor per turn of the joint, one or per joint.", metavar="N,...", panel=panel.TORQUE
+        "With it, turns of the motor per turn of the joint, one or per joint.", metavar="N,...", panel=params.TORQUE
     )
-    torque_scale: str | None = option("Factor on the torque, one or per joint.", metavar="K,...", panel=panel.TORQUE)
-    flip: str | None = option("Joints whose measured torque has the other sign.", metavar="LIST", panel=panel.TORQUE)
+    torque_scale: str | None = option("Factor on the torque, one or per joint.", metavar="K,...", panel=params.TORQUE)
+    flip: str | None = option("Joints whose measured torque has the other sign.", metavar="LIST", panel=params.TORQUE)
     allow_short: bool = flag("Accept a log that looks like an exception log of libfranka.", "--allow-short")
 
 
-@group(panel.SELECTION)
+@group(params.SELECTION)
 class SelectionOptions:
     """Which part of the log is used."""
 
-    joints: str | None = option("Joints, counted from 1, e.g. 1,3-5. Default: all.", metavar="LIST", panel=panel.COMMON)
+    joints: str | None = option(
+        "Joints, counted from 1, e.g. 1,3-5. Default: all.", metavar="LIST", panel=params.COMMON
+    )
     t_start: float | None = option("Start, counted from the first sample.", metavar="SECONDS")
     t_end: float | None = option("End, counted from the first sample.", metavar="SECONDS")
 
 
-@group(panel.TORQUE)
+@group(params.TORQUE)
 class TorqueOptions:
     """How the interaction torque is made."""
 
     drive: str = option(
         "What moves the joints: a hand on the arm, or the robot's motors; auto: the one that dissipates energy.",
-        default="auto", one_of=settings.DRIVES, panel=panel.COMMON,
+        default="auto", one_of=settings.DRIVES, panel=params.COMMON,
     )  # fmt: skip
     torque: str = option("Torque channel to use.", default="auto", one_of=settings.TORQUES)
     gravity: str = option(
@@ -122,7 +123,7 @@ class TorqueOptions:
     model_rate: float = option("Rate of the model's inertial torque and hand speed.", default=50.0, metavar="HZ")
 
 
-@group(panel.CYCLES)
+@group(params.CYCLES)
 class CycleOptions:
     """How energy cycles are found."""
 
@@ -140,7 +141,7 @@ class CycleOptions:
     min_path: float = option("With --cycles-from hand: least path of every joint.", default=0.1, metavar="RAD")
 
 
-@group(panel.ESTIMATE)
+@group(params.ESTIMATE)
 class EstimateOptions:
     """How friction is estimated."""
 
@@ -152,17 +153,17 @@ class EstimateOptions:
     window: int | None = option("Cycles per point of the history. Default: a third, at most 20; paper: 2.", metavar="K")
 
 
-@group(panel.COMMON)
+@group(params.COMMON)
 class GeneralOptions:
     """What every command understands."""
 
     json: bool = flag("Print one JSON document and nothing else.", "--json")
     quiet: bool = flag("No warnings and no progress.", "--quiet", "-q")
     help_all: bool = flag("Show every option.", "--help-all", callback=show_every_option, is_eager=True)
-    verbose: bool = flag("Print each step and its duration.", "--verbose", "-v", panel=panel.GENERAL)
+    verbose: bool = flag("Print each step and its duration.", "--verbose", "-v", panel=params.GENERAL)
     config: Path | None = option(
         'Values for any option, e.g. drive = "robot"; the command line has priority.', metavar="FILE.toml",
-        callback=load_config, is_eager=True, panel=panel.GENERAL,
+        callback=load_config, is_eager=True, panel=params.GENERAL,
     )  # fmt: skip
 
     @property
@@ -183,13 +184,13 @@ class LogOptions:
     overwrite: Overwrite = False
 
 
-@group(panel.SIMULATION)
+@group(params.SIMULATION)
 class ChangeOptions:
     """What of a simulation differs from its scenario."""
 
     effects: list[str] | None = option(
         "Add an effect to all moving joints, or to some: stribeck:excess_nm=0.2@2,5. Repeatable.", "--effect",
-        metavar="NAME[:PARAMETER=VALUE,...][@JOINTS]", autocompletion=choices.completed_by(lambda: choices.EFFECTS),
+        metavar="NAME[:PARAMETER=VALUE,...][@JOINTS]", autocompletion=params.completed_by(lambda: params.EFFECTS),
     )  # fmt: skip
     assignments: list[str] | None = option(
         "Change a setting: joints.coulomb_nm=0.4@2,5. Repeatable.", "--set", metavar="NAME=VALUE[@JOINTS]"

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from friction_audit.cli import chain, options as opt
-from friction_audit.cli.choices import group, option, parse_joints, parse_numbers, parse_range
-from friction_audit.cli.grouped_help import GENERAL, MOTION
 from friction_audit.cli.outputs import ResultFolder, show
+from friction_audit.cli.parameters import GENERAL, MOTION, group, option, parse_joints, parse_numbers, parse_range
 from friction_audit.errors import InputError
 from friction_audit.joint_numbers import require_joints
 
@@ -134,7 +133,7 @@ def _tasks_of_log(source: Path, start: "tuple[float, ...] | None", shared: opt.L
     from friction_audit.diagnosis.settings import DiagnosisSettings
     from friction_audit.pipeline import Diagnosis, diagnosis_subjects, estimate_log
     from friction_audit.planning.task import tasks_of
-    from friction_audit.reporting.diagnosis import diagnose_document
+    from friction_audit.reporting.diagnosis import DIAGNOSE
 
     voice, settings = shared.general.voice, DiagnosisSettings()
     log = chain.read_torque(source, shared, voice)
@@ -144,4 +143,4 @@ def _tasks_of_log(source: Path, start: "tuple[float, ...] | None", shared: opt.L
         found = Diagnosis(estimate=estimate, joints=diagnose_subjects(subjects, settings), settings=settings)
     pose = np.median(log.q, axis=0).tolist() if start is None else start
     pairs = list(zip(subjects, found.joints, strict=True))
-    return tasks_of(diagnose_document(found), source, pose, names=log.joint_names, subjects=pairs)
+    return tasks_of(DIAGNOSE.of(found), source, pose, names=log.joint_names, subjects=pairs)

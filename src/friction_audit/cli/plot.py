@@ -4,8 +4,9 @@ from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
-from friction_audit.cli import chain, choices, options as opt
+from friction_audit.cli import chain, options as opt
 from friction_audit.cli.outputs import ResultFolder, show
+from friction_audit.cli.parameters import DIAGNOSIS_FIGURES, PLOTTED, REPLAY_FIGURES
 
 EXAMPLES = """Examples:
   friction-audit plot run.mcap
@@ -18,7 +19,7 @@ def command(
     friction: opt.EstimateOptions,
     shared: opt.LogOptions,
     drawn: opt.FigureOptions,
-    figures: list[str] = opt.figures_option(choices.PLOTTED, default="velocity-torque"),
+    figures: list[str] = opt.figures_option(PLOTTED, default="velocity-torque"),
     folder: Path = opt.folder_option("Folder of the figures.", Path("figures")),
     min_effect: opt.MinEffect = 0.0,
     strict: opt.Strict = False,
@@ -38,13 +39,13 @@ def command(
 
     results: dict[str, object] = {"estimate": result}
     # Replay and diagnosis, where a figure draws them, with default settings otherwise.
-    if set(figures) & set(choices.REPLAY_FIGURES):
+    if set(figures) & set(REPLAY_FIGURES):
         from friction_audit.compensation.settings import ReplaySettings
         from friction_audit.pipeline import replay_estimate
 
         with voice.step("replay"):
             results["replay"] = replay_estimate(result, ReplaySettings())
-    if set(figures) & set(choices.DIAGNOSIS_FIGURES):
+    if set(figures) & set(DIAGNOSIS_FIGURES):
         from friction_audit.diagnosis.settings import DiagnosisSettings
         from friction_audit.pipeline import diagnose_estimate
 

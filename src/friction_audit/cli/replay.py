@@ -8,11 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from friction_audit import compensation
-from friction_audit.cli import chain, choices, options as opt
-from friction_audit.cli.choices import flag, group, option, parse_numbers, positive
+from friction_audit.cli import chain, options as opt
 from friction_audit.cli.console import Voice
-from friction_audit.cli.grouped_help import REPLAY, TUNING
 from friction_audit.cli.outputs import ResultFolder, show
+from friction_audit.cli.parameters import REPLAY, REPLAY_FIGURES, TUNING, flag, group, option, parse_numbers, positive
 from friction_audit.errors import UsageError
 from friction_audit.friction.settings import MODELS
 
@@ -108,7 +107,7 @@ def command(
     shared: opt.LogOptions,
     drawn: opt.FigureOptions,
     folder: Path | None = opt.folder_option(f"Also write {DOCUMENT}, {HISTORY} and the figures to DIR."),
-    figures: list[str] = opt.figures_option(choices.REPLAY_FIGURES),
+    figures: list[str] = opt.figures_option(REPLAY_FIGURES),
     export: opt.Exports = [],
     strict: opt.Strict = False,
 ) -> None:
@@ -132,8 +131,8 @@ def command(
             chain.check_joint_model(settings.joint_model.path, settings.joint_model.model, recorded)
         estimated = chain.estimate(recorded, audit, stages)
         from friction_audit.pipeline import replay_estimate
+        from friction_audit.reporting import replay as output
         from friction_audit.reporting.notices import replay_notices
-        from friction_audit.reporting.replay import HISTORY as CYCLES, replay_document, replay_lines, replay_tables
 
         with stages.step("replay"):
             found = replay_estimate(estimated, settings)
@@ -142,12 +141,12 @@ def command(
             chain.warn_about(recorded, replay_notices(found), stages, marked=not all(one.reason for one in joints))
             _warn_of_times(settings.joint_model, recorded, stages)
         chain.require_one(recorded, joints, "no joint can be replayed")
-        document = partial(replay_document, found, chain.reading_settings(reading))
+        document = partial(output.REPLAY.of, found, chain.reading_settings(reading))
         text = out.write_document(DOCUMENT, document, json=json)
-        out.write_csv(HISTORY, CYCLES.file(joints, "history", recorded.source.torque_unit))
+        out.write_csv(HISTORY, output.HISTORY.file(joints, "history", recorded.source.torque_unit))
         out.write_figures({"replay": found}, [joint.joint for joint in joints], recorded.source.torque_unit, stages)
-        out.write_exports(replay_tables(found), recorded, stages)
-    show(text, lambda: replay_lines(found), json=json)
+        out.write_exports(output.replay_tables(found), recorded, stages)
+    show(text, lambda: output.replay_lines(found), json=json)
     chain.conclude(recorded, replay_notices(found), strict=strict)
 
 
@@ -163,7 +162,7 @@ def _warn_of_times(given: "ModelFile | None", log: "JointLog", voice: Voice) -> 
 
 def replay_settings(options: ReplayOptions, cycles: opt.CycleOptions) -> "ReplaySettings":
     """Return the settings."""
-    from friction_audit.compensation import settings as made
+    from friction_audit.compensation import settings
     from friction_audit.effects.joint_model import load_model
 
     def given(**values: object) -> dict[str, Any]:
@@ -176,21 +175,21 @@ def replay_settings(options: ReplayOptions, cycles: opt.CycleOptions) -> "Replay
             motor_inertia_kg_m2=options.motor_inertia,
             desired_inertia_kg_m2=options.desired_inertia,
         )
-        competitor = made.Competitor(name=options.compensator, **tuning)
+        competitor = settings.Competitor(name=options.compensator, **tuning)
     if options.operator is not None:
         numbers = parse_numbers("--operator", options.operator, ("MASS", "DAMPING", "STIFFNESS"))
         names = ("inertia_kg_m2", "damping_nms_per_rad", "stiffness_nm_per_rad")
-        operator = made.OperatorImpedance(**dict(zip(names, numbers, strict=True)))
+        operator = settings.OperatorImpedance(**dict(zip(names, numbers, strict=True)))
     forced = None if options.coefficients is None else _parse_coefficients(options.coefficients)
     least = cycles.min_path if cycles.cycles_from == "hand" else None
     own = given(model=options.model, minimum_path_rad=least, max_damping_nms_per_rad=options.max_damping)
-    compensator = made.energy_compensator(
+    compensator = settings.energy_compensator(
         window=options.window, factor=options.factor, forced=forced, forced_from_cycle=1, forced_until_acted=False,
         passivity=not options.no_passivity, **own,
     )  # fmt: skip
     path = options.joint_model
-    model = None if path is None else made.ModelFile(path=str(path), model=load_model(path))
-    return made.ReplaySettings(
+    model = None if path is None else settings.ModelFile(path=str(path), model=load_model(path))
+    return settings.ReplaySettings(
         assume=options.assume, compensator=compensator, competitor=competitor, joint_model=model, operator=operator,
         max_torque_nm=options.max_torque, max_torque_rate_nm_s=options.max_rate,
     )  # fmt: skip

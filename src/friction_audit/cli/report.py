@@ -6,9 +6,8 @@ from pathlib import Path
 import typer
 
 from friction_audit.cli import chain, options as opt
-from friction_audit.cli.choices import group, option
-from friction_audit.cli.grouped_help import OUTPUT, command_line
 from friction_audit.cli.outputs import ResultFolder, show
+from friction_audit.cli.parameters import OUTPUT, command_line, group, option
 from friction_audit.cli.replay import ReplayOptions, replay_settings
 from friction_audit.reporting import ENDINGS, SECTIONS
 
@@ -56,9 +55,9 @@ def command(
     settings, options = chain.audit_settings(shared, friction), chain.read_options(shared.reading, shared.selection)
     sections = wanted.sections or SECTIONS
     json, again = shared.general.json, shared.overwrite
-    from friction_audit.reporting import report as made
+    from friction_audit.reporting import report as reports
 
-    name = f"{made.name_of_log(log) if log.is_dir() else Path(made.name_of_log(log)).stem}.report"
+    name = f"{reports.name_of_log(log) if log.is_dir() else Path(reports.name_of_log(log)).stem}.report"
     # Where the document is printed and nothing else was asked for, there is no file.
     kinds = wanted.formats or ([] if json and folder is None else [DEFAULT])
     by_ending = {ending: kind for kind, ending in ENDINGS.items()}
@@ -82,16 +81,18 @@ def command(
         from friction_audit.reporting.html.log_page import WRITERS
 
         steps = replay_settings(ReplayOptions(), shared.cycles), DiagnosisSettings(min_effect_nm=wanted.min_effect)
-        typed = given.replace(shlex.quote(str(log)), shlex.quote(made.name_of_log(log)))
+        typed = given.replace(shlex.quote(str(log)), shlex.quote(reports.name_of_log(log)))
         how = chain.reading_settings(options)
-        report = made.report_estimate(estimate, *steps, sections=sections, reading=how, command=typed, step=stages.step)
+        report = reports.report_estimate(
+            estimate, *steps, sections=sections, reading=how, command=typed, step=stages.step
+        )
         for kind, path in files.items():
             with stages.step(f"write {path}"), whole_file(path, overwrite=again) as draft:
                 draft.write_bytes(WRITERS[kind](report))
-        exported = out.write_exports(made.report_tables(report), recorded, stages)
-    lines = [made.lead_sentence(report), *map(str, (*files.values(), *exported))]
-    show(lambda: made.REPORT.json(report, report.unit), lambda: lines, json=json)
+        exported = out.write_exports(reports.report_tables(report), recorded, stages)
+    lines = [reports.lead_sentence(report), *map(str, (*files.values(), *exported))]
+    show(lambda: reports.REPORT.json(report, report.unit), lambda: lines, json=json)
     joints = () if report.diagnosis is None else report.diagnosis.joints
     chain.exit_for_bugs(joints, voice, report.unanswered)
     chain.require_one(estimate.log, estimate.friction.joints)
-    chain.conclude(recorded, made.report_notices(report), strict=wanted.strict)
+    chain.conclude(recorded, reports.report_notices(report), strict=wanted.strict)

@@ -6,10 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from friction_audit.cli import options as opt
-from friction_audit.cli.choices import group, option
 from friction_audit.cli.console import say
-from friction_audit.cli.grouped_help import SIMULATION
 from friction_audit.cli.outputs import ResultFolder, show
+from friction_audit.cli.parameters import SIMULATION, group, option
 
 if TYPE_CHECKING:
     from friction_audit.reproduce import Simulations
@@ -19,8 +18,8 @@ EXAMPLES = """Examples:
   friction-audit reproduce --figures 3,6,7 --figure-format pdf -o paper
   friction-audit reproduce --figures 10 --persons 100 --json"""
 
+# Written down again, so that the help text loads no numerics.
 PAPER_FIGURES = ("3", "6", "7", "8", "9", "10", "11", "12", "13", "14")
-"""Written down again, as in ``choices``, so that the help text loads no numerics."""
 
 
 @group(SIMULATION)

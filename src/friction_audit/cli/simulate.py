@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from friction_audit.cli import chain, choices, options as opt
-from friction_audit.cli.choices import completed_by, flag, group, option
+from friction_audit.cli import chain, options as opt
 from friction_audit.cli.console import say, say_table
-from friction_audit.cli.grouped_help import OUTPUT, SIMULATION
 from friction_audit.cli.outputs import show_written
+from friction_audit.cli.parameters import OUTPUT, SIMULATION, completed_by, flag, group, option, scenarios
 from friction_audit.errors import UsageError
 from friction_audit.io.files import sha256_of, whole_file
 
@@ -48,8 +47,7 @@ class ListOptions:
 
 def command(
     scenario: Annotated[
-        str | None,
-        typer.Argument(metavar="SCENARIO", autocompletion=completed_by(choices.scenarios), help="One of --list."),
+        str | None, typer.Argument(metavar="SCENARIO", autocompletion=completed_by(scenarios), help="One of --list.")
     ] = None,
     *,
     simulation: SimulationOptions,

@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.compensation.competitors import Feed, feed_friction
 from friction_audit.compensation.controller import step
-from friction_audit.compensation.feed_forward import Feed, feed_friction
 from friction_audit.compensation.law import JOINT_MODEL
 from friction_audit.compiled import Record, compiled
 from friction_audit.dynamics.stick_slip import Step, advance

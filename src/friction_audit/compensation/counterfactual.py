@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compensation import SAME_MOTION, SAME_OPERATOR, closed_loop
-from friction_audit.compensation.competitors import Compensator, JointModelCompensation
-from friction_audit.compensation.feed_forward import feed_of, refuse, straighten
+from friction_audit.compensation.competitors import Compensator, JointModelCompensation, feed_of, refuse, straighten
 from friction_audit.compensation.records import fresh_memory, pack
 from friction_audit.compensation.result import FittedOperator, Signals
 from friction_audit.compensation.settings import ReplaySettings

@@ -8,20 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.compensation import FEED_BACK, MODEL, result
+from friction_audit.compensation import FEED_BACK, MODEL, competitors, result
 from friction_audit.compensation.closed_loop import SUMS, add_torque
-from friction_audit.compensation.competitors import (
-    PUBLISHED,
-    Compensator,
-    DisturbanceObserver,
-    JointModelCompensation,
-    LugreCompensation,
-    TorqueRegulation,
-    fit_sigmoid,
-)
+from friction_audit.compensation.competitors import Compensator
 from friction_audit.compensation.controller import FIND, hand_cuts
 from friction_audit.compensation.counterfactual import Run, make_scene, recording_of
-from friction_audit.compensation.feed_forward import OF_FRICTION, refuse
 from friction_audit.compensation.law import Coefficients, EnergyCompensator
 from friction_audit.compensation.result import JointReplay, Replay, Signals
 from friction_audit.compensation.settings import Competitor, Limits, ReplaySettings, limits_of
@@ -134,7 +125,7 @@ class _JointRun:
             self.square += float(torque[start:stop] @ torque[start:stop])
         if self._joint.reason:
             return
-        modelled = isinstance(self._joint.compensator, JointModelCompensation)
+        modelled = isinstance(self._joint.compensator, competitors.JointModelCompensation)
         try:
             scene = make_scene(part, self.cycles, self.friction, self._settings, cuts, modelled=modelled)
             found = self._run.take(scene)
@@ -190,15 +181,15 @@ def tune(competitor: Competitor, friction: JointFriction, robot: str, model: Joi
         return _modelled(model)
     if competitor.name in FEED_BACK:
         return _feed_back(competitor, friction)
-    if competitor.name == "sigmoid" and robot in FRANKA and friction.joint <= len(PUBLISHED):
-        return PUBLISHED[friction.joint - 1]
+    if competitor.name == "sigmoid" and robot in FRANKA and friction.joint <= len(competitors.PUBLISHED):
+        return competitors.PUBLISHED[friction.joint - 1]
     coulomb, viscous = friction.coulomb.value, friction.viscous.value
     if friction.reason or not (coulomb >= 0.0 and viscous >= 0.0 and coulomb + viscous > 0.0):
         raise AnalysisError(friction.reason or (Caution("log_pushes"),))
     if competitor.name == "sigmoid":
-        return fit_sigmoid(coulomb, viscous)
+        return competitors.fit_sigmoid(coulomb, viscous)
     if competitor.name == "lugre":
-        return LugreCompensation(coulomb_nm=coulomb, breakaway_nm=coulomb, viscous_nms_per_rad=viscous)
+        return competitors.LugreCompensation(coulomb_nm=coulomb, breakaway_nm=coulomb, viscous_nms_per_rad=viscous)
     forced = Coefficients(coulomb_nm=coulomb, viscous_nms_per_rad=viscous)
     return EnergyCompensator(forced=forced, forced_from_cycle=1, forced_until_acted=False, passivity=False)
 
@@ -206,11 +197,11 @@ def tune(competitor: Competitor, friction: JointFriction, robot: str, model: Joi
 def _modelled(model: JointModel | None) -> Compensator:
     if model is None:
         raise AnalysisError((Caution("not_in_model_file"),))
-    terms = tuple(term for term in model.terms if term.effect.friction or term.name in OF_FRICTION)
+    terms = tuple(term for term in model.terms if term.effect.friction or term.name in competitors.OF_FRICTION)
     if not terms:
         raise AnalysisError((Caution("nothing_to_apply"),))
-    refuse(terms)
-    return JointModelCompensation(terms=terms)
+    competitors.refuse(terms)
+    return competitors.JointModelCompensation(terms=terms)
 
 
 def _feed_back(competitor: Competitor, friction: JointFriction) -> Compensator:
@@ -220,9 +211,11 @@ def _feed_back(competitor: Competitor, friction: JointFriction) -> Compensator:
     if inertia is None:
         raise AnalysisError(friction.reason or (Caution("no_motor_inertia"),))
     if competitor.name == "disturbance_observer":
-        return DisturbanceObserver(inertia_kg_m2=inertia, observer_gain_per_s=competitor.observer_gain_per_s)
-    desired = competitor.desired_inertia_kg_m2
-    return TorqueRegulation(inertia_kg_m2=inertia, desired_inertia_kg_m2=0.5 * inertia if desired is None else desired)
+        return competitors.DisturbanceObserver(
+            inertia_kg_m2=inertia, observer_gain_per_s=competitor.observer_gain_per_s
+        )
+    desired = 0.5 * inertia if competitor.desired_inertia_kg_m2 is None else competitor.desired_inertia_kg_m2
+    return competitors.TorqueRegulation(inertia_kg_m2=inertia, desired_inertia_kg_m2=desired)
 
 
 def _in_force(compensator: Compensator, cycles: EnergyCycles, limits: Limits, step_s: float) -> Compensator:
@@ -267,8 +260,8 @@ def seems_compensated(
         return {"case": "sign"}
     if found := _vanishing(interaction, cycles, square):
         return found
-    if robot in FRANKA and friction.joint <= len(PUBLISHED):
-        usual = min(PUBLISHED[friction.joint - 1].plateaus_nm)
+    if robot in FRANKA and friction.joint <= len(competitors.PUBLISHED):
+        usual = min(competitors.PUBLISHED[friction.joint - 1].plateaus_nm)
         if friction.coulomb.high < FAR_BELOW * usual:
             return {"case": "far_below", "coulomb": friction.coulomb.value, "usual": usual}
     return {}

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.breakaway import Breakaways, breakaways_of, torque_known
+from friction_audit.effects.breakaway import FEWEST_BREAKAWAYS, Breakaways, breakaways_of, torque_known
 from friction_audit.effects.joint_data import CORNER_HZ, SIGMA_PER_MEDIAN, JointData, Nominal
 from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.effects.transmission import MOTION_BELOW_HZ, motion_below
@@ -109,7 +109,9 @@ def make_samples(data: JointData, corner_hz: float = CORNER_HZ) -> Samples:
     uncertain = filtered(doubt, np.abs(kernel), np.arange(0, len(data.t), every))[0]
     breakaways = breakaways_of(data)
     breakaways = breakaways.take(torque_known(data.without_gravity, breakaways, data.step_s))
-    breakaways = breakaways.take(whole[breakaways.onset // every])
+    known = whole[breakaways.onset // every]
+    # Fewer than show stiction are chance, and a few torques of a joint at rest weigh as much as all that slides.
+    breakaways = breakaways.take(known & (np.count_nonzero(known) >= FEWEST_BREAKAWAYS))
     moving = np.setdiff1d(np.flatnonzero(whole & (uncertain <= MOST_UNCERTAIN)), breakaways.onset // every)
     place = np.concatenate([moving, breakaways.onset // every])
     order = np.argsort(place)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from friction_audit.drift import regression, report as made
+from friction_audit.drift import regression, report
 from friction_audit.drift.change_points import Step, find_isolated, find_steps, leave_outliers_out
 from friction_audit.drift.change_test import COLLINEAR, Verdict, judge_family
 from friction_audit.drift.covariates import CONFOUNDED, choose_comparable, shared, use_temperature
@@ -42,7 +42,7 @@ def analyse_arm(sessions: Sequence[Session], settings: DriftSettings) -> ArmDrif
         compared=compared,
         reference=reference,
         left_out=tuple(left_out.items()),
-        joints=tuple(made.JointDrift(joint=n, name=names[n], coefficients=tuple(own)) for n, own in found.items()),
+        joints=tuple(report.JointDrift(joint=n, name=names[n], coefficients=tuple(own)) for n, own in found.items()),
         ordered_by=order.by,
         autocorrelation=max((one.scatter.first for one in verdicts if one is not None), default=0.0),
         warnings=(*limits, *odd, *warnings),
@@ -85,7 +85,7 @@ def _collect(order: Order, compared: tuple[int, ...]) -> tuple[list[Series], lis
 def _judge(family: Sequence[Series], settings: DriftSettings) -> list[Verdict | None]:
     """Test the coefficients of an arm, all of whose sessions count; None for those with too few sessions."""
     # One degree of freedom is left given level, temperature and one change.
-    fewest = [max(made.FEWEST_SESSIONS, regression.baseline_columns(series).shape[1] + 2) for series in family]
+    fewest = [max(report.FEWEST_SESSIONS, regression.baseline_columns(series).shape[1] + 2) for series in family]
     testable = [i for i, series in enumerate(family) if len(series.y) >= fewest[i]]
     some = [family[i] for i in testable]
     test = plain = judge_family(some, settings) if some else []
@@ -217,12 +217,12 @@ def _describe_drift(
     return shape, stepped, steps, min(of_steps)
 
 
-def _change_points(series: Series, steps: Sequence[Step], fit: Fit, p_value: float) -> Iterator[made.ChangePoint]:
+def _change_points(series: Series, steps: Sequence[Step], fit: Fit, p_value: float) -> Iterator[report.ChangePoint]:
     for (before, after), step in zip(pairwise(np.eye(len(fit.value))), steps, strict=False):
         level = to_level(fit.interval(before), series)
         session, low, high = series.session[[step.place, step.low, step.high]].tolist()
         change, relative = to_change(fit.interval(after - before), level, series)
-        yield made.ChangePoint(
+        yield report.ChangePoint(
             session=session,
             low=low,
             high=high,

@@ -22,8 +22,7 @@ from friction_audit.planning import design
 from friction_audit.planning.design import Candidate, Limits, candidates_of
 from friction_audit.planning.task import AUTO, Arm, Joint, Task, subject_of, term_of_block
 from friction_audit.simulation import BenchSettings, Hidden, simulate
-from friction_audit.simulation.effects import HiddenEffect
-from friction_audit.simulation.effects.effect import NoEqualError, Setting
+from friction_audit.simulation.effects.effect import HiddenEffect, NoEqualError, Setting
 from friction_audit.simulation.hide import EQUALS, near_of
 from friction_audit.simulation.strokes import Prescribed, starts_of
 

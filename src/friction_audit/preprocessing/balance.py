@@ -1,15 +1,19 @@
-"""A row of the balance: which torques are removed from the source, with which sign, and what the energy says of it."""
+"""A row of the balance: which torques are removed from the source, with which sign, and what is left in it."""
 
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import NamedTuple, cast
 
 import numpy as np
 
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.parallel import WORKERS, per_joint
-from friction_audit.preprocessing.interaction import SignEvidence
+from friction_audit.preprocessing.interaction import Caution, SignEvidence
 from friction_audit.preprocessing.resampling import GridTorque
-from friction_audit.preprocessing.sign import CoarseLog
-from friction_audit.preprocessing.torque_source import CHANNELS, Plan
+from friction_audit.preprocessing.settings import TorqueSettings
+from friction_audit.preprocessing.sign import CoarseLog, most, strokes_of, voting
+from friction_audit.preprocessing.torque_source import CHANNELS, Plan, with_a_model
+from friction_audit.robot.arm import STANDARD_GRAVITY, read_urdf
 
 SIGNS = {"hand": -1, "robot": 1}  # factor on tau_J and on tau_ext in each row
 
@@ -83,3 +87,128 @@ class Balance(NamedTuple):
 
         per_joint(fill, len(columns))
         return torque
+
+
+# Cautions about a row: its sign, unused options, and gravity or offsets that are left in it.
+
+# An identified model errs by a few tenths of a N m, the vendor's by up to 2; a forgotten hand makes 2 to 3.
+LARGEST_NM = 1.5
+LEAST_RANGE_RAD = 0.3  # over less, gravity looks like an offset or a spring
+LEAST_ACROSS = 0.1  # share of gravity across an axis below which it is vertical: a payload does not load it
+LEAST_STROKES = 10
+ENOUGH = 20_000  # means of 20 ms; more add nothing about what changes with the position alone
+SIGNIFICANCE = 0.01
+
+
+def not_used(log: JointLog, balance: Balance, settings: TorqueSettings, *, hand: bool) -> tuple[Caution, ...]:
+    """Name options about the arm that change nothing, because the torque needs no model of it."""
+    known, modelled = balance.plan.arm is not None, balance.modelled_means is not None
+    if settings.urdf is not None and not known:
+        from friction_audit.robot.urdf import parse_urdf
+
+        parse_urdf(read_urdf(settings.urdf), str(settings.urdf))  # a file that is no arm is refused though not used
+    given = (
+        ("--payload", settings.payload is not None and not modelled),
+        # Even with logged gravity the direction of gravity is the model's.
+        ("--urdf", settings.urdf is not None and not (known or hand)),
+        ("--gravity-vector", settings.gravity_vector != STANDARD_GRAVITY and not known),
+    )
+    unused = [option for option, idle in given if idle]
+    if not unused:
+        return ()
+    numbers = {"options": unused, "formula": balance.formula, "has_tau_j": log.tau_J is not None}
+    return (Caution(code="model_not_used", numbers=numbers),)
+
+
+def sign_cautions(log: JointLog, balance: Balance, settings: TorqueSettings, *, turned: bool) -> Iterator[Caution]:
+    """Yield what the energy shows about the sign, and that inertia is still in the torque."""
+    evidence, plan = balance.evidence, balance.plan
+    known = {"formula": balance.formula, "case": plan.source}
+    if turned:
+        yield Caution(code="sign_turned", numbers=known)
+    if most(evidence, "falls"):
+        yield Caution(code="sign_contradicts_drive", numbers=known)
+    elif not most(evidence, "rises") and voting(evidence):
+        yield Caution(code="sign_unproved", numbers=known)
+    if balance.inertia_left:
+        # Where gravity is left too, its caution has the commands.
+        command = "" if plan.gravity == "in-torque" else with_a_model(log, replace(settings, inertia="auto"))
+        yield Caution(code="inertia_in_torque", numbers={"command": command, "lead": ""})
+    minority = "falls" if most(evidence, "rises") else "rises" if most(evidence, "falls") else ""
+    for one in voting(evidence):
+        if one.verdict == minority:
+            numbers = {"verdict": one.verdict, "torque": one.against_motion_nm, "error": one.standard_error_nm}
+            yield Caution(code="sign_disagrees", joint=one.joint, numbers=numbers)
+
+
+def gravity_cautions(
+    log: JointLog, coarse: CoarseLog, balance: Balance, columns: list[int], direction: Float | None
+) -> tuple[Caution, ...]:
+    """Say on which joints gravity or an offset is left in the torque, unless gravity is declared to be inside.
+
+    The constants of a gravity error are ill-determined over a short range: two of hundreds of newton metres may cancel.
+    What a log determines is their torque over the range that the joint moved, and whether it depends on the position.
+    The direction of gravity is that across the axes of the selected joints at the means, shape (m, len(columns), 2).
+    """
+    gravity = balance.plan.gravity
+    mixed = not most(balance.evidence, "rises") or balance.inertia_left
+    if gravity == "in-torque" or mixed or log.source.torque_unit != "N m":
+        return ()
+    torque, dead = balance.driving(log, coarse), log.source.dead_torque
+
+    def left(place: int) -> tuple[float, float, float, float, bool] | None:
+        column, across = columns[place], None if direction is None else direction[:, place]
+        return None if column + 1 in dead else _left(coarse, torque[:, column], across, column)
+
+    every = zip(columns, per_joint(left, len(columns)), strict=True)
+    found = [(column, *one) for column, one in every if one is not None]
+    several = sum(rms > friction for _, _, rms, _, friction, _ in found) > 1
+    return tuple(
+        Caution(
+            code="gravity_error" if by_position else "torque_offset",
+            joint=column + 1,
+            numbers={"mean": mean, "rms": rms, "moved": moved, "case": gravity if several else ""},
+        )
+        for column, mean, rms, moved, _, by_position in found
+    )
+
+
+def _left(
+    coarse: CoarseLog, torque: Float, direction: Float | None, column: int
+) -> tuple[float, float, float, float, bool] | None:
+    """Return mean and rms of what is left, range moved, Coulomb friction, and whether gravity shows; None if little."""
+    moving, sign, stroke = strokes_of(coarse, column)
+    if not stroke.size or stroke[-1] + 1 < LEAST_STROKES:
+        return None
+    rows = np.flatnonzero(moving)
+    thin = slice(None, None, max(len(rows) // ENOUGH, 1))
+    rows, sign = rows[thin], sign[thin]
+    q, dq = coarse.q[rows, column], coarse.dq[rows, column]
+    ddq = np.gradient(coarse.dq[:, column], coarse.t)[rows]
+    across = np.column_stack([np.sin(q), np.cos(q)]) if direction is None else direction[rows]
+    plain = np.column_stack([sign, dq, ddq, np.ones(len(q))])
+    coefficients, square, square_plain = _fit(plain, across, torque[rows])
+    at_rest = coefficients[3] + across @ coefficients[4:]
+    wide = np.ptp(q) >= LEAST_RANGE_RAD and float(np.hypot(*across.T).max()) >= LEAST_ACROSS
+    # The F test of the two columns of gravity, whose distribution is a power. Strokes are independent, not samples.
+    gain = max(square_plain - square, 0.0) / max(square, np.finfo(float).tiny)
+    by_position = bool(wide and (1.0 + gain) ** (-0.5 * (stroke[-1] + 1 - len(coefficients))) < SIGNIFICANCE)
+    mean, rms = float(at_rest.mean()), float(np.sqrt(np.mean(at_rest**2)))
+    if (rms if by_position else abs(mean)) <= LARGEST_NM:
+        return None
+    return mean, rms, float(np.ptp(q)), abs(float(coefficients[0])), by_position
+
+
+def _fit(plain: Float, across: Float, torque: Float) -> tuple[Float, float, float]:
+    """Return the coefficients of all columns, and the sums of squares that these and the plain ones alone leave."""
+    columns = np.column_stack([plain, across])
+    scale = np.linalg.norm(columns, axis=0).clip(min=np.finfo(float).tiny)
+    # Both fits on the triangular factor: a decomposition of all samples takes most of the time.
+    triangle = np.asarray(np.linalg.qr(np.column_stack([columns / scale, torque]), "r"), np.float64)
+    fits = []
+    for count in (columns.shape[1], plain.shape[1]):
+        design, right = triangle[:, :count], triangle[:, -1]
+        coefficients = np.linalg.lstsq(design, right, rcond=1e-8)[0]
+        fits.append((coefficients, float(np.sum((right - design @ coefficients) ** 2))))
+    (coefficients, square), (_, square_plain) = fits
+    return coefficients / scale, square, square_plain

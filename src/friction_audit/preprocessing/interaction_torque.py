@@ -9,10 +9,9 @@ import numpy as np
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Bool, Float, Int, JointLog, LogPart
-from friction_audit.preprocessing.balance import SIGNS, Balance
-from friction_audit.preprocessing.cautions import gravity_cautions, not_used, sign_cautions
+from friction_audit.preprocessing.balance import SIGNS, Balance, gravity_cautions, not_used, sign_cautions
 from friction_audit.preprocessing.interaction import Caution, Interaction, TorqueChoice
-from friction_audit.preprocessing.resampling import Grid, GridTorque, grids_of, motion_on
+from friction_audit.preprocessing.resampling import GridTorque, grids_of, motion_on
 from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.preprocessing.sign import CoarseLog, coarse_log, most, prove_sign
 from friction_audit.preprocessing.torque_source import CHANNELS, Plan, arm_for_hand, make_plan
@@ -81,7 +80,11 @@ def extract_interaction(
     found = port.interaction(part)
     if not hand:
         return found
-    return replace(found, hand_speed=_hand_speed(port.log, settings, grids_of(port.log, settings.model_rate_hz)))
+    arm, grids = arm_for_hand(port.log, settings), grids_of(port.log, settings.model_rate_hz)
+    speed = np.concatenate([arm.hand_speed(q, dq) for q, dq, _ in motion_on(grids, port.log)])
+    # Straight lines, not a spline: a speed has kinks at zero, where a spline would swing below it.
+    speed = np.interp(port.log.t, np.concatenate([grid.t for grid in grids]), speed)
+    return replace(found, hand_speed=speed)
 
 
 def choose_torque(
@@ -208,13 +211,6 @@ def _flipped(coarse: CoarseLog, balance: Balance) -> tuple[Caution, ...]:
     opposite, as_is = _fits_opposite(coarse.mean(balance.source), balance.sign * balance.coarse(coarse))
     joints = (np.flatnonzero(opposite) + 1).tolist()
     return (Caution(code="torque_flipped", numbers={"joints": joints}),) if joints and as_is.any() else ()
-
-
-def _hand_speed(log: JointLog, settings: TorqueSettings, grids: tuple[Grid, ...]) -> Float:
-    arm = arm_for_hand(log, settings)
-    speed = np.concatenate([arm.hand_speed(q, dq) for q, dq, _ in motion_on(grids, log)])
-    # Straight lines, not a spline: a speed has kinks at zero, where a spline would swing below it.
-    return np.asarray(np.interp(log.t, np.concatenate([grid.t for grid in grids]), speed))
 
 
 def _choice(balance: Balance, settings: TorqueSettings, *, turned: bool) -> TorqueChoice:

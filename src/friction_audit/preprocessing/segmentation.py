@@ -8,7 +8,7 @@ import numpy as np
 
 from friction_audit.joint_log import Float, Int, JointLog, median_step
 from friction_audit.parallel import per_joint
-from friction_audit.preprocessing import cycle_sums, energy_cycles as made
+from friction_audit.preprocessing import energy_cycles as cycles
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.settings import CycleSettings
 from friction_audit.preprocessing.velocity import filter_velocity, settling_samples
@@ -31,12 +31,11 @@ NOISE_MULTIPLE = 5.0  # standard deviations of the filtered velocity that termin
 TINY = 1e-6  # a log without any motion still gets thresholds above zero
 MOST_SAMPLES = 1 << 19  # of which automatic thresholds are taken, spread evenly over the log
 
-Arrays = TypeVar("Arrays", made.EnergyCycles, made.EnergySums)
-Thresholds = tuple[float, float]
-"""Of initiation and termination."""
+Arrays = TypeVar("Arrays", cycles.EnergyCycles, cycles.EnergySums)
+Thresholds = tuple[float, float]  # of initiation and termination
 
 
-def segment_cycles(interaction: Interaction, settings: CycleSettings) -> tuple[made.EnergyCycles, ...]:
+def segment_cycles(interaction: Interaction, settings: CycleSettings) -> tuple[cycles.EnergyCycles, ...]:
     """Find all energy cycles of every joint of a log in memory, also those that are rejected."""
     rate_hz, hand, signal = 1.0 / median_step(interaction.t), None, None
     if settings.cycles_from == "hand":
@@ -45,7 +44,7 @@ def segment_cycles(interaction: Interaction, settings: CycleSettings) -> tuple[m
         fixed = settings.hand_initiation_m_s, settings.hand_termination_m_s
         hand = thresholds_of(settings, rate_hz, fixed, interaction.hand_speed, signal)
 
-    def work(column: int) -> made.EnergyCycles:
+    def work(column: int) -> cycles.EnergyCycles:
         dq = interaction.dq[:, column]
         filtered = filter_velocity(dq, rate_hz=rate_hz, cutoff_hz=settings.cutoff_hz)
         fixed = settings.initiation_rad_s, settings.termination_rad_s
@@ -60,7 +59,7 @@ def segment_cycles(interaction: Interaction, settings: CycleSettings) -> tuple[m
     # All joints are updated together or not at all: a cycle in which some joint has hardly moved counts for none.
     small = np.any([own.sums.path_rad < settings.minimum_path_rad for own in joints], axis=0)
     return tuple(
-        replace(own, reason=np.where((own.reason == made.KEPT) & small, made.SMALL, own.reason)) for own in joints
+        replace(own, reason=np.where((own.reason == cycles.KEPT) & small, cycles.SMALL, own.reason)) for own in joints
     )
 
 
@@ -78,8 +77,8 @@ class CycleSearch:
         self._moving: bool | None = None  # at the first sample needed; None where its own speed decides
         self._at_border: bool | None = None
         # A cycle that has lasted too long already: its samples up to now are added up and forgotten; where it began.
-        self._begun: tuple[made.EnergyCycles, Float] | None = None
-        self._found: list[made.EnergyCycles] = []
+        self._begun: tuple[cycles.EnergyCycles, Float] | None = None
+        self._found: list[cycles.EnergyCycles] = []
         self._joined = 0  # so many of these are of many blocks
         self._above, self._fastest, self._peak_power_w, self._begin_s, self._last_s = 0, 0.0, 0.0, 0.0, 0.0
 
@@ -102,7 +101,7 @@ class CycleSearch:
         self._last_s = float(part.t[shift + len(self._signal) - 1])
         if not (old or self.first):
             self._begin_s = float(part.t[shift])
-        borders = cycle_sums.find_borders(
+        borders = cycles.find_borders(
             self._signal,
             *(self._hand or self.own),
             merge=self._hand is None,
@@ -148,7 +147,7 @@ class CycleSearch:
             kept.append(s + int(np.argmax(closed)) + 1 if closed.any() else s + 1)
         return kept
 
-    def _cycles_between(self, part: Interaction, borders: Int) -> made.EnergyCycles:
+    def _cycles_between(self, part: Interaction, borders: Int) -> cycles.EnergyCycles:
         """Add up the energies between borders, which are counted from the first sample needed."""
         settings, shift, inside = self._settings, self.first - part.first, part.choice.gravity == "in-torque"
         t = part.t[shift:]
@@ -159,9 +158,9 @@ class CycleSearch:
         first = max(int(borders[0]) - near, -shift)
         steps = np.diff(part.t[first + shift : borders[-1] + shift + near + 1])
         holes = np.flatnonzero(steps > hole_s) + first
-        edges, peak = cycle_sums.cut_evenly(steps[-first:], self._filtered, borders, PARTS)
+        edges, peak = cycles.cut_evenly(steps[-first:], self._filtered, borders, PARTS)
         parts = self._sums(part, edges)
-        sums = made.EnergySums(**{one.name: getattr(parts, one.name).sum(axis=-1) for one in fields(parts)})
+        sums = cycles.EnergySums(**{one.name: getattr(parts, one.name).sum(axis=-1) for one in fields(parts)})
         start, stop = borders[:-1] + self.first, borders[1:] + self.first
         start_s, position = t[borders[:-1]], self._position(part)[borders + shift]
         if self._begun is not None and len(start):
@@ -170,14 +169,14 @@ class CycleSearch:
             for one in fields(sums):
                 getattr(sums, one.name)[0] += getattr(begun.sums, one.name)[0]
         is_open = np.abs(np.diff(position, axis=0)).max(axis=1) > settings.closure_rad
-        reason = np.where(stop - start > self._longest, made.LONG, made.KEPT)
-        reason[is_open & inside] = made.OPEN
-        reason[np.searchsorted(holes, borders[:-1] - near) < np.searchsorted(holes, borders[1:] + near)] = made.GAP
-        if self._begun is not None and self._begun[0].reason[0] == made.GAP:
-            reason[:1] = made.GAP
+        reason = np.where(stop - start > self._longest, cycles.LONG, cycles.KEPT)
+        reason[is_open & inside] = cycles.OPEN
+        reason[np.searchsorted(holes, borders[:-1] - near) < np.searchsorted(holes, borders[1:] + near)] = cycles.GAP
+        if self._begun is not None and self._begun[0].reason[0] == cycles.GAP:
+            reason[:1] = cycles.GAP
         products, speeds = _moments(parts)
         initiation, termination = self._hand or self.own
-        return made.EnergyCycles(
+        return cycles.EnergyCycles(
             start=start,
             stop=stop,
             start_s=start_s,
@@ -194,14 +193,14 @@ class CycleSearch:
             standstill_rad_s=self.own[1],
         )
 
-    def _sums(self, part: Interaction, edges: Int) -> made.EnergySums:
+    def _sums(self, part: Interaction, edges: Int) -> cycles.EnergySums:
         shift = self.first - part.first
         rows = slice(shift, shift + len(self._filtered))
         u = None if part.compensation is None else part.compensation[rows, self._column]
         q, dq, torque = (array[rows, self._column] for array in (part.q, part.dq, part.torque))
-        found = cycle_sums.add_up(part.t[rows], q, dq, self._filtered, torque, u, edges)
+        found = cycles.add_up(part.t[rows], q, dq, self._filtered, torque, u, edges)
         x, y = _gravity_work(part, self._column, edges + shift)
-        return made.EnergySums(**found, displacement_rad=np.diff(q[edges], axis=1), gravity_x_rad=x, gravity_y_rad=y)
+        return cycles.EnergySums(**found, displacement_rad=np.diff(q[edges], axis=1), gravity_x_rad=x, gravity_y_rad=y)
 
     def _shorten(self, part: Interaction) -> None:
         """Add up the beginning of a cycle that lasts too long, and forget its samples."""
@@ -211,7 +210,7 @@ class CycleSearch:
         if self._at_border:
             now = self._cycles_between(part, np.array([0, self._longest]))
             self._begun = now, self._position(part)[shift] if self._begun is None else self._begun[1]
-        stops, starts, _ = cycle_sums.events(self._signal[: self._longest + 1], *thresholds, moving=moving)
+        stops, starts, _ = cycles.events(self._signal[: self._longest + 1], *thresholds, moving=moving)
         self._go_on(self._longest, moving=moving == (len(stops) == len(starts)))
 
     def _go_on(self, row: int, *, moving: bool) -> None:
@@ -219,7 +218,7 @@ class CycleSearch:
         self._filtered = self._filtered[row:].copy()
         self._signal = self._filtered if self._hand is None else self._signal[row:].copy()
 
-    def cycles(self) -> made.EnergyCycles:
+    def cycles(self) -> cycles.EnergyCycles:
         """Return the cycles, once, after the last part."""
         found, self._found = join_cycles(self._found), []
         samples = self.first + len(self._signal)
@@ -227,7 +226,7 @@ class CycleSearch:
         one_way = abs(found.sums.displacement_rad.sum()) > ONE_WAY_SHARE * found.sums.path_rad.sum()
         return replace(
             found,
-            reason=np.full(len(found.reason), made.ONE_WAY) if one_way else found.reason,
+            reason=np.full(len(found.reason), cycles.ONE_WAY) if one_way else found.reason,
             fastest=self._fastest,
             moving_s=self._above / samples * (self._last_s - self._begin_s),
             peak_power_w=self._peak_power_w,
@@ -292,12 +291,12 @@ def _gravity_work(interaction: Interaction, column: int, edges: Int) -> tuple[Fl
     return x, y
 
 
-def _moments(parts: made.EnergySums) -> tuple[Float, Float]:
+def _moments(parts: cycles.EnergySums) -> tuple[Float, Float]:
     """Return ``products`` and ``speeds`` of cycles from the sums over their parts, shape (m, PARTS) each."""
     path, square = parts.path_rad, parts.square_speed_rad2_s
     weight = np.sqrt(np.divide(1.0, square, out=np.zeros(square.shape), where=square > 0.0))
-    balance = np.stack([getattr(parts, name) for name in made.BALANCE], axis=1) * weight[:, None]
-    one, other = (balance[:, index] for index in made.PAIRS)
+    balance = np.stack([getattr(parts, name) for name in cycles.BALANCE], axis=1) * weight[:, None]
+    one, other = (balance[:, index] for index in cycles.PAIRS)
     moves = (path > 0.0) & (square > 0.0)
     second = np.divide(square**2, path, out=np.zeros(path.shape), where=moves)
     speeds = np.stack([path * moves, square * moves, second], axis=-1).sum(axis=1)
@@ -308,5 +307,5 @@ def join_cycles(pieces: Sequence[Arrays]) -> Arrays:
     """Return the cycles of a joint, or their sums, that were found piece by piece as one structure."""
     every = {one.name: [getattr(own, one.name) for own in pieces] for one in fields(pieces[0])}
     joined: dict[str, Any] = {n: np.concatenate(some) for n, some in every.items() if isinstance(some[0], np.ndarray)}
-    joined |= {name: join_cycles(some) for name, some in every.items() if isinstance(some[0], made.EnergySums)}
+    joined |= {name: join_cycles(some) for name, some in every.items() if isinstance(some[0], cycles.EnergySums)}
     return replace(pieces[0], **joined)

@@ -16,8 +16,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from friction_audit.joint_log import Bool, Float, Int, JointLog, median_step
-from friction_audit.log_in_blocks import LogInBlocks, block_means, samples_per_mean
+from friction_audit.joint_log import Bool, Float, Int, JointLog, LogInBlocks, block_means, median_step, samples_per_mean
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.interaction import FITTED_STROKES, SignEvidence
 

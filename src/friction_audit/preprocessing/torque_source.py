@@ -12,7 +12,7 @@ from friction_audit.preprocessing.interaction import Caution, Reason, TorqueChoi
 from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.preprocessing.sign import CoarseLog
 from friction_audit.presets import BUILT_IN, PRESETS
-from friction_audit.robot import Arm, load_arm
+from friction_audit.robot.arm import Arm, load_arm
 
 # Source of the torque -> channel of the log, in the order in which ``auto`` prefers them.
 CHANNELS = {"interaction": "tau_interaction", "tau_ext": "tau_ext_hat_filtered", "tau_J": "tau_J"}

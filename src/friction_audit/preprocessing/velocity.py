@@ -10,8 +10,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from friction_audit.joint_log import Bool, Float, JointLog
-from friction_audit.log_in_blocks import LogInBlocks, Means
+from friction_audit.joint_log import Bool, Float, JointLog, LogInBlocks, Means
 from friction_audit.parallel import ahead
 from friction_audit.preprocessing.interaction import Caution
 from friction_audit.preprocessing.sign import CoarseLog

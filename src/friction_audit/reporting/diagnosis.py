@@ -60,7 +60,6 @@ DIAGNOSE: ResultDocument = ResultDocument(
     notices=diagnose_notices,
     settings=lambda found: {"diagnosis": to_json(found.settings)},
 )
-diagnose_document = DIAGNOSE.of
 
 
 def _simulated(joint: JointDiagnosis) -> dict[str, Float] | None:

@@ -9,7 +9,7 @@ from pathlib import PurePath
 from statistics import median
 from xml.etree import ElementTree as ET
 
-from friction_audit.drift import report as made
+from friction_audit.drift import report as drift
 from friction_audit.drift.change_points import REACH
 from friction_audit.drift.session import Session
 from friction_audit.errors import printable
@@ -35,21 +35,21 @@ SHAPES = {
 LARGEST_DETECTABLE = 10.0  # times the level; a larger detectable change is no information
 WEEK_S = 7 * 86400.0
 MOST_NAMES = 3  # sessions that a sentence names
-NEEDED = f"at least {made.FEWEST_SESSIONS} are needed to separate drift from scatter"
+NEEDED = f"at least {drift.FEWEST_SESSIONS} are needed to separate drift from scatter"
 TO_DO = (
     "Where friction drifts: check lubrication, load and cables of the joint, and record it once more; "
     "the option --diagnose names the effect that came with it, the command diff compares two recordings."
 )
 
 
-def drift_verdict(*found: made.CoefficientDrift) -> str:
+def drift_verdict(*found: drift.CoefficientDrift) -> str:
     """Return whether some coefficients drift: the strongest one of VERDICTS, untested without any."""
     others = {"temperature": TEMPERATURE, "too_few": UNTESTED}
     verdicts = (DRIFT if one.drift else others.get(one.shape, STEADY) for one in found)
     return min(verdicts, key=VERDICTS.index, default=UNTESTED)
 
 
-def describe(found: made.CoefficientDrift, sessions: Sequence[Session]) -> str:
+def describe(found: drift.CoefficientDrift, sessions: Sequence[Session]) -> str:
     """Return one sentence on a coefficient over the sessions of its arm, without a full stop."""
     parts = [headline(found, sessions)]
     if found.shape == "too_few":  # with the reason that most sessions share
@@ -63,7 +63,7 @@ def describe(found: made.CoefficientDrift, sessions: Sequence[Session]) -> str:
     return "; ".join(parts + _isolated(found, sessions))
 
 
-def headline(found: made.CoefficientDrift, sessions: Sequence[Session]) -> str:
+def headline(found: drift.CoefficientDrift, sessions: Sequence[Session]) -> str:
     """Return what became of a coefficient; the sessions are read for their moments alone."""
     name, unit = f"{NAMES[found.coefficient]} friction", UNITS[found.coefficient]
     changed = f"{name} {verb_of(found.change)} by {how_much(found.total, found.change, unit)}"
@@ -96,7 +96,7 @@ def headline(found: made.CoefficientDrift, sessions: Sequence[Session]) -> str:
     return f"{changed} from the reference to the last sessions; a step and a slow change describe it equally well"
 
 
-def _step(point: made.ChangePoint, unit: str, sessions: Sequence[Session]) -> str:
+def _step(point: drift.ChangePoint, unit: str, sessions: Sequence[Session]) -> str:
     """Return a step and the sessions that it lies between: their dates, with the time if they share one, or names."""
     both = sessions[point.low - 1], sessions[point.high]
     when = [format_date(one.start_s) for one in both]
@@ -128,7 +128,7 @@ def verb_of(change: Coefficient, rising: str = "rose", falling: str = "fell") ->
     return rising if change.value >= 0 else falling
 
 
-def _isolated(found: made.CoefficientDrift, sessions: Sequence[Session]) -> list[str]:
+def _isolated(found: drift.CoefficientDrift, sessions: Sequence[Session]) -> list[str]:
     """Name the isolated sessions and how far each lies from the nearest ones that count, two on each side."""
     parts = []
     counted = [k for k, session in enumerate(found.sessions) if session not in found.isolated]
@@ -148,7 +148,7 @@ def _isolated(found: made.CoefficientDrift, sessions: Sequence[Session]) -> list
     return parts
 
 
-def joint_sentence(arm: made.ArmDrift, joint: made.JointDrift) -> str:
+def joint_sentence(arm: drift.ArmDrift, joint: drift.JointDrift) -> str:
     """Return one sentence on a joint, without its number in front."""
     found = joint.coefficients
     messages = {one.coefficient: describe(one, arm.sessions) for one in found}
@@ -161,12 +161,12 @@ def joint_sentence(arm: made.ArmDrift, joint: made.JointDrift) -> str:
     return alike.pop() if len(alike) == 1 else "; ".join(messages.values())
 
 
-def arm_sentence(arm: made.ArmDrift) -> str:
+def arm_sentence(arm: drift.ArmDrift) -> str:
     """Return one sentence on an arm, without its name in front."""
     drifting = [joint for joint in arm.joints if joint.drift]
     together = [joint for joint in arm.joints if any(one.shape == "temperature" for one in joint.coefficients)]
     compared = len(arm.compared)
-    if not drifting and compared < made.FEWEST_SESSIONS:
+    if not drifting and compared < drift.FEWEST_SESSIONS:
         return f"{count_of(compared, 'comparable session')}, {NEEDED}"
     if drifting or together:
         stated = drifting[:MOST_STATED] or together[:1]
@@ -187,7 +187,7 @@ def arm_sentence(arm: made.ArmDrift) -> str:
     return f"no drift in {compared} sessions{least}"
 
 
-def batch_sentence(arms: Sequence[made.ArmDrift]) -> str:
+def batch_sentence(arms: Sequence[drift.ArmDrift]) -> str:
     """Return one sentence on all arms."""
     if not arms:
         return "No session could be read: no statement on drift is possible."
@@ -207,34 +207,34 @@ def batch_sentence(arms: Sequence[made.ArmDrift]) -> str:
     return f"{found}."
 
 
-def first_after(change: made.ChangePoint) -> str:
+def first_after(change: drift.ChangePoint) -> str:
     """Return the number of the first session after a step, with its interval: ``13 (12 to 14)``."""
     low, high = change.low + 1, change.high + 1
     return f"{change.session + 1}{'' if low == high else f' ({low} to {high})'}"
 
 
-def format_change(change: made.ChangePoint) -> str:
+def format_change(change: drift.ChangePoint) -> str:
     """Return the size of a step as a percentage, and where the level is near zero from what to what."""
     if math.isnan(change.relative.value):
         return f"{words.format_coefficient(change.before)} to {words.format_coefficient(change.after)}"
     return words.format_percent(change.relative)
 
 
-def total_text(found: made.CoefficientDrift) -> str:
+def total_text(found: drift.CoefficientDrift) -> str:
     """Return the change from the reference to the last sessions: relative, or absolute near a level of zero."""
     if math.isnan(found.total.value) and not math.isnan(found.change.value):
         return f"{words.signed(found.change)} {UNITS[found.coefficient]}"
     return words.format_percent(found.total)
 
 
-def smallest_text(found: made.CoefficientDrift) -> str:
+def smallest_text(found: drift.CoefficientDrift) -> str:
     """Return the smallest change that these sessions would have shown: relative, or absolute near a level of zero."""
     if math.isnan(found.smallest_drift) and not math.isnan(found.smallest_change):
         return amount(math.nan, found.smallest_change, found.coefficient)
     return words.format_share(found.smallest_drift)
 
 
-def slope_text(found: made.CoefficientDrift, slope: Coefficient) -> str:
+def slope_text(found: drift.CoefficientDrift, slope: Coefficient) -> str:
     """Return a trend: over the reference's level, or absolute near a level of zero."""
     if math.isnan(slope.value):
         return NOTHING
@@ -249,13 +249,13 @@ def span_of(sessions: Iterable[Session]) -> str:
     return words.range_of(starts, format_date) if starts else ""
 
 
-def curve_sessions(arm: made.ArmDrift) -> tuple[tuple[int, ...], ...]:
+def curve_sessions(arm: drift.ArmDrift) -> tuple[tuple[int, ...], ...]:
     """Return the sessions whose curves are drawn: the first, those of the reference, the last."""
     compared = arm.compared or tuple(range(len(arm.sessions)))
     return compared[:1], arm.reference, compared[-1:]
 
 
-def sessions_text(arm: made.ArmDrift) -> str:
+def sessions_text(arm: drift.ArmDrift) -> str:
     """Return how many sessions an arm has, when they were recorded, and how many were compared."""
     span = span_of(arm.sessions)
     return f"{count_of(len(arm.sessions), 'session')}{f', {span}' if span else ''}, {len(arm.compared)} compared"
@@ -271,16 +271,16 @@ def limit_lines(exceeded: Iterable[str], cannot_tell: Iterable[str]) -> list[str
 OUTCOMES = {"exceeded": ("failure", "failures"), "untestable": ("error", "errors")}
 
 
-def limit_sentences(arms: Sequence[made.ArmDrift], asked: Iterable[made.Limit]) -> tuple[tuple[str, ...], ...]:
+def limit_sentences(arms: Sequence[drift.ArmDrift], asked: Iterable[drift.Limit]) -> tuple[tuple[str, ...], ...]:
     """Return one sentence for each coefficient beyond a limit, and for each that cannot be tested by one."""
-    judged = list(made.judge(arms, tuple(asked)))
+    judged = list(drift.judge(arms, tuple(asked)))
     return tuple(tuple(_limit_sentence(one) for one in judged if one.verdict == kind) for kind in OUTCOMES)
 
 
-def limits_beyond_all(arms: Sequence[made.ArmDrift], asked: Iterable[made.Limit]) -> Iterator[str]:
+def limits_beyond_all(arms: Sequence[drift.ArmDrift], asked: Iterable[drift.Limit]) -> Iterator[str]:
     """Name the limits in the unit of a coefficient that are larger than all of it: they were meant in per cent."""
     for limit in asked:
-        judged = made.judge(arms, [] if limit.relative else [limit])
+        judged = drift.judge(arms, [] if limit.relative else [limit])
         levels = [abs(one.found.level.value) for one in judged if one.found and isfinite(one.found.level.value)]
         if levels and max(levels) < limit.size:
             unit = UNITS[limit.coefficient or "coulomb_nm"]
@@ -288,7 +288,7 @@ def limits_beyond_all(arms: Sequence[made.ArmDrift], asked: Iterable[made.Limit]
             yield f"--fail-on {limit.text}: {limit.size:g} {unit} is {most}; per cent is {limit.text}%"
 
 
-def _limit_sentence(one: made.Judged) -> str:
+def _limit_sentence(one: drift.Judged) -> str:
     """Return what a limit that is not kept is exceeded by, or why it cannot be tested."""
     found, limit = one.found, one.limit
     if found is None:
@@ -314,13 +314,13 @@ def _limit_sentence(one: made.Judged) -> str:
 
 
 def junit_text(
-    command: str, arms: Sequence[made.ArmDrift], asked: Sequence[made.Limit], unit: str = NEWTON_METRES
+    command: str, arms: Sequence[drift.ArmDrift], asked: Sequence[drift.Limit], unit: str = NEWTON_METRES
 ) -> str:
     """Return the XML of the limits of a command, a suite per limit; torques are in a unit."""
     root = ET.Element("testsuites", name=f"friction-audit {command}")
     for limit in asked:
         suite = ET.SubElement(root, "testsuite", name=limit.text)
-        for one in made.judge(arms, [limit]):
+        for one in drift.judge(arms, [limit]):
             words = () if one.found is None else (f"joint {one.joint}", f"{NAMES[one.found.coefficient]} friction, ")
             place = (printable(part).replace(".", "_") for part in ("friction-audit", command, one.robot or "no arm"))
             name = f"{': '.join(words)}limit {limit.text}"

@@ -122,7 +122,6 @@ ESTIMATE: ResultDocument = ResultDocument(
     Column("joints", [FRICTION], "per joint", "friction.joints"),
     notices=estimate_notices,
 )
-estimate_document = ESTIMATE.of
 TABLES = (FRICTION, HISTORY, CYCLES, INTERACTION)
 
 

@@ -188,7 +188,6 @@ REPLAY: ResultDocument = ResultDocument(
     notices=replay_notices,
     settings=_settings,
 )
-replay_document = REPLAY.of
 TABLES = (JOINT_REPLAY, HISTORY, SIGNALS)
 
 

@@ -4,15 +4,15 @@ from friction_audit.compensation.comparison.methods import FULL, PAPER
 from friction_audit.reporting.figures import paper
 from friction_audit.reporting.figures.comparison import draw_comparison
 from friction_audit.reproduce import arm, one_joint
+from friction_audit.reproduce.claims import Claim, Reproduction, Simulations, make_course, simulate_figures
 from friction_audit.reproduce.one_joint import FIG_10, compensated, last_period
-from friction_audit.reproduce.reproduction import Claim, Reproduction, Simulations, make_course, simulate_figures
 from friction_audit.simulation.bench import PANDA_JOINTS
 
 __all__ = ["REPRODUCTIONS", "Claim", "Reproduction", "Simulations", "simulate_figures"]
 
 MANY = 1000  # as many seeds as are asked for
 FEW = 5  # of an arm; ``compare --arm panda`` takes more
-REPRODUCTIONS = (
+REPRODUCTIONS = (  # the figures, in the paper's order
     Reproduction(
         "3", "Net energy, kinetic and dissipated energy of a joint with viscous friction", ("fig3",),
         one_joint.check_3, lambda done: paper.draw_exchange(*one_joint.energies(done)),
@@ -62,4 +62,3 @@ REPRODUCTIONS = (
         lambda done: draw_comparison(done["fig13"], ["velocity-torque"])["velocity-torque"], FEW, arm.compare_methods,
     ),
 )  # fmt: skip
-"""The figures, in the paper's order."""

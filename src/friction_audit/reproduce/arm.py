@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from friction_audit.compensation.comparison import METHODS, SCENES, Comparison, compare
-from friction_audit.compensation.comparison.methods import FULL, PAPER
-from friction_audit.compensation.comparison.result import Row
+from friction_audit.compensation.comparison.experiment import compare
+from friction_audit.compensation.comparison.methods import FULL, METHODS, PAPER, SCENES
+from friction_audit.compensation.comparison.result import Comparison, Row
+from friction_audit.reproduce.claims import SECOND, Claim, Simulations, share, spread
 from friction_audit.reproduce.one_joint import BAND
-from friction_audit.reproduce.reproduction import SECOND, Claim, Simulations, share, spread
 from friction_audit.simulation.bench import Progress
 
 # Slope of the cyclic energies, over that of the first two cycles, up to which they count as no longer rising.

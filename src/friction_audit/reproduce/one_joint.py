@@ -7,16 +7,7 @@ import numpy as np
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures.panels import smooth
 from friction_audit.reporting.figures.paper import Course, draw_adaptation
-from friction_audit.reproduce.reproduction import (
-    SECOND,
-    Claim,
-    Simulations,
-    make_course,
-    relative,
-    share,
-    spread,
-    within,
-)
+from friction_audit.reproduce.claims import SECOND, Claim, Simulations, make_course, relative, share, spread, within
 from friction_audit.simulation.settings import CONTROL_RATE_HZ, Simulation
 
 CLOSURE_BOUND, MINIMA_BOUND = 1e-5, 1e-4  # Fig. 3: shares of what was dissipated

@@ -1,32 +1,18 @@
 """Settings and a seed -> JointLog with known truth."""
 
-from friction_audit.simulation.arm import ArmSettings, Hand
-from friction_audit.simulation.bench import BenchSettings, HandGuidedPanda, Operator
-from friction_audit.simulation.effects import EFFECTS, Hidden
-from friction_audit.simulation.scenarios import SCENARIOS, simulate
-from friction_audit.simulation.settings import (
-    IDEAL_SENSORS,
-    PANDA_SENSORS,
-    JointParameters,
-    Sensors,
-    Simulation,
-    TrueMotion,
+from friction_audit.simulation.arm import ArmSettings as ArmSettings, Hand as Hand
+from friction_audit.simulation.bench import (
+    BenchSettings as BenchSettings,
+    HandGuidedPanda as HandGuidedPanda,
+    Operator as Operator,
 )
-
-__all__ = [
-    "EFFECTS",
-    "IDEAL_SENSORS",
-    "PANDA_SENSORS",
-    "SCENARIOS",
-    "ArmSettings",
-    "BenchSettings",
-    "Hand",
-    "HandGuidedPanda",
-    "Hidden",
-    "JointParameters",
-    "Operator",
-    "Sensors",
-    "Simulation",
-    "TrueMotion",
-    "simulate",
-]
+from friction_audit.simulation.effects import EFFECTS as EFFECTS, Hidden as Hidden
+from friction_audit.simulation.scenarios import SCENARIOS as SCENARIOS, simulate as simulate
+from friction_audit.simulation.settings import (
+    IDEAL_SENSORS as IDEAL_SENSORS,
+    PANDA_SENSORS as PANDA_SENSORS,
+    JointParameters as JointParameters,
+    Sensors as Sensors,
+    Simulation as Simulation,
+    TrueMotion as TrueMotion,
+)

@@ -8,7 +8,7 @@ from friction_audit.compensation.controller import CYCLE_STATE
 from friction_audit.compensation.law import Checked, within
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.robot import STANDARD_GRAVITY, load_arm
+from friction_audit.robot.arm import STANDARD_GRAVITY, load_arm
 from friction_audit.simulation import settings as shared
 from friction_audit.simulation.bench import JOINTS, PANDA_JOINTS, READY_RAD, Progress, assemble, moved_by, rotor_mass
 from friction_audit.simulation.effects import Hidden

@@ -11,8 +11,8 @@ from typing import Any, TypeVar
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel
 from friction_audit.errors import UsageError, near_misses
 from friction_audit.joint_numbers import parse_joint_numbers, require_joints, write_joint_numbers
-from friction_audit.simulation.effects import EFFECTS, HiddenEffect
-from friction_audit.simulation.effects.effect import FORM, Given, NoEqualError, Setting
+from friction_audit.simulation.effects import EFFECTS
+from friction_audit.simulation.effects.effect import FORM, Given, HiddenEffect, NoEqualError, Setting
 from friction_audit.simulation.scenarios import SCENARIOS
 from friction_audit.simulation.settings import JointParameters
 

@@ -11,16 +11,9 @@ from hypothesis import given, settings, strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.joint_log import Float
-from friction_audit.simulation.effects import EFFECTS, HiddenEffect, velocity as laws
+from friction_audit.simulation.effects import EFFECTS, slow_and_events as slow, velocity as laws
+from friction_audit.simulation.effects.effect import HiddenEffect
 from friction_audit.simulation.effects.sensors import TorqueDrift, delayed, torque_drift_nm
-from friction_audit.simulation.effects.slow_and_events import (
-    KNOCK,
-    STEP as STEP_LOAD,
-    ContactEvent,
-    WarmUp,
-    contact_event_nm,
-    draw_events,
-)
 from friction_audit.simulation.effects.structure import coupled_mass
 from friction_audit.simulation.mechanics.records import pack
 
@@ -127,7 +120,7 @@ def test_friction_grows_or_falls_and_never_drives(
 
 @given(warmth=st.floats(0.0, 10.0), power=st.floats(0.0, 2.0), h=st.floats(0.0, 100.0))
 def test_two_half_steps_of_warming_make_a_step(warmth: float, power: float, h: float) -> None:
-    for form in WarmUp.forms:
+    for form in slow.WarmUp.forms:
         half = value("warm_up", "warm_up_advance", form, HEAT, warmth, power, 0.5 * h)
         whole = value("warm_up", "warm_up_advance", form, HEAT, warmth, power, h)
         assert value("warm_up", "warm_up_advance", form, HEAT, half, power, 0.5 * h) == pytest.approx(whole, abs=1e-12)
@@ -292,21 +285,21 @@ EVENTS = np.array([[1.0, 0.2, 2.0], [5.0, 0.4, -3.0], [5.1, 0.1, 1.0]])
 
 
 def contact(t: float, velocity: float, form: int, events: Float = EVENTS) -> float:
-    return contact_event_nm(pack([ContactEvent(torque_nm=1.0, form=form)])[0], events, t, velocity)
+    return slow.contact_event_nm(pack([slow.ContactEvent(torque_nm=1.0, form=form)])[0], events, t, velocity)
 
 
 def test_a_knock_is_half_a_sine_a_step_is_there_and_gone_and_steps_add_up() -> None:
-    found = [contact(t, 0.0, KNOCK) for t in (1.0, 1.05, 1.1, 1.3)]
+    found = [contact(t, 0.0, slow.KNOCK) for t in (1.0, 1.05, 1.1, 1.3)]
     assert found == pytest.approx([0.0, 2.0 * math.sqrt(0.5), 2.0, 0.0])
-    assert [contact(t, 0.0, STEP_LOAD) for t in (0.99, 1.0, 1.19, 1.21)] == [0.0, 2.0, 2.0, 0.0]
-    assert [contact(t, 0.0, STEP_LOAD) for t in (5.05, 5.15, 5.25, 5.45)] == [-3.0, -2.0, -3.0, 0.0]
+    assert [contact(t, 0.0, slow.STEP) for t in (0.99, 1.0, 1.19, 1.21)] == [0.0, 2.0, 2.0, 0.0]
+    assert [contact(t, 0.0, slow.STEP) for t in (5.05, 5.15, 5.25, 5.45)] == [-3.0, -2.0, -3.0, 0.0]
 
 
 @unhurried
 @given(seed=st.integers(0, 2**31), duration=st.floats(0.04, 300.0), per_minute=st.floats(0.1, 60.0))
 def test_events_are_ordered_short_and_over_before_the_end(seed: int, duration: float, per_minute: float) -> None:
-    group = ContactEvent(torque_nm=0.5, per_minute=per_minute)
-    start, length, size = draw_events(group, duration, np.random.default_rng(seed)).T
+    group = slow.ContactEvent(torque_nm=0.5, per_minute=per_minute)
+    start, length, size = slow.draw_events(group, duration, np.random.default_rng(seed)).T
     assert len(start) >= 1
     assert np.all(np.diff(start, prepend=0.0) >= 0.0)
     assert np.all(start + length <= duration + 1e-9)

@@ -7,7 +7,7 @@ from itertools import takewhile
 from math import ceil, inf, isinf, sqrt
 from typing import Any
 
-from friction_audit.compensation.comparison import methods as kinds, result as made
+from friction_audit.compensation.comparison import methods as kinds, result
 from friction_audit.parallel import in_processes, workers_for
 from friction_audit.simulation.bench import Progress
 from friction_audit.simulation.scenarios import simulate
@@ -21,7 +21,7 @@ HALVINGS = 4  # the limit is then known to 2^(1/16), 4 %
 
 def compare(
     scene: kinds.Scene, seeds: int, methods: Sequence[kinds.Method] = kinds.METHODS, progress: Progress | None = None
-) -> made.Comparison:
+) -> result.Comparison:
     """Try methods on the same operator, arm, noise and persons, whose seeds are 0, 1, 2 and so on."""
     reported, first = tuple(range(seeds)), FIRST_TUNING_SEED
     tuning_seeds, margin_seeds = tuple(range(first, first + scene.tuning_seeds)), reported[: scene.margin_seeds]
@@ -33,7 +33,7 @@ def compare(
     tried = zip(trials.of(tunings, reported, TRIED), trials.margins(tunings, margin_seeds), strict=True)
     found = dict(zip(own, tried, strict=True))
     rows = [
-        made.Row(
+        result.Row(
             method=method.name,
             label=method.label,
             tuning=tuning,
@@ -41,13 +41,13 @@ def compare(
             tuning_losses=losses,
             outcomes=tuple(outcome for outcome, _ in trials),
             margins=margins,
-            margin=made.median_interval(margins),
+            margin=result.median_interval(margins),
             course=trials[0][1],
         )
         for method, tuning, role, losses in chosen
         for trials, margins in [found[method.name, tuning.name]]
     ]
-    return made.Comparison(
+    return result.Comparison(
         scene=scene.name,
         duration_s=scene.settings.duration_s,
         seeds=reported,
@@ -59,7 +59,7 @@ def compare(
 
 
 def _tunings(
-    scene: kinds.Scene, method: kinds.Method, curves: Sequence[made.Curve]
+    scene: kinds.Scene, method: kinds.Method, curves: Sequence[result.Curve]
 ) -> Iterator[tuple[kinds.Tuning, str, int | None]]:
     """Yield the tunings of a method that are reported: role, and losses in the sweep that one was chosen from."""
     chosen = [(method.paper, kinds.PAPER, None)] + ([(method.full, kinds.FULL, None)] if method.full else [])
@@ -82,10 +82,10 @@ class _Trials:
         self.scene, self.first, self.progress, self._share = scene, seeds[0], progress, 0.0
         idle = scene.compensated(kinds.NO_COMPENSATION)
 
-        def refer(place: int) -> tuple[made.Reference, made.Outcome, made.Course]:
+        def refer(place: int) -> tuple[result.Reference, result.Outcome, result.Course]:
             simulation = simulate(idle, seeds[place])
-            reference = made.find_reference(simulation)
-            return reference, made.measure(simulation, reference), made.make_course(simulation, reference)
+            reference = result.find_reference(simulation)
+            return reference, result.measure(simulation, reference), result.make_course(simulation, reference)
 
         # Of each seed: the reference, and outcome and course of that trial, which is the one without compensation. The
         # first is made here: the loops that it compiles or loads are then those of all processes.
@@ -95,8 +95,8 @@ class _Trials:
     def _map(self, work: Callable[[int], Any], jobs: int, until: float) -> list[Any]:
         """Return the results of jobs (0-based) in their order, and report the progress up to a share."""
         results, begun = [], self._share
-        for result in in_processes(work, jobs, workers_for(jobs)):
-            results.append(result)
+        for done in in_processes(work, jobs, workers_for(jobs)):
+            results.append(done)
             self._share = begun + (until - begun) * len(results) / jobs
             self.progress(self._share)
         return results
@@ -108,7 +108,7 @@ class _Trials:
         done = iter(self._map(lambda place: work(*jobs[place]), len(jobs), until))
         return [[next(done) for _ in seeds] for _ in settings]
 
-    def sweep(self, methods: Sequence[kinds.Method], seeds: Sequence[int]) -> tuple[made.Curve, ...]:
+    def sweep(self, methods: Sequence[kinds.Method], seeds: Sequence[int]) -> tuple[result.Curve, ...]:
         """Make the sweeps of methods, all trials at once."""
         scene = self.scene
         sweeps = [(method, sweep) for method in methods for sweep in method.sweeps[: scene.sweeps]]
@@ -118,24 +118,24 @@ class _Trials:
         curves = []
         for (method, sweep), some in zip(sweeps, values, strict=True):
             points = [
-                made.Point(value=value, tuning=tuning, outcomes=tuple(outcome for outcome, _ in trials))
+                result.Point(value=value, tuning=tuning, outcomes=tuple(outcome for outcome, _ in trials))
                 for value, (tuning, trials) in zip(some, tried, strict=False)
             ]
             held = [point.value for point in takewhile(lambda point: not point.lost_s, points)]
             boldest = held[-1] if held else None
-            curves.append(made.Curve(method.name, method.label, sweep.name, sweep.axis, tuple(points), boldest))
+            curves.append(result.Curve(method.name, method.label, sweep.name, sweep.axis, tuple(points), boldest))
         return tuple(curves)
 
     def of(
         self, tunings: Sequence[kinds.Tuning], seeds: Sequence[int], until: float
-    ) -> list[list[tuple[made.Outcome, Any]]]:
+    ) -> list[list[tuple[result.Outcome, Any]]]:
         """Return the outcome of every tuning and seed, and the course of the first person who is reported, or None."""
         settings = [self.scene.compensated(tuning) for tuning in tunings if tuning is not kinds.NO_COMPENSATION]
 
-        def work(one: SomeSettings, seed: int) -> tuple[made.Outcome, made.Course | None]:
+        def work(one: SomeSettings, seed: int) -> tuple[result.Outcome, result.Course | None]:
             simulation, reference = simulate(one, seed), self.idle[seed][0]
-            course = made.make_course(simulation, reference) if seed == self.first else None
-            return made.measure(simulation, reference), course
+            course = result.make_course(simulation, reference) if seed == self.first else None
+            return result.measure(simulation, reference), course
 
         tried, idle = iter(self._each(work, settings, seeds, until)), [self.idle[seed][1:] for seed in seeds]
         return [idle if tuning is kinds.NO_COMPENSATION else next(tried) for tuning in tunings]
@@ -148,15 +148,17 @@ class _Trials:
 
         def margin(tuning: kinds.Tuning, seed: int) -> float:
             tried = partial(short.compensated, tuning)
-            return find_margin(lambda factor: isinf(made.find_loss(simulate(tried(factor), seed), self.idle[seed][0])))
+            return find_margin(
+                lambda factor: isinf(result.find_loss(simulate(tried(factor), seed), self.idle[seed][0]))
+            )
 
         return [tuple(own) for own in self._each(margin, tunings, seeds, 1.0)]
 
 
-def choose_best(points: Sequence[made.Point]) -> made.Point:
+def choose_best(points: Sequence[result.Point]) -> result.Point:
     """Return the point of all sweeps with fewest losses and, of these, the energy slope closest to zero."""
     slopes = [[abs(one.energy_slope_w) for one in point.outcomes if isinf(one.lost_s)] for point in points]
-    badness = [(len(point.lost_s), made.mean_interval(own).value) for point, own in zip(points, slopes, strict=True)]
+    badness = [(len(point.lost_s), result.mean_interval(own).value) for point, own in zip(points, slopes, strict=True)]
     return points[badness.index(min(badness))]
 
 

@@ -21,8 +21,7 @@ from friction_audit.io.checks.torque import Stale, check_torque, drop_stale_samp
 from friction_audit.io.checks.values import Missing, find_frozen, leave_out_columns, leave_out_rows
 from friction_audit.io.checks.wild import TO_ZERO, leave_out_wild
 from friction_audit.io.recording import Recording, WholeLogError, with_velocity
-from friction_audit.joint_log import DERIVATIVE, MINIMUM_SAMPLES, Float
-from friction_audit.log_in_blocks import Means
+from friction_audit.joint_log import DERIVATIVE, MINIMUM_SAMPLES, Float, Means
 
 if TYPE_CHECKING:
     from friction_audit.io.readers.reader import ReadOptions

@@ -26,9 +26,8 @@ from friction_audit.io.readers.reader import (
 )
 from friction_audit.io.readers.table import read_table
 from friction_audit.io.recording import Recording, WholeLogError
-from friction_audit.joint_log import DERIVATIVE, TORQUE_CHANNELS, Finding, Joined, JointLog, Source
+from friction_audit.joint_log import DERIVATIVE, TORQUE_CHANNELS, Finding, Joined, JointLog, LogInBlocks, Source
 from friction_audit.joint_numbers import require_joints, write_joint_numbers
-from friction_audit.log_in_blocks import LogInBlocks
 from friction_audit.presets import CURRENT, ESTIMATE, PRESETS, candidates
 
 __all__ = ["READERS", "ReadOptions", "SeveralLogsError", "arm_of_log", "list_topics", "log_from_frame", "read_log"]

@@ -17,7 +17,6 @@ class FigureKind(NamedTuple):
     result: str  # what it draws: ``estimate``, ``replay``, ``diagnosis``, ``drift`` or ``diff``
     module: str  # whose ``Layout`` of this name, in capitals, draws it
     title: str  # what it shows, in a line
-    caption: str = ""  # how to read it; empty if it stands on no page
     panel: bool = False  # whether one panel holds a joint, so that it can be drawn into given axes
 
     def draw(self, result: Any, joint: int | tuple[int, ...] | None = None) -> "Figure":
@@ -31,63 +30,23 @@ class FigureKind(NamedTuple):
 
 
 FIGURES = (
-    FigureKind(
-        "coefficients", "estimate", "estimate", "Coefficients over time",
-        "Coefficients of a window of cycles that moves over the log, with their 95 % interval; dashed those of the "
-        "whole log with theirs. Intervals that are far wider than the rest are clipped.",
-    ),
-    FigureKind(
-        "velocity-torque", "estimate", "estimate", "Velocity-torque curves",
-        "Interaction torque against velocity. Loops are inertia, which cancels between two moments of rest, and "
-        "gravity where it is in the torque; the fitted line is friction.", panel=True,
-    ),
-    FigureKind(
-        "energy", "estimate", "estimate", "Net energy and cycles",
-        "Energy put into the joint. At zero velocity nothing is stored in the inertia, so that the rise from dot to "
-        "dot is what friction dissipated. Hatched cycles were rejected.",
-    ),
+    FigureKind("coefficients", "estimate", "estimate", "Coefficients over time"),
+    FigureKind("velocity-torque", "estimate", "estimate", "Velocity-torque curves", panel=True),
+    FigureKind("energy", "estimate", "estimate", "Net energy and cycles"),
     FigureKind("signals", "estimate", "estimate", "Velocity and interaction torque over time"),
-    FigureKind(
-        "replay", "replay", "replay", "Torque, net energy and coefficients with the compensator",
-        "Solid with the compensator, dashed without it, velocity and torque low-passed at 10 Hz; the coefficients are "
-        "those that it would have applied. Flat energy means that friction is compensated.",
-    ),
+    FigureKind("replay", "replay", "replay", "Torque, net energy and coefficients with the compensator"),
     FigureKind("replay-velocity-torque", "replay", "replay", "Velocity-torque curves with the compensator", panel=True),
     FigureKind("ladder", "diagnosis", "profiles", "Residual torque after each effect", panel=True),
-    FigureKind(
-        "residual", "diagnosis", "profiles", "Where model and measurement disagree",
-        "Residual of the nominal model, and with the effects named, against the quantity that shows the largest "
-        "effect; dots are samples, markers means of bins with two standard errors.",
-    ),
-    FigureKind(
-        "effects", "diagnosis", "profiles", "The effects named",
-        "Each effect as the log shows it, over the quantity that shows most of it, and the fitted effect.",
-    ),
+    FigureKind("residual", "diagnosis", "profiles", "Where model and measurement disagree"),
+    FigureKind("effects", "diagnosis", "profiles", "The effects named"),
     FigureKind("simulation", "diagnosis", "simulation", "Measured and simulated"),
-    FigureKind(
-        "changes", "drift", "drift", "Change of each joint",
-        "Change from the reference to the last sessions with its 95 % interval. The grey bar holds the changes that "
-        "this many sessions would not have shown with 90 % power.",
-    ),
-    FigureKind(
-        "drift", "drift", "drift", "Coefficients over the sessions",
-        "Each session with its 95 % interval, as compared (at like temperature where it is known). Solid lines are "
-        "levels between steps or a significant trend; a dashed line is a trend that is not significant. Hollow "
-        "circles are sessions that were not compared.",
-    ),
-    FigureKind(
-        "control", "drift", "drift", "Control chart",
-        "Deviation of each session from the level of the reference. The grey band holds all sessions of a joint "
-        "that does not change, together with 95 % probability; the panel cuts the band of uncertain sessions.",
-    ),
-    FigureKind(
-        "curves", "drift", "drift", "Velocity-torque curves",
-        "Mean interaction torque in bins of velocity: the first session, the mean of the reference with the range "
-        "of its sessions, and the last session.",
-    ),
+    FigureKind("changes", "drift", "drift", "Change of each joint"),
+    FigureKind("drift", "drift", "drift", "Coefficients over the sessions"),
+    FigureKind("control", "drift", "drift", "Control chart"),
+    FigureKind("curves", "drift", "drift", "Velocity-torque curves"),
     FigureKind("sides", "diff", "drift", "Velocity-torque curves before and after"),
     FigureKind("law-change", "diff", "drift", "Change of the friction torque over the speed"),
-)  # fmt: skip
+)
 
 
 def figures_of(*results: str) -> tuple[FigureKind, ...]:

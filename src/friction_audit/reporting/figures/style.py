@@ -42,13 +42,12 @@ RC: dict[str, Any] = {
     "savefig.dpi": 300, "pdf.fonttype": 42, "svg.hashsalt": "friction-audit",
 }  # fmt: skip
 SERIF = {"font.family": "serif", "font.size": 8, "axes.labelsize": 8, "axes.titlesize": 8}
-STYLES: dict[str, dict[str, Any]] = {
+STYLES: dict[str, dict[str, Any]] = {  # fonts: as on the page, as in a journal's columns, as LaTeX sets text
     "sans": {},
     "ieee": SERIF | {"font.serif": ["STIXGeneral", "DejaVu Serif"], "mathtext.fontset": "stix"},
     "latex": SERIF
     | {"font.serif": ["cmr10", "DejaVu Serif"], "mathtext.fontset": "cm", "axes.formatter.use_mathtext": True},
 }
-"""Fonts of the figures by name: as on the page, as in a journal's columns, as LaTeX sets text."""
 STYLE: ContextVar[Mapping[str, Any]] = ContextVar("STYLE", default=STYLES["sans"])
 """rcParams that come before those of the figures."""
 LONGEST_FAULT = 120  # characters of what matplotlib says of a style sheet

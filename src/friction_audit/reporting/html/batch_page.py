@@ -10,7 +10,7 @@ from friction_audit.reporting import drift as tables, drift_words as phrases
 from friction_audit.reporting.drift_sessions import LEFT_OUT, NUMBER, SESSION, SessionRow, coefficient_column
 from friction_audit.reporting.figures.registry import FigureKind, figures_of
 from friction_audit.reporting.html import page as html
-from friction_audit.reporting.notices import sentence_of, text_of
+from friction_audit.reporting.notices import sentence_of, sentences, text_of
 from friction_audit.reporting.table import Record, Table
 from friction_audit.reporting.words import count_of, joint_label, joints_label
 
@@ -18,20 +18,6 @@ from friction_audit.reporting.words import count_of, joint_label, joints_label
 MOST_BYTES = 1_600_000
 ACROSS = 7  # joints side by side in a table of coefficients; more make another table
 MOST_CELLS = 12_000  # coefficients that a page lists; all of them are in the file of sessions
-WORDS = {
-    "session": "One recording of one arm. Sessions are numbered from 1 in the order of their starts.",
-    "reference": "The sessions that the others are compared with: a control chart's normal state.",
-    "change": "From the level in the reference to that of the last sessions, with its 95 % interval.",
-    "trend": "Robust slope over the sessions, with its 95 % interval.",
-    "step": "A change between two sessions. The session named is the first one after it; the range in brackets holds "
-    "it with 95 % confidence.",
-    "drift": "The change is too large and too steady for chance. All joints of an arm are tested together.",
-    "temperature": "It changes together with the temperature: drift and temperature cannot be separated.",
-    "no drift found": "A change smaller than the minimum detectable one can be missed.",
-    "minimum detectable": "The smallest straight change, start to end, that so many sessions detect with 90 % power.",
-    "within a session": "Change from the first to the last third of a session, such as warm-up; no part of drift.",
-}
-"""What the words of the page mean."""
 WITHIN = (
     "Kept apart from drift: the change from the first to the last third of a session, and in how many sessions it is "
     "significant; the change with temperature that was taken out, and the temperature of the comparison; the scatter "
@@ -60,7 +46,7 @@ def write_page(summary: tables.BatchSummary, drawn: Mapping[str, html.Figure]) -
         html.Section("verdicts", "Verdicts", (verdicts, advice, exceeded)),
         *(_arm_section(arm, f"arm-{k}", pictures.get(k, ()), most) for k, arm in enumerate(arms, start=1)),
         *([failed] if summary.failed else ()),
-        *html.closing_sections(WORDS, summary.settings, summary.command),
+        *html.closing_sections(sentences()["batch_page"], summary.settings, summary.command),
     )
     return html.render_page(html.Page("Friction over sessions", phrases.batch_sentence(arms), facts, sections))
 
@@ -186,5 +172,5 @@ def draw(drawing: Drawing) -> tuple[dict[str, bytes], html.Figure | None]:
     joints = ((joint_label(one.joint, one.name), phrases.joint_sentence(arm, one)) for one in arm.joints)
     every = "; ".join(f"joint {label}: {sentence}" for label, sentence in joints)
     words = f"{kind.title}, {count_of(len(arm.sessions), 'session')} of arm {arm.robot}. {every}."
-    title = f"{kind.title}{drawing.which}"
-    return files, html.draw_inline(figure, drawing.anchor, title=title, caption=kind.caption, description=words)
+    title, caption = f"{kind.title}{drawing.which}", sentences()["captions"][kind.name]
+    return files, html.draw_inline(figure, drawing.anchor, title=title, caption=caption, description=words)

@@ -9,7 +9,7 @@ import numpy as np
 
 from friction_audit.effects.registry import effect_of, motion_to_decide
 from friction_audit.parallel import in_processes, workers_for
-from friction_audit.reporting import diagnosis_tables as tables, diagnosis_words as words, notices, report as made
+from friction_audit.reporting import diagnosis_tables as tables, diagnosis_words as words, notices, report as reports
 from friction_audit.reporting.documents import write_document
 from friction_audit.reporting.estimate import FRICTION
 from friction_audit.reporting.figures.panels import label_in_unit
@@ -22,40 +22,13 @@ from friction_audit.reporting.words import MARK, NOTHING, format_start, in_unit,
 
 FIRST = "velocity-torque"  # stands next to the answer
 SECTION_OF = {"estimate": "friction", "replay": "compensator", "diagnosis": "diagnosis"}  # by the result that is drawn
-LOG_FIGURES = tuple(kind for kind in figures_of(*SECTION_OF) if kind.caption)
+CAPTIONS = notices.sentences()["captions"]  # of the figures that stand on a page, by their kind
+LOG_FIGURES = tuple(kind for kind in figures_of(*SECTION_OF) if kind.name in CAPTIONS)
 PLACES = {kind: "verdicts" if kind.name == FIRST else SECTION_OF[kind.result] for kind in LOG_FIGURES}
 CLOUD = 60  # dots in a panel from which on they are an image: text would be larger than the rest of the page
 COARSE_PT = 0.5  # invisible deviation of a drawn line
 
-Drawn = Mapping[str, list[html.Figure]]
-"""The figures of a page by section, in order."""
-WORDS = {
-    "interaction torque": "F_m, the torque at the joint's torque sensor that drives the joint against friction and "
-    "inertia.",
-    "energy cycle": "From one moment of rest to the next: no energy is stored in the motion at either end, so that "
-    "the energy put in is the energy that friction dissipated.",
-    "Coulomb, viscous": "Friction that does not depend on the speed, and friction that grows with it.",
-    "95 % interval": "Holds noise and the differences between cycles; not errors of the model, such as a wrong "
-    "payload.",
-    "condition number": "How well the cycles separate the two coefficients; from some hundreds on they do not.",
-    "adequate": "No effect of the catalogue above the detection limit is missing from the model; a smaller one may be, "
-    "and what is faster than the stated frequency is not seen.",
-    "named": "The joint shows an effect that inertia, Coulomb and viscous friction do not explain, and the log "
-    "identifies it.",
-    "ambiguous": "An effect is missing, and this log does not distinguish it from another one.",
-    "unexplained": "No effect of the catalogue explains most of what is missing.",
-    "not testable": "The log lacks the motion that a test needs.",
-    "data fault": "The data are inconsistent, or a channel is dead: no conclusion is possible.",
-    "failed": "A bug ended the diagnosis of the joint; the other joints are answered.",
-    "residual RMS": "Torque that a model leaves unexplained, as root mean square; each cycle is held out once.",
-    "noise floor": "Residual RMS of the noise alone; no model of the motion gets below it.",
-    "share explained": "Share of the way from the residual RMS of the nominal model to the noise floor.",
-    "size": "RMS of the torque of an effect, free of what the nominal model fits of it. Major from 10 % of the joint's "
-    "friction on; negligible below 1 %, listed apart.",
-    "chosen in folds": "Selections, each without one fold of the cycles, that chose the effect.",
-    "removed": "Share of the energy put in that the compensator would have removed; energy given out counts as left.",
-    "passive": "The compensated joint never gave out more energy than was put into it.",
-}
+Drawn = Mapping[str, list[html.Figure]]  # the figures of a page by section, in order
 RECORD = (
     "To record: move one joint at a time, back and forth over most of its range, at least twelve times, at three or "
     "more speeds, with a rest at each end; then several joints together. Log q, dq and the joint torque at 100 Hz or "
@@ -74,12 +47,12 @@ SIGN = Record(
 )
 
 
-def log_page(report: made.LogReport, *, figures: bool = True) -> html.Page:
+def log_page(report: reports.LogReport, *, figures: bool = True) -> html.Page:
     """Return what the page of a log is made of, with figures or without."""
     drawn = draw_figures(report) if figures else {}
     log, source = report.estimate.log, report.estimate.log.source
     answered = [one for one in report.joints if not one.friction.reason or one.answer]
-    warnings = notices.notice_lines(made.report_notices(report))
+    warnings = notices.notice_lines(reports.report_notices(report))
     listed = html.Text(warnings or ("There are none.",), listed=bool(warnings), tone="unsure" if warnings else "")
     joints = html.Section("joints", "Joints", sections=[_joint(report, one) for one in answered], on_paper=False)
     known = any(not one.friction.reason for one in report.joints)
@@ -88,6 +61,7 @@ def log_page(report: made.LogReport, *, figures: bool = True) -> html.Page:
         "Duration": f"{log.duration_s:.4g} s", "Rate": f"{log.rate_hz:.4g} Hz", "Joints": str(len(report.joints)),
         "Cycles": str(sum(one.friction.cycles for one in report.joints)),
     }  # fmt: skip
+    settings = reports.report_settings(report)
     topics = {name: TOPICS[name] for name in report.sections if answered or name == "recording"}
     sections = (
         html.Section("verdicts", "Friction and verdict", [*_answer(report, answered, drawn)]),
@@ -97,16 +71,16 @@ def log_page(report: made.LogReport, *, figures: bool = True) -> html.Page:
             for name, (title, parts) in topics.items()
         ),
         html.Section("warnings", "Warnings", (listed,), folded=True, note=str(len(warnings))),
-        *html.closing_sections(WORDS, made.report_settings(report), report.command, paper=False),
+        *html.closing_sections(notices.sentences()["log_page"], settings, report.command, paper=False),
     )
-    lead = in_unit(made.lead_sentence(report), report.unit)
+    lead = in_unit(reports.lead_sentence(report), report.unit)
     return html.Page(f"Joint friction: {source.path}", lead, facts, sections)
 
 
-def _answer(report: made.LogReport, answered: list[made.JointReport], drawn: Drawn) -> Iterator[html.Part]:
+def _answer(report: reports.LogReport, answered: list[reports.JointReport], drawn: Drawn) -> Iterator[html.Part]:
     """Yield the table of the answers, why the other joints have none, and the velocity-torque sheet."""
     caption = "Friction over the whole log with 95 % intervals, and what the nominal model misses"
-    yield made.VERDICT.people(answered, caption=caption, unit=report.unit).filled()
+    yield reports.VERDICT.people(answered, caption=caption, unit=report.unit).filled()
     # Warnings about the replay stand in its section.
     joints = [one.friction for one in report.joints]
     _, physics = notices.physics_of(notices.estimate_notices(report.estimate), joints)
@@ -121,19 +95,19 @@ def _answer(report: made.LogReport, answered: list[made.JointReport], drawn: Dra
     yield from drawn.get("verdicts", ())
 
 
-def _joint(report: made.LogReport, one: made.JointReport) -> html.Section:
+def _joint(report: reports.LogReport, one: reports.JointReport) -> html.Section:
     label, unit = joint_label(one.joint, one.name), report.unit
     rows = ((FRICTION, one.friction), (tables.JOINT_DIAGNOSIS, one.diagnosis), (JOINT_REPLAY, one.replay))
     filled = [(table.people([row], unit=unit).filled(without="joint"), row) for table, row in rows if row is not None]
     pairs = {column.head(unit): table.text(column, row) for table, row in filled for column in table.columns}
-    own = list(dict.fromkeys(notice.message for notice in made.report_notices(report) if notice.joint == one.joint))
+    own = list(dict.fromkeys(notice.message for notice in reports.report_notices(report) if notice.joint == one.joint))
     terms = html.Terms([(name, in_unit(words.plain_names(text), unit)) for name, text in pairs.items()])
     parts = (terms, *_effects(report, one), html.Text(own, listed=True, tone="unsure"))
-    note = in_unit(made.joint_words(one), unit)
+    note = in_unit(reports.joint_words(one), unit)
     return html.Section(f"joint-{one.joint}", f"Joint {label}", parts, folded=True, note=note)
 
 
-def _effects(report: made.LogReport, one: made.JointReport) -> Iterator[html.Part]:
+def _effects(report: reports.LogReport, one: reports.JointReport) -> Iterator[html.Part]:
     if one.diagnosis is None:
         return
     rows, joint, unit = tables.effect_rows([one.diagnosis]), f"joint {one.joint}", report.unit
@@ -154,7 +128,7 @@ def _effects(report: made.LogReport, one: made.JointReport) -> Iterator[html.Par
     yield tables.UNTESTABLE.people(untestable, caption=caption, unit=unit, folded=True).filled(without="joint")
 
 
-def _friction(report: made.LogReport) -> Iterator[html.Part]:
+def _friction(report: reports.LogReport) -> Iterator[html.Part]:
     found, settings = report.estimate.friction, report.estimate.settings.friction
     lines = [
         f"Estimator {found.estimator}, {settings.model} model.",
@@ -166,7 +140,7 @@ def _friction(report: made.LogReport) -> Iterator[html.Part]:
     yield html.Text(lines)
 
 
-def _compensator(report: made.LogReport) -> Iterator[html.Part]:
+def _compensator(report: reports.LogReport) -> Iterator[html.Part]:
     if report.replay is None:
         yield _unanswered(report, "replay")
         return
@@ -177,7 +151,7 @@ def _compensator(report: made.LogReport) -> Iterator[html.Part]:
     yield html.Text(notices.notice_lines(notices.notices(found.warnings)), listed=True, tone="unsure")
 
 
-def _missing(report: made.LogReport) -> Iterator[html.Part]:
+def _missing(report: reports.LogReport) -> Iterator[html.Part]:
     if report.diagnosis is None:
         yield _unanswered(report, "diagnose")
         return
@@ -186,12 +160,12 @@ def _missing(report: made.LogReport) -> Iterator[html.Part]:
     yield tables.EFFECT.people(rows, caption="Missing effects, the largest of a joint first", unit=report.unit)
 
 
-def _unanswered(report: made.LogReport, part: str) -> html.Text:
+def _unanswered(report: reports.LogReport, part: str) -> html.Text:
     why = [one.message for one in report.unanswered if one.part == part]
     return html.Text(why or ["No joint has an estimate."], tone="unsure")
 
 
-def _recording(report: made.LogReport) -> Iterator[html.Part]:
+def _recording(report: reports.LogReport) -> Iterator[html.Part]:
     estimate, unit, log = report.estimate, report.unit, report.estimate.log
     summary, choice = summarize_log(log, estimate.interaction, estimate.cycles), estimate.interaction.choice
     source = {"file": log.source.path, "SHA-256": log.source.sha256, "serial number": log.source.serial}
@@ -212,24 +186,23 @@ def _recording(report: made.LogReport) -> Iterator[html.Part]:
     yield tables.FINDING.people(checks, caption="Every check of the data", folded=True)
 
 
-TOPICS: Mapping[str, tuple[str, Callable[[made.LogReport], Iterator[html.Part]]]] = {
+# Sections that can be left out.
+TOPICS: Mapping[str, tuple[str, Callable[[reports.LogReport], Iterator[html.Part]]]] = {
     "friction": ("Friction over time", _friction),
     "diagnosis": ("What the model misses", _missing),
     "compensator": ("What a compensator would have done", _compensator),
     "recording": ("What was recorded", _recording),
 }
-"""Sections that can be left out."""
-WRITERS: Mapping[str, Callable[[made.LogReport], bytes]] = {
+WRITERS: Mapping[str, Callable[[reports.LogReport], bytes]] = {  # what is in a file of a format
     "html": lambda report: html.render_page(log_page(report)).encode(),
     "pdf": lambda report: html.write_pdf(log_page(report)),
     "markdown": lambda report: html.write_markdown(log_page(report, figures=False)).encode(),
-    "json": lambda report: write_document(made.REPORT.json(report, report.unit)).encode(),
+    "json": lambda report: write_document(reports.REPORT.json(report, report.unit)).encode(),
 }
-"""What is in a file of a format."""
 
 
 @lru_cache(maxsize=1)  # a page and its PDF have the same figures
-def draw_figures(report: made.LogReport) -> Drawn:
+def draw_figures(report: reports.LogReport) -> Drawn:
     """Draw the figures of the sections asked for, all kinds of the first joints before those of the next."""
     from friction_audit.reporting.figures.style import load_matplotlib
 
@@ -254,13 +227,16 @@ def draw_figures(report: made.LogReport) -> Drawn:
     return drawn
 
 
-def _figure(report: made.LogReport, kind: FigureKind, joints: tuple[made.JointReport, ...], title: str) -> html.Figure:
+def _figure(
+    report: reports.LogReport, kind: FigureKind, joints: tuple[reports.JointReport, ...], title: str
+) -> html.Figure:
     numbers = tuple(one.joint for one in joints)
     drawing = label_in_unit(kind.draw(getattr(report, kind.result), numbers), report.unit)
     for line in (line for axes in drawing.axes for line in axes.lines):
         # Clouds of dots become images, and of curves what is visible is left.
         line.set_rasterized(line.get_linestyle() == "None" and np.size(line.get_xdata()) > CLOUD)
         line.get_path().simplify_threshold = COARSE_PT
-    every = "; ".join(f"joint {joint_label(one.joint, one.name)}: {made.joint_words(one)}" for one in joints)
+    every = "; ".join(f"joint {joint_label(one.joint, one.name)}: {reports.joint_words(one)}" for one in joints)
     about = in_unit(f"{title}. {every}.", report.unit)
-    return html.draw_inline(drawing, f"{kind.name}-{numbers[0]}", title=title, caption=kind.caption, description=about)
+    caption = CAPTIONS[kind.name]
+    return html.draw_inline(drawing, f"{kind.name}-{numbers[0]}", title=title, caption=caption, description=about)

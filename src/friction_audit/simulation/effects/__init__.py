@@ -7,8 +7,6 @@ from friction_audit.errors import UsageError
 from friction_audit.simulation.effects import load_and_place, sensors, slow_and_events, structure, velocity
 from friction_audit.simulation.effects.effect import HiddenEffect
 
-__all__ = ["EFFECTS", "Hidden", "HiddenEffect"]
-
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Hidden:

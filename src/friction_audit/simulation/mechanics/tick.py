@@ -4,18 +4,11 @@ import math
 
 import numpy as np
 
-from friction_audit.compensation.controller import (
-    FIND,
-    INITIATION_M_S,
-    TERMINATION_M_S,
-    UNDER_WAY,
-    hand_rests,
-    step as compensate,
-)
+from friction_audit.compensation import controller
 from friction_audit.compiled import Record, compiled
 from friction_audit.joint_log import Float
 from friction_audit.simulation.effects import slow_and_events, structure
-from friction_audit.simulation.mechanics import records as row
+from friction_audit.simulation.mechanics import records
 from friction_audit.simulation.mechanics.step import accelerate, load_drive, load_joint, slide
 from friction_audit.simulation.sensors import rounded
 
@@ -62,7 +55,7 @@ def evaluate(joints: Record, states: Record, events: Float, body: Record, clock:
         if body.mode[c] == 0.0:
             body.friction[j] = body.reaction[c]
         else:
-            sign = 1.0 if body.mode[c] == row.FREE else body.mode[c]
+            sign = 1.0 if body.mode[c] == records.FREE else body.mode[c]
             body.friction[j] = sign * body.level[c] + body.viscous[j] * body.v[c]
         torque = body.friction[j] - body.inner_torque[j]
         for k in range(len(joints)):
@@ -80,7 +73,7 @@ def keep(states: Record, body: Record, out: Float) -> None:
             *(states[j].compensation_nm - states[j].passivity_nm, states[j].passivity_nm, states[j].unlogged_nm),
             *(states[j].dissipated_j, states[j].warmth),
         )
-        for i in range(row.ROWS):
+        for i in range(records.ROWS):
             out[i, j] = kept[i]
 
 
@@ -96,7 +89,7 @@ def control(joints: Record, states: Record, body: Record, loop: Record, clock: R
         state.unlogged_nm = slow_and_events.unlogged_nm(hidden.unlogged_compensation, velocity)
         read = rounded(loop.torque_step[j], -body.port[j] - loop.torque_noise[k, j])
         interaction = body.support[j] - read
-        state.compensation_nm = compensate(loop.settings[j], loop.memory[j], velocity, interaction, clock.dt, cut)
+        state.compensation_nm = controller.step(loop.settings[j], loop.memory[j], velocity, interaction, clock.dt, cut)
         state.passivity_nm = loop.memory[j].passivity_nm
 
 
@@ -154,12 +147,12 @@ def hand_cut(body: Record, loop: Record, jacobian: Float, cycle: Float, k: int, 
             velocity = rounded(loop.velocity_step[j], body.v[j] + loop.velocity_noise[k, j])
             along += jacobian[a, j] * velocity
         square += along * along
-    if not hand_rests(cycle, math.sqrt(square), dt, INITIATION_M_S, TERMINATION_M_S):
+    if not controller.hand_rests(cycle, math.sqrt(square), dt, controller.INITIATION_M_S, controller.TERMINATION_M_S):
         return 0
     for j in range(body.joints):
         if loop.memory[j].path_rad < loop.settings[j].minimum_path_rad:
             return 0
-    cycle[UNDER_WAY] = 0.0
+    cycle[controller.UNDER_WAY] = 0.0
     return 1
 
 
@@ -196,7 +189,7 @@ def run(mechanism: Record, push: Float, gravity: Float, jacobian: Float, cycle: 
             advance(joints, states, events, body, clock, t - half, -half)
         evaluate(joints, states, events, body, clock, t)
         keep(states, body, out[k])
-        cut = hand_cut(body, loop, jacobian, cycle, k, clock.dt) if len(cycle) > 0 else FIND
+        cut = hand_cut(body, loop, jacobian, cycle, k, clock.dt) if len(cycle) > 0 else controller.FIND
         control(joints, states, body, loop, clock, k, cut)
         for j in range(len(joints)):
             for field in range(traced.shape[2]):
