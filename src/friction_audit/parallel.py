@@ -65,9 +65,7 @@ def per_joint(work: Callable[[int], Result], joints: int) -> list[Result]:
             except Exception as error:  # noqa: BLE001 - raised below, in the order of the joints
                 one.set_exception(error)
 
-    # Matrices of a joint are tall and narrow: threads inside a product would only wait. Our own process asked for none.
-    single = _OWN.get() and all(os.environ.get(name) == "1" for name in BLAS_THREADS)
-    with nullcontext() if single else _libraries(len(sys.modules)).limit(limits=1, user_api="blas"):
+    with _one_blas_thread():
         helpers = [_threads(os.getpid()).submit(share) for _ in range(min(WORKERS, joints) - 1)]
         try:
             share()
@@ -75,6 +73,12 @@ def per_joint(work: Callable[[int], Result], joints: int) -> list[Result]:
             list(left)  # of work that is interrupted, no more is begun
             wait_for([one for one in helpers if not one.cancel()])
     return [done[joint].result() for joint in range(joints)]
+
+
+def _one_blas_thread() -> Any:  # noqa: ANN401 - of two libraries
+    # Matrices of a joint are tall and narrow: threads inside a product would only wait. Our own process asked for none.
+    single = _OWN.get() and all(os.environ.get(name) == "1" for name in BLAS_THREADS)
+    return nullcontext() if single else _libraries(len(sys.modules)).limit(limits=1, user_api="blas")
 
 
 @lru_cache(maxsize=1)
@@ -148,13 +152,11 @@ def in_processes(work: Callable[[int], Result], pieces: int, workers: int) -> It
     Processes are forked, so that they share the data that the work refers to; results can be pickled. Work writes
     nowhere, since a process may end at any time: what one that is killed was to do is done here.
     """
-    from threadpoolctl import threadpool_limits
-
     if workers == 1:
         yield from map(work, range(pieces))
         return
     release_memory()
-    with threadpool_limits(limits=1, user_api="blas"), processes(workers, "fork", work) as pool:
+    with _one_blas_thread(), processes(workers, "fork", work) as pool:
         futures = {piece: _submit(pool, piece) for piece in range(pieces)}
         for piece in range(pieces):
             future = futures.pop(piece)
@@ -188,10 +190,9 @@ def processes(
     import multiprocessing
     from concurrent.futures import ProcessPoolExecutor
 
-    context = multiprocessing.get_context(method)
     if preload:
         multiprocessing.set_forkserver_preload([*preload])
-    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_begin, initargs=(work,))
+    pool = ProcessPoolExecutor(workers, multiprocessing.get_context(method), initializer=_begin, initargs=(work,))
     try:
         yield pool
     finally:
@@ -220,8 +221,7 @@ def _begin(work: Callable[[int], Any] | None) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     gc.freeze()  # to look through all that is shared for garbage would make it no longer shared
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, 1)
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     sys.stdout, sys.stderr = sys.__stdout__, sys.__stderr__  # a display may have had its hand on these
     threading.Thread(target=_end_with_parent, daemon=True).start()
 

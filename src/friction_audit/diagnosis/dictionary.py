@@ -165,8 +165,7 @@ class Dictionary:
         return [block for block in out if block is not None]
 
     def _stored(self, columns: Float, there: NDArray[np.bool_]) -> NDArray[np.float32]:
-        kept = columns if there.all() else columns[there]
-        return np.take(kept.astype(STORED), self.problem.order, axis=1)
+        return np.take((columns if there.all() else columns[there]).astype(STORED), self.problem.order, axis=1)
 
     def _built(self, effect: Effect, shapes: Sequence[Nonlinear]) -> Iterator[tuple[int, Float]]:
         """Yield place and columns on the samples, shape (p, m), each link with a nominal model of its own.

@@ -242,8 +242,7 @@ def _motion_of(term: FittedTerm, model: JointModel, data: JointData, samples: Sa
 
 def _columns(term: FittedTerm, motion: Motion) -> dict[str, Float]:
     """Columns of a term by name of their coefficient; none for what the file lacks."""
-    shape = term.values[len(term.effect.coefficients) :]
-    regressor = term.effect.columns(motion, shape)
+    regressor = term.effect.columns(motion, term.values[len(term.effect.coefficients) :])
     return {
         parameter.name: regressor[:, k]
         for k, (parameter, value) in enumerate(zip(term.effect.coefficients, term.values, strict=False))

@@ -115,8 +115,7 @@ def torque_known(torque: Float, breakaways: Breakaways, step_s: float) -> Bool:
         return np.zeros(0, np.bool_)
     windows = torque[breakaways.samples]
     still, apart = windows.shape[1] - 1, max(round(ONSET_S / step_s), 1)
-    back = np.arange(-still, 1) - float(APART)
-    powers = np.vander(back, DEGREE + 1)
+    powers = np.vander(np.arange(-still, 1) - float(APART), DEGREE + 1)
     fitted = windows @ np.linalg.pinv(powers).T
     change, noise = np.abs(fitted[:, -2]) * ONSET_S / step_s, grid_noise(torque)
     usual = float(np.median(np.abs(fitted[:, -1])))

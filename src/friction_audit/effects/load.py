@@ -40,8 +40,10 @@ class LoadDependentFriction(Effect):
         return np.stack([motion.direction * size, np.sign(load) * size * round(directed)]).T
 
     def tries(self, data: JointData) -> Iterable[Sequence[float]]:
-        # The load is all that goes through the gear, or what the link weighs: both are in the literature.
-        yield from ((p, d, *static) for d, p, static in product((0.0, 1.0), EXPONENTS, ((), (1.0,))))
+        # The load is all that goes through the gear, or what the link weighs: both are in the literature. With Coulomb
+        # friction above the weight, all that goes through it in the direction of motion holds the weight itself.
+        forms = ((1.0,),) if data.weighs else ((), (1.0,))
+        yield from ((p, d, *static) for d, p, static in product((0.0, 1.0), EXPONENTS, forms))
 
     def possible(self, coefficients: Float, at: Points) -> Each:
         return (coefficients[0] > 0) & (abs(coefficients[1]) <= coefficients[0])  # resists, whichever way power flows

@@ -74,8 +74,7 @@ def spread(exponent: float) -> tuple[Float, Float]:
     missing = np.linspace(1.0, 0.0, STOPS + 1) ** 2
     gone = np.append(-np.expm1(bend * np.log(missing[:-1])), 1.0)  # 1 - missing^bend, also where n is all but 1
     slips = 2.0**bend * gone / (2.0 * bend)
-    slope = np.append(-np.diff(missing) / np.diff(slips), 0.0)
-    return slips[1:], -np.diff(slope)
+    return slips[1:], -np.diff(np.append(-np.diff(missing) / np.diff(slips), 0.0))
 
 
 @compiled(any_order=True)

@@ -47,8 +47,7 @@ class Stribeck(SpeedFriction):
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         speed, exponent = values
-        fading = np.exp(-(np.abs(motion.dq / speed) ** exponent))
-        return np.asarray(motion.direction * fading)[:, None]
+        return np.asarray(motion.direction * np.exp(-(np.abs(motion.dq / speed) ** exponent)))[:, None]
 
     def tries(self, data: JointData) -> Iterable[Sequence[float]]:
         return product(low_speeds(data, 8, SLOWEST), EXPONENTS)

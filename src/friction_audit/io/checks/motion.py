@@ -254,8 +254,7 @@ def turn_degrees(recording: Recording, columns: Mapping[str, Column], ratio: flo
         moves = columns["q"].highest - columns["q"].lowest > _TRAVELLED
         mixed = 2 * np.count_nonzero(every_q[moves] > _LARGEST_Q_RAD) < np.count_nonzero(moves)
         if len(recording.joint_names) == 1 or largest_q > _LARGEST_Q_DEG or of_motor or mixed:
-            forwards = float(np.mean(columns["dq"].sample > 0.0))
-            _refuse_degrees(recording, forwards, largest_q, largest_dq)
+            _refuse_degrees(recording, float(np.mean(columns["dq"].sample > 0.0)), largest_q, largest_dq)
             message = (
                 f"q reaches {largest_q:.4g} and dq {largest_dq:.4g}: a rig that turns without end, or degrees; read as "
                 "rad and rad/s; degrees are given as --map q=NAME:deg, counts of an encoder as --map q=NAME:COUNTS/rev"

@@ -227,8 +227,7 @@ def _is_impossible(run: _Run, first: int, end: int, columns: Mapping[str, Float]
         went = q[-1] - q[0]
         as_logged, between = np.trapezoid(dq, time), 0.5 * (dq[0] + dq[-1]) * (time[-1] - time[0])
         return bool(abs(went - between) < abs(went - as_logged) / 3.0)
-    wide = columns["dq"][max(first - 3, 0) : end + 3]
-    return bool(np.abs(np.diff(wide)).max() <= _CALM * usual_dq)
+    return bool(np.abs(np.diff(columns["dq"][max(first - 3, 0) : end + 3])).max() <= _CALM * usual_dq)
 
 
 def _finding(recording: Recording, joint: int, runs: list[_Run], first_s: float, *, numbered: bool) -> Finding:

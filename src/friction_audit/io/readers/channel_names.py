@@ -61,10 +61,7 @@ _PATTERNS = (
         r"\d\]?[./]",
         rf"(?P<head>(?:.*[./])?[a-zA-Z_]+)(?:\[(?P<bracketed>\d+)\]|[./](?P<index>\d+))[./](?P<words>{_WORDS})",
     ),
-    (
-        "",
-        rf"{_HEAD}(?P<words>{_WORDS})(?:[._ ]*(?:\[(?P<bracketed>\d+)\]|(?P<index>\d+))[._ ]*(?P<more>{_WORDS})?)?",
-    ),
+    ("", rf"{_HEAD}(?P<words>{_WORDS})(?:[._ ]*(?:\[(?P<bracketed>\d+)\]|(?P<index>\d+))[._ ]*(?P<more>{_WORDS})?)?"),
     ("(?i:joint)", rf"{_HEAD}(?P<words>{_WORDS})[./]{_NAMED_JOINT}"),
     ("(?i:joint)", rf"{_HEAD}(?P<joint>\w*(?i:joint))_(?P<words>{_WORDS})"),
 )
@@ -345,5 +342,4 @@ def arm_of_log(source: Source, joint_names: Sequence[str]) -> str:
     if source.serial:
         return source.serial
     prefixes = list(arms_in(joint_names))
-    named = arm_name(prefixes[0]) if len(prefixes) == 1 else ""
-    return named or namespace(source.topic or "")
+    return (arm_name(prefixes[0]) if len(prefixes) == 1 else "") or namespace(source.topic or "")

@@ -248,8 +248,7 @@ def _with_units(names: tuple[str, ...], line: Sequence[str], separator: str) -> 
     is_number = any(field and value_of(field, float, ".") is not None for field in fields)
     if len(fields) != len(names) or is_number or not all(found) or not any(one and one[1] for one in found):
         return None
-    units = ((one[1] if one else None) or "" for one in found)
-    named = zip(names, units, strict=True)
+    named = zip(names, ((one[1] if one else None) or "" for one in found), strict=True)
     return tuple(name if unit.lower() in _USUAL_UNITS else f"{name.strip()} [{unit}]" for name, unit in named)
 
 

@@ -129,8 +129,7 @@ class ReadOptions:
     def window_of_clock(self) -> tuple[float, float]:
         """Return what a reader has to read, margins included, in seconds since the first sample on the log's clock."""
         start = -inf if self.t_start_s is None else self.t_start_s / self.time_scale - MARGIN_S
-        stop = inf if self.t_end_s is None else self.t_end_s / self.time_scale + MARGIN_S
-        return start, stop
+        return start, inf if self.t_end_s is None else self.t_end_s / self.time_scale + MARGIN_S
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
