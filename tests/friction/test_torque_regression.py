@@ -7,7 +7,8 @@ import pytest
 from statsmodels.robust.robust_linear_model import RLM
 
 from friction_audit.api import log_from_frame
-from friction_audit.friction.torque_regression import CUTOFF_HZ, RegressionRows, huber_weights, regress_torque
+from friction_audit.friction.torque_regression import CUTOFF_HZ, RegressionRows, regress_torque
+from friction_audit.friction.weighted import huber_weights
 from friction_audit.joint_log import Float, median_step
 from friction_audit.pipeline import AuditSettings, estimate_log
 from friction_audit.preprocessing.interaction import Interaction
@@ -51,7 +52,6 @@ def regress(
     torque_noise: float = 0.0,
     resolution: float = 0.0,
     every: int = 1,
-    gravity_nm: float = 0.0,
     seed: int = 0,
 ) -> Any:
     """Regress forty gentle strokes of a known joint, each sensor with a noise of its own."""
@@ -60,7 +60,7 @@ def regress(
     lengths = rng.uniform(0.4, 1.0, 40) * np.where(np.arange(40) % 2, -1.0, 1.0)
     t, dq, ddq = strokes(lengths.tolist(), durations.tolist())
     q = np.concatenate([[0.0], np.cumsum(0.5 * (dq[1:] + dq[:-1]) * np.diff(t))])
-    torque = COULOMB * np.sign(dq) + VISCOUS * dq + INERTIA * ddq + gravity_nm * np.sin(q)
+    torque = COULOMB * np.sign(dq) + VISCOUS * dq + INERTIA * ddq
     q = q + position_noise * rng.normal(size=len(t))
     q = np.rint(q / resolution) * resolution if resolution else q
     dq = dq + velocity_noise * rng.normal(size=len(t))
@@ -108,10 +108,18 @@ def test_a_clock_takes_nothing_from_the_inertia(clock: str) -> None:
     assert found.residual_rms_nm < 0.02 or clock == "holes"
 
 
-def test_gravity_that_is_left_in_the_torque_moves_no_coefficient() -> None:
-    found = regress(velocity_noise=0.01, torque_noise=0.05, position_noise=4e-6, gravity_nm=0.5)
-    assert found.inertia.value == pytest.approx(INERTIA, rel=0.01)
-    assert found.coulomb.value == pytest.approx(COULOMB, rel=0.02)
+def test_an_arm_without_a_model_takes_nothing_from_friction() -> None:
+    t, rng = np.arange(0.0, 60.0, 4e-3), np.random.default_rng(0)
+    q = np.stack([np.sin(0.9 * t) + 0.5 * np.sin(2.1 * t), np.sin(1.3 * t + 1.0) + 0.4 * np.sin(0.7 * t)])
+    dq = np.gradient(q, t, axis=1)
+    ddq, turned = np.gradient(dq, t, axis=1), q[0] + q[1]
+    torque = COULOMB * np.sign(dq) + VISCOUS * dq + INERTIA * ddq + 3.0 * np.sin(turned)
+    coriolis = np.sin(q[1]) * dq[1] * dq.sum(axis=0)
+    torque[0] += 4.0 * np.sin(q[0]) + 0.2 * (np.cos(q[1]) * ddq.sum(axis=0) - coriolis)
+    signals = {"q": q, "dq": dq, "tau_J": torque + 0.02 * rng.standard_normal(q.shape)}
+    log = {"time": t} | {f"{name}_{k + 1}": signal[k] for name, signal in signals.items() for k in range(2)}
+    for one in estimate_log(log_from_frame(log), AuditSettings()).friction.joints:
+        assert (one.coulomb.value, one.viscous.value) == pytest.approx((COULOMB, VISCOUS), rel=0.03)
 
 
 def test_a_short_range_that_hides_gravity_among_the_offsets_does_not_hide_friction() -> None:

@@ -12,10 +12,10 @@ from friction_audit.preprocessing.even_grid import belated_samples, fresh_sample
 from friction_audit.preprocessing.interaction import Caution, Interaction
 from friction_audit.preprocessing.sign import SIGNIFICANT
 from friction_audit.preprocessing.torque_source import CHANNELS
+from friction_audit.robot.unknown_chain import RESTING_RAD
 
 NAN = float("nan")
 MOST_DELAY_S, MOST_DELAY_STEPS = 0.02, 2.0  # of dq after q: larger than any filter's, the torque's clock is not known
-RESTING_RAD = 0.05  # a joint without a cycle whose position stays within this does not move, and velocities are noise
 # A resolution is found if this share of the changes are whole multiples of the smallest, to this share of it.
 MOST_CHANGES, WHOLE = 0.9, 0.01
 # Share of the changes of a velocity, of one that is differences of positions; samples on either side that smooth one.

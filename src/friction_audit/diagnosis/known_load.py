@@ -1,16 +1,19 @@
-"""The load on every joint by the rigid-body model of the arm, and the torque per unit of that model's errors."""
+"""The load on every joint by a model of the arm or by the log, and the torque per unit of that model's errors."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.dynamics.motion import INERTIAL_PARAMETERS, RigidBody
+from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.even_grid import on_finer_grid
 from friction_audit.preprocessing.interaction import TorqueChoice
+from friction_audit.robot import unknown_chain
 from friction_audit.robot.arm import Arm, chunks
 from friction_audit.robot.regressor import Index, Motion, random_motion, regressor_entries, significant, tilt_torque
 
@@ -20,6 +23,9 @@ RATE_HZ = 200.0
 MOMENTS_AND_MASS = (1, 2, 3, 0)  # inertial parameters that gravity acts on, in the order in which they are kept
 ROUNDING = 1e-9  # a smaller torque per kg or kg m is none [N m]
 INERTIA_POSES = 50  # of a recording, evenly spread
+# Of a chain without a model: directions per sample, for friction needs samples too; samples from which gravity is known
+# well enough, variance of noise over that of gravity's coefficients, and samples at once, for memory.
+MOST_PER_SAMPLE, FITTED, NOISE, AT_ONCE = 0.25, 4000, 1e-6, 2**14
 
 
 class KnownLoad(NamedTuple):
@@ -126,3 +132,52 @@ def known_inertias(arm: Arm | None, choice: TorqueChoice, q: Float) -> Float:
     if arm is None or choice.inertia != "model":
         return np.zeros(q.shape[1])
     return np.asarray(np.mean(arm.mass_diagonal(q[:: max(len(q) // INERTIA_POSES, 1)]), axis=0))
+
+
+def chain_basis(data: JointData, weight: Float, seen: Callable[[Float], Float], X: Float, y: Float) -> Float:
+    """What of the chain's torque the log can tell from noise, orthonormal on the m samples, shape (k, m).
+
+    A direction counts beside nominal columns, shape (b, m), if its coefficient varies by more than noise makes of it.
+    ``seen`` brings the fine grid, shape (n, j), to the samples, shape (j, m), of some weight each.
+    """
+    motion = _chain_of(data, lambda x: (seen(x) / weight).T)
+    columns = unknown_chain.chain_columns(motion, weight, np.vstack([X, weight]), y)
+    _, size, basis = np.linalg.svd(columns, full_matrices=False)
+    return np.asarray(basis[size > 1.0][: int(MOST_PER_SAMPLE * len(y))])
+
+
+def left_to_effects(data: JointData) -> Float:
+    """What of an unknown chain's torque is an effect of its own, on the fine grid, shape (n, e)."""
+    motion = _chain_of(data)
+    return np.vstack([process.effects(motion) for process in unknown_chain.PROCESSES]).T
+
+
+def with_gravity(data: JointData) -> JointData:
+    """The joint with gravity as its load where the torque holds it and nothing says how much, by ridge regression.
+
+    Without a constant: a sine of a narrow range of angles and a constant of the opposite sign are nearly nothing.
+    """
+    used = np.flatnonzero(data.used)
+    if not data.weighs or data.load is not None or not len(used):
+        return data
+    some, motion = used[:: len(used) // FITTED + 1], _chain_of(data)
+    at = motion.at(some)
+    chain, sines = unknown_chain.decomposed(unknown_chain.GRAVITY, at), unknown_chain.own_sines(at)
+    of_chain = chain.at(at)
+    weighing = np.vstack([sines, of_chain])
+    rows = np.vstack([weighing, np.stack([data.direction, data.dq])[:, some], unknown_chain.constant_coupling(at)])
+    size = np.maximum(np.sqrt(np.mean(rows**2, axis=1)), 1e-12)
+    prior = np.zeros((len(weighing), len(rows)))
+    np.fill_diagonal(prior, np.sqrt(NOISE * len(some)))
+    known = np.append(data.torque[some], np.zeros(len(weighing)))
+    found = np.linalg.lstsq(np.vstack([rows.T, prior]) / size, known, rcond=1e-9)[0] / size
+    own, others = np.split(found[: len(weighing)], [2])
+    load = np.empty(len(data.q))
+    for first in range(0, len(load), AT_ONCE):
+        part = motion.at(slice(first, first + AT_ONCE))
+        load[first : first + AT_ONCE] = own @ unknown_chain.own_sines(part) + others @ chain.at(part)
+    return replace(data, load=load)
+
+
+def _chain_of(data: JointData, seen: Callable[[Float], Float] = np.asarray) -> unknown_chain.ChainMotion:
+    return unknown_chain.ChainMotion.of(data.own_column, *map(seen, (data.others_q, data.others_dq, data.others_ddq)))

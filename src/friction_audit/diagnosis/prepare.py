@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.diagnosis.data_audit import (
-    RESTING_RAD,
     DataFinding,
     audit_clock,
     audit_data,
@@ -36,6 +35,7 @@ from friction_audit.preprocessing.sign import coarse_log
 from friction_audit.preprocessing.torque_source import CHANNELS
 from friction_audit.preprocessing.velocity import complementary_mean, crossover_of, find_lag, noise_of_both, position_of
 from friction_audit.robot.arm import Arm
+from friction_audit.robot.unknown_chain import RESTING_RAD
 
 # Parts of a long recording, the bridge from each to the next, and the time in which springs and bristles forget that.
 PART_S, BRIDGE_S, FORGOTTEN_S = 60.0, 2.0, 3.0

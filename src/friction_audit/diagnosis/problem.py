@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.diagnosis.known_load import chain_basis, left_to_effects, with_gravity
 from friction_audit.diagnosis.samples import (
     SAMPLE_HZ,
     Index,
@@ -21,13 +22,13 @@ from friction_audit.diagnosis.samples import (
     make_samples,
     nominal_model,
 )
-from friction_audit.diagnosis.unknown_chain import chain_basis, free_of, left_to_effects, with_gravity
 from friction_audit.effects.joint_data import JointData, Nominal, displacement
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.even_grid import first_order
 from friction_audit.preprocessing.interaction import Caution
+from friction_audit.robot.unknown_chain import free_of
 
 FOLDS = 10  # at most (R. Kohavi, Proc. IJCAI (1995) 1137); of ten cycles five folds would take two at once
 KNOTS = 6  # most of a curve, quantiles of its quantity

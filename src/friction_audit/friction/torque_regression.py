@@ -9,26 +9,29 @@ The noise of the measured velocity would make least squares find too little iner
 position are instruments for them.
 
 Rows of one stroke share their errors, so strokes are left out one at a time, as cycles are by the default estimator.
+
+Gravity and inertia of an arm that nobody gave a model of are a Gaussian process beside these columns: those of
+``robot.unknown_chain``, their coefficients left out with the strokes. All checks are on rows whitened with it.
 """
 
 from collections import defaultdict
 from collections.abc import Mapping
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 
 from friction_audit.friction.history import TorqueRegression
 from friction_audit.friction.reasons import SMALLEST_SPREAD
 from friction_audit.friction.settings import FEWEST_CYCLES
-from friction_audit.friction.weighted import Equations, Fit, fit_windows
+from friction_audit.friction.weighted import CUTOFF, Fit, Rows, fit_rows
 from friction_audit.joint_log import Float, Int
 from friction_audit.preprocessing.interaction import Caution, Interaction, Reason
 from friction_audit.preprocessing.velocity import filter_velocity, settling_samples
+from friction_audit.robot.unknown_chain import RESTING_RAD, ChainMotion, chain_columns, constant_coupling
 
 CUTOFF_HZ = 20.0
 ROW_RATE_HZ = 50.0
-MOST_ROWS = 20_000
+MOST_ROWS, MOST_BESIDE = 20_000, 6_000  # the second beside an unknown chain
 FEWEST_ROWS = 100
 # A difference of neighbours is a mean slope: torque and velocity are averaged likewise, for the inertia of slow logs.
 NEIGHBOURS, SIMPSON = np.array([-1, 0, 1]), np.array([1.0, 4.0, 1.0]) / 6.0
@@ -52,10 +55,9 @@ CERTAIN, LIKELY, SHORTEST_DELAY_S = 2.5, 1.5, 2e-3
 # The direction, averaged over so long, stands for a low-pass of 2 Hz. The share of Coulomb friction that follows it is
 # 0.3 and more in filtered logs, at most 0.08 where no friction builds up over a distance.
 TURN_S, LEAST_FOLLOWING, SURE = 0.3, 0.25, 3.0
-HUBER = 1.345  # residuals beyond so many standard deviations lose weight: 95 % efficiency where the noise is normal
-SIGMA_PER_MEDIAN = 1 / 0.6744897501960817  # standard deviation of a normal variable over its median absolute value
-REWEIGHTINGS = 9
-CUTOFF = 1e-14  # relative size below which a singular value of the normal matrix counts as zero
+# Of an unknown chain: rows among which columns are looked for, standard deviation of what has no prior and least one
+# that counts, in units of the noise; least share of a column that no others hold; most columns per row.
+SOUGHT, NO_PRIOR, LEAST_SD, SMALLEST, MOST_PER_ROW = 1500, 1e4, 0.3, 1e-3, 0.25
 
 
 def regress_torque(
@@ -64,7 +66,8 @@ def regress_torque(
     """Regress the torque of one joint on its motion, samples slower than the dead band left out.
 
     With the rows of the other joints by number it is also checked whether the regression can stand for the friction of
-    the joint where no energy does. Too few moving samples or strokes give None.
+    the joint where no energy does. Too few moving samples or strokes give None. Beside an unknown chain first; where
+    that leaves a doubt, of a short log as a rule, without.
     """
     if not rows.found:  # the log is shorter than what a row needs
         return None
@@ -72,8 +75,17 @@ def regress_torque(
     strokes = int(found.stroke[-1]) + 1 if len(found.stroke) else 0
     if len(found.torque) < FEWEST_ROWS or strokes < FEWEST_CYCLES:
         return None
-    equations, fit = _fit(found)
+    beside = rows.moving(dead_band_rad_s, -(-len(found.torque) // MOST_BESIDE))
+    beside = beside._replace(chain=rows.unknown_chain(beside))
+    if beside.chain is not None and not (regression := _regress(beside, dead_band_rad_s, others or {})).doubt:
+        return regression
+    return _regress(found, dead_band_rad_s, others)
+
+
+def _regress(found: Rows, dead_band_rad_s: float, others: "Mapping[int, RegressionRows] | None") -> TorqueRegression:
+    equations, fit = fit_rows(found)
     condition, correlation = equations.conditioning()
+    free = found.free()
     doubt: Reason = ()
     if others is not None:
         doubt = _coupling(found, others, dead_band_rad_s) or _doubt(found, fit)
@@ -82,7 +94,7 @@ def regress_torque(
         viscous=fit.coefficient("viscous"),
         offset_nm=fit.coefficient("offset").value,
         inertia=fit.coefficient("inertia"),
-        residual_rms_nm=float(np.sqrt(np.mean((found.torque - found.columns @ fit.value[0]) ** 2))),
+        residual_rms_nm=float(np.sqrt(np.mean((free.torque - free.columns @ fit.value[0, : len(found.names)]) ** 2))),
         samples=len(found.torque),
         condition_number=condition,
         correlation=correlation,
@@ -92,7 +104,7 @@ def regress_torque(
     )
 
 
-def _delay(rows: "_Rows", plain: Fit) -> float:
+def _delay(rows: Rows, plain: Fit) -> float:
     """Return how late the torque is, NaN if that is not certain. [s]
 
     Of a torque that is late by d, the inertia leaves -d B times the jerk. Noise of the jerk makes it too small.
@@ -104,7 +116,7 @@ def _delay(rows: "_Rows", plain: Fit) -> float:
     return -jerk / inertia if is_certain and abs(jerk) > SHORTEST_DELAY_S * inertia else np.nan
 
 
-def _turning(rows: "_Rows") -> tuple[float, float] | None:
+def _turning(rows: Rows) -> tuple[float, float] | None:
     """Return both coefficients if friction may change slowly at reversals, None if it changes at once.
 
     Friction that builds up over a distance follows a slower mean of the direction.
@@ -115,20 +127,21 @@ def _turning(rows: "_Rows") -> tuple[float, float] | None:
     return (coulomb, viscous) if follows > SURE * half and follows > LEAST_FOLLOWING * coulomb > 0.0 else None
 
 
-def _fit_with(rows: "_Rows", name: str, *others: str) -> list[tuple[float, float]]:
+def _fit_with(rows: Rows, name: str, *others: str) -> list[tuple[float, float]]:
     """Return value and half width of one more column and of others that were there, fitted together."""
     columns, instruments = (np.vstack([one.T, rows.more[name]]).T for one in (rows.columns, rows.instruments))
-    _, fit = _fit(rows._replace(names=(*rows.names, name), columns=columns, instruments=instruments))
+    _, fit = fit_rows(rows._replace(names=(*rows.names, name), columns=columns, instruments=instruments))
     return [(float(value[0]), float(half[0])) for value, half in map(fit.column, (name, *others))]
 
 
-def _doubt(rows: "_Rows", fit: Fit) -> Reason:
+def _doubt(rows: Rows, fit: Fit) -> Reason:
     """Say why direction and velocity do not stand for friction; empty if they do."""
     speed, forwards = np.abs(rows.columns[:, 1]), float(np.mean(rows.columns[:, 0] > 0))
     if min(forwards, 1.0 - forwards) < LEAST_ONE_WAY:
         return (Caution("mostly_one_way", numbers={"percent": 100 * max(forwards, 1.0 - forwards)}),)
     if speed.std() < SMALLEST_SPREAD * speed.mean():
         return (Caution("one_speed_in_rows", numbers={"mean": float(speed.mean())}),)
+    rows = rows.free()
     unit = rows.columns / np.linalg.norm(rows.columns, axis=0).clip(min=CUTOFF)
     apart = np.linalg.qr(np.roll(unit, -2, axis=1))[1][-2:, -2:]  # direction and speed without the others
     condition = 1.0 / float(np.linalg.norm(apart, -2).clip(min=CUTOFF))
@@ -143,14 +156,15 @@ def _doubt(rows: "_Rows", fit: Fit) -> Reason:
     return ()
 
 
-def _coupling(rows: "_Rows", others: "Mapping[int, RegressionRows]", dead_band_rad_s: float) -> Reason:
+def _coupling(rows: Rows, others: "Mapping[int, RegressionRows]", dead_band_rad_s: float) -> Reason:
     """Say whether the residual follows the velocity of another joint; empty if it does not."""
-    left = _left_by(rows.columns, rows.torque)
+    free = rows.free()
+    left = _left_by(free.columns, free.torque)
     for number, other in others.items():
         velocity = other.found["velocity"][rows.place]
         direction = np.tanh(velocity / dead_band_rad_s)
-        more = np.column_stack([rows.columns, direction, velocity])
-        share = 1.0 - _left_by(more, rows.torque) / left
+        more = np.column_stack([free.columns, rows.whitened(np.column_stack([direction, velocity]))])
+        share = 1.0 - _left_by(more, free.torque) / left
         if share > LARGEST_COUPLED_SHARE:
             return (Caution("coupled", numbers={"other": number}),)
     return ()
@@ -159,18 +173,6 @@ def _coupling(rows: "_Rows", others: "Mapping[int, RegressionRows]", dead_band_r
 def _left_by(columns: Float, torque: Float) -> float:
     """Return the sum of squares that least squares on some columns leaves."""
     return float(np.sum((torque - columns @ np.linalg.lstsq(columns, torque, rcond=None)[0]) ** 2))
-
-
-class _Rows(NamedTuple):
-    """Rows of the regression, m rows and p columns, their instruments, strokes and places among all rows."""
-
-    names: tuple[str, ...]
-    columns: Float
-    instruments: Float
-    torque: Float
-    more: dict[str, Float]  # columns that are fitted with them by turns
-    stroke: Int
-    place: Int
 
 
 class RegressionRows:
@@ -202,10 +204,12 @@ class RegressionRows:
         self._blocks = np.pad(np.repeat(np.eye(3) / block, block, axis=0), ((1, 1), (0, 0)))
         # By name at all rows, those at which the joint rests among them.
         self.found: dict[str, Float] = defaultdict(partial(np.empty, len(self._index)))
+        # Position, velocity and acceleration of all joints where their torques hold what no model says, (3, rows, j).
+        self._chain, self._joint = np.empty((0, 0, 0)), 0
 
     def take(self, part: Interaction, velocity: Float, start: int, stop: int) -> None:
         """Take the rows of some samples, by their numbers in the log; the velocity is filtered at CUTOFF_HZ."""
-        column, around = self._column, self.around
+        column, around, self._joint = self._column, self.around, part.joint_numbers[self._column] - 1
         own = slice(*np.searchsorted(self._index, (start, stop)))
         index = self._index[own] - part.first
         if not len(index):
@@ -241,6 +245,14 @@ class RegressionRows:
         }
         for name, values in found.items():
             self.found[name][own] = values
+        if part.posture is not None and part.gravity_direction is None:
+            block = len(self._blocks) // 3  # averages once more, of all joints at once
+            borders = index[:, None] + block * np.arange(4) - around + 1
+            sums = np.add.reduceat(part.posture, borders.ravel(), axis=0).reshape(*borders.shape, -1)
+            by_position = differences((times @ self._blocks).T[..., None], sums[:, :3].swapaxes(0, 1) / block)
+            if not len(self._chain):
+                self._chain = np.empty((3, len(self._index), sums.shape[2]))
+            self._chain[:, own] = part.posture[index], *by_position
 
     def _filtered(self, load: Float, index: Int) -> Float:
         """Return a signal at the rows, through the low-pass of the others: a linear relation asks for the same one."""
@@ -256,17 +268,17 @@ class RegressionRows:
             return np.asarray(sum(products[k : k + len(index), k] for k in range(stretches)))
         return np.asarray(self._smooth(load)[index[:, None] + NEIGHBOURS] @ SIMPSON)
 
-    def moving(self, dead_band_rad_s: float) -> _Rows:
-        """Return the rows at which the joint moves, after the last part."""
+    def moving(self, dead_band_rad_s: float, every: int = 1) -> Rows:
+        """Return the rows at which the joint moves, or one of so many, after the last part."""
         moving = np.abs(self.found["velocity"]) > dead_band_rad_s
-        place = np.flatnonzero(moving & (self.found["lasting"] < LONGEST * 2 * self.around * self._step_s))
+        place = np.flatnonzero(moving & (self.found["lasting"] < LONGEST * 2 * self.around * self._step_s))[::every]
         own = {name: column[place] for name, column in self.found.items()}
         columns = {name: own[name] for name in ("coulomb", "viscous")}
         columns |= {"offset": np.ones(len(place)), "inertia": own["inertia"]}
         columns |= {n: own[n] for n in ("gravity_x", "gravity_y") if len(place) and np.ptp(own[n]) > LEAST_SWING}
         by_position = {"viscous": own["velocity by position"], "inertia": own["acceleration by position"]}
         direction = own["direction"]
-        return _Rows(
+        return Rows(
             names=tuple(columns),
             columns=np.array([*columns.values()]).T,
             instruments=np.array([*(columns | by_position).values()]).T,
@@ -275,6 +287,29 @@ class RegressionRows:
             stroke=np.cumsum(np.diff(direction, prepend=direction[:1]) != 0),
             place=place,
         )
+
+    def unknown_chain(self, rows: Rows) -> tuple[Float, Float] | None:
+        """Return what of the torque a chain without a model takes, None where no other joint moves, or of few rows."""
+        if not len(self._chain):
+            return None
+        moved = self._chain[:, rows.place]
+        if not np.any(np.ptp(np.delete(moved[0], self._joint, axis=1), axis=0) > RESTING_RAD):
+            return None
+        motion, every = ChainMotion.of(self._joint, *moved), len(rows.place) // SOUGHT + 1
+        known = rows.columns[:, :3].T  # inertia and gravity are among the effects
+        sought = chain_columns(motion, np.ones(len(rows.place)), known, rows.torque, every)
+        constant = np.delete(constant_coupling(motion), self._joint, axis=0)  # own inertia has a column
+        constant = constant / np.linalg.norm(constant, axis=1).clip(min=CUTOFF)[:, None]
+        _, size, constant = np.linalg.svd(constant, full_matrices=False)
+        constant = constant[size > SMALLEST]
+        sought -= (sought @ constant.T) @ constant
+        square, turned = np.linalg.eigh(sought @ sought.T)
+        kept = square > LEAST_SD**2
+        size = np.sqrt(square[kept])
+        basis = np.vstack([constant, (turned[:, kept] / size).T @ sought])
+        if len(basis) > MOST_PER_ROW * len(rows.place):
+            return None
+        return basis, np.append(np.full(len(constant), NO_PRIOR), size)
 
 
 def _gravity(interaction: Interaction, column: int, index: Int) -> list[Float]:
@@ -291,44 +326,3 @@ def differences(t: Float, q: Float) -> tuple[Float, Float]:
     (before, here, after), (first, middle, last) = q, t
     left, right = (here - before) / (middle - first), (after - here) / (last - middle)
     return (after - before) / (last - first), 2.0 * (right - left) / (last - first)
-
-
-def _fit(rows: _Rows) -> tuple[Equations, Fit]:
-    """Sum the rows by stroke with Huber's weights, and solve, with intervals by the factor that the weights ask for.
-
-    A clipped residual does not answer to a change of the coefficients, which weights that are held do not show:
-    standard errors grow by the mean weight over the share that is not clipped (P. J. Huber, Robust Statistics, 1981,
-    7.6).
-    """
-    scale = np.linalg.norm(rows.columns, axis=0).clip(min=np.finfo(float).tiny)
-    scaled, instruments = rows.columns / scale, rows.instruments / scale
-    weights = huber_weights(scaled, rows.torque, instruments)
-    weighted = instruments * weights[:, None]
-    first = np.flatnonzero(np.diff(rows.stroke, prepend=-1))
-    equations = Equations(
-        names=rows.names,
-        normal=np.add.reduceat(weighted.T[:, None] * scaled.T, first, axis=-1).transpose(2, 0, 1),
-        right=np.add.reduceat(weighted.T * rows.torque, first, axis=-1).T,
-        scale=scale,
-    )
-    fit = fit_windows(equations, len(first))
-    return equations, fit._replace(error=float(weights.mean() / np.mean(weights >= 1.0)) * fit.error)
-
-
-def huber_weights(design: Float, target: Float, instruments: Float | None = None) -> Float:
-    """Return the weights of the rows in Huber's estimate, 1 except for outliers.
-
-    The weights of ``RLM`` of statsmodels (a test compares them), which knows no instruments, takes ten times as long
-    on few columns and many rows, and takes longer to load than an hour of log to read. The columns of the design, of
-    comparable length, shape (m, p), are noisy themselves where instruments stand for them: weights from a biased
-    solution are biased, for they count less where noise and error have one sign.
-    """
-    instruments = design if instruments is None else instruments
-    smallest = np.finfo(float).eps * float(np.abs(target).max()) + np.finfo(float).tiny
-    weights = np.ones(len(target))
-    for _ in range(REWEIGHTINGS):
-        weighted = instruments * weights[:, None]
-        solution = np.linalg.lstsq(weighted.T @ design, weighted.T @ target, CUTOFF)[0]
-        residual = np.abs(target - design @ solution).clip(min=smallest)
-        weights = np.minimum(HUBER * SIGMA_PER_MEDIAN * np.median(residual) / residual, 1.0)
-    return weights

@@ -8,12 +8,13 @@ take up what is not friction: a torque offset, an error of gravity, and the kine
 
 import math
 from functools import cache
-from typing import NamedTuple
+from itertools import pairwise
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from friction_audit.friction.history import UNDETERMINED, Coefficient
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, Int
 from friction_audit.preprocessing.energy_cycles import BALANCE, PAIRS, EnergyCycles
 
 FRICTION = {"combined": ("coulomb", "viscous"), "coulomb": ("coulomb",), "viscous": ("viscous",)}
@@ -22,13 +23,19 @@ COLUMNS = ("coulomb", "viscous", "offset", "inertia", "gravity_x", "gravity_y") 
 # the motion hardly excites (gravity about a vertical axis) would add nothing but variance.
 INDEPENDENT_SHARE = 0.02
 CONFIDENCE = 0.95
+HUBER = 1.345  # residuals beyond so many standard deviations lose weight: 95 % efficiency where the noise is normal
+SIGMA_PER_MEDIAN = 1 / 0.6744897501960817  # standard deviation of a normal variable over its median absolute value
+REWEIGHTINGS = 9
+CUTOFF = 1e-14  # relative size below which a singular value of the normal matrix counts as zero
+MOST_STROKES = 40  # left out one at a time beside an unknown chain; of more, several together
 RIDGE = 1e-10  # relative to unit columns: keeps a window without any motion of one kind solvable
 
 
 class Equations(NamedTuple):
     """Weighted equations of one joint, summed by group (a cycle, or a stroke)."""
 
-    names: tuple[str, ...]  # names of the p columns; those of the friction model come first
+    # names of columns; those of the friction model come first, columns without a name have standard normal coefficients
+    names: tuple[str, ...]
     normal: Float  # A_g^T W A_g per group, shape (m, p, p)
     right: Float  # A_g^T W y_g per group, shape (m, p)
     scale: Float  # lengths by which the columns were divided, shape (p,)
@@ -36,7 +43,9 @@ class Equations(NamedTuple):
     def conditioning(self) -> tuple[float, float]:
         """Return the condition number of the scaled matrix and the correlation of the two friction coefficients."""
         # Not by eigenvalues: with instruments the matrix is not symmetric.
-        _, values, rows = np.linalg.svd(self.normal.sum(axis=0))
+        normal, p = self.normal.sum(axis=0), len(self.names)
+        others = np.linalg.solve(normal[p:, p:] + np.eye(len(normal) - p), normal[p:, :p])
+        _, values, rows = np.linalg.svd(normal[:p, :p] - normal[:p, p:] @ others)
         is_singular = values[-1] < len(values) * np.finfo(float).eps * values[0]
         condition = float("inf") if is_singular else float(np.sqrt(values[0] / values[-1]))
         if self.names[:2] != ("coulomb", "viscous"):
@@ -116,14 +125,15 @@ def fit_windows(equations: Equations, window: int) -> Fit:
     both = (equations.normal, equations.right)
     normal, right = (np.lib.stride_tricks.sliding_window_view(one, window, axis=0).sum(axis=-1) for one in both)
     windows = len(normal)
-    value = _solve(normal, right)
+    ridge = np.diag(np.where(np.arange(normal.shape[-1]) < len(equations.names), RIDGE, 1.0))
+    value = _solve(normal + ridge, right)
     if windows == 1:
-        variance = _solve(normal - equations.normal, right - equations.right).var(axis=0)[None]
+        variance = _solve(normal - equations.normal + ridge, right - equations.right).var(axis=0)[None]
     else:  # of a day's cycles one place in all windows at a time
         total, square = np.zeros_like(value), np.zeros_like(value)
         for first in range(window):
             place = slice(first, first + windows)
-            change = _solve(normal - equations.normal[place], right - equations.right[place]) - value
+            change = _solve(normal - equations.normal[place] + ridge, right - equations.right[place]) - value
             total, square = total + change, square + change**2
         variance = (square / window - (total / window) ** 2).clip(min=0.0)
     error = np.sqrt((window - 1) * variance) / equations.scale
@@ -131,5 +141,78 @@ def fit_windows(equations: Equations, window: int) -> Fit:
 
 
 def _solve(normal: Float, right: Float) -> Float:
-    ridge = RIDGE * np.eye(normal.shape[-1])
-    return np.asarray(np.linalg.solve(normal + ridge, right[..., None])[..., 0], np.float64)
+    return np.asarray(np.linalg.solve(normal, right[..., None])[..., 0], np.float64)
+
+
+class Rows(NamedTuple):
+    """Rows of the regression, m rows and p columns, their instruments, strokes and places among all rows."""
+
+    names: tuple[str, ...]
+    columns: Float
+    instruments: Float
+    torque: Float
+    more: dict[str, Float]  # columns that are fitted with them by turns
+    stroke: Int
+    place: Int
+    chain: tuple[Float, Float] | None = None  # an orthonormal basis, shape (k, m), and its k standard deviations
+
+    def whitened(self, columns: Float) -> Float:
+        """Return columns, shape (m, q) or (m,), among whose noise the chain is no more."""
+        if self.chain is None:
+            return columns
+        basis, size = self.chain
+        return np.asarray(columns - ((basis @ columns).T * (1.0 - 1.0 / np.hypot(1.0, size)) @ basis).T)
+
+    def free(self) -> "Rows":
+        """Return the rows without the chain."""
+        changed: dict[str, Any] = {
+            name: self.whitened(getattr(self, name)) for name in ("columns", "instruments", "torque")
+        }
+        return self._replace(**changed, chain=None)
+
+
+def fit_rows(rows: Rows) -> tuple[Equations, Fit]:
+    """Sum the rows by stroke with Huber's weights, and solve, with intervals by the factor that the weights ask for.
+
+    A clipped residual does not answer to a change of the coefficients, which weights that are held do not show:
+    standard errors grow by the mean weight over the share that is not clipped (P. J. Huber, Robust Statistics, 1981,
+    7.6).
+    """
+    free = rows.free()
+    scale = np.linalg.norm(free.columns, axis=0).clip(min=np.finfo(float).tiny)
+    weights = huber_weights(free.columns / scale, free.torque, free.instruments / scale)
+    scaled, instruments = rows.columns / scale, rows.instruments / scale
+    first = np.flatnonzero(np.diff(rows.stroke, prepend=-1))
+    if rows.chain is not None:
+        scaled, instruments = (np.hstack([one, rows.chain[0].T * rows.chain[1]]) for one in (scaled, instruments))
+        scale = np.append(scale, np.ones(len(rows.chain[1])))
+        first = first[:: -(-len(first) // MOST_STROKES)]
+    weighted = instruments * weights[:, None]
+    strokes = [slice(*both) for both in pairwise([*first.tolist(), len(scaled)])]
+    equations = Equations(
+        names=rows.names,
+        normal=np.stack([weighted[one].T @ scaled[one] for one in strokes]),
+        right=np.add.reduceat(weighted.T * rows.torque, first, axis=-1).T,
+        scale=scale,
+    )
+    fit = fit_windows(equations, len(first))
+    return equations, fit._replace(error=float(weights.mean() / np.mean(weights >= 1.0)) * fit.error)
+
+
+def huber_weights(design: Float, target: Float, instruments: Float | None = None) -> Float:
+    """Return the weights of the rows in Huber's estimate, 1 except for outliers.
+
+    The weights of ``RLM`` of statsmodels (a test compares them), which knows no instruments, takes ten times as long
+    on few columns and many rows, and takes longer to load than an hour of log to read. The columns of the design, of
+    comparable length, shape (m, p), are noisy themselves where instruments stand for them: weights from a biased
+    solution are biased, for they count less where noise and error have one sign.
+    """
+    instruments = design if instruments is None else instruments
+    smallest = np.finfo(float).eps * float(np.abs(target).max()) + np.finfo(float).tiny
+    weights = np.ones(len(target))
+    for _ in range(REWEIGHTINGS):
+        weighted = instruments * weights[:, None]
+        solution = np.linalg.lstsq(weighted.T @ design, weighted.T @ target, CUTOFF)[0]
+        residual = np.abs(target - design @ solution).clip(min=smallest)
+        weights = np.minimum(HUBER * SIGMA_PER_MEDIAN * np.median(residual) / residual, 1.0)
+    return weights
