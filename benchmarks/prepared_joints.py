@@ -24,6 +24,7 @@ import numpy as np
 from benchmarks.answers import answer_of
 from benchmarks.diagnosis_figures import ROWS, Figures
 from benchmarks.resume import Job, Row, read
+from friction_audit import parallel
 from friction_audit.diagnosis import diagnose as stage
 from friction_audit.diagnosis.diagnose import diagnose_joint
 from friction_audit.diagnosis.prepare import Subject
@@ -42,7 +43,7 @@ def prepare(folder: Path, kind: str, job: Job, task: Row) -> str:
         return JointDiagnosis(joint=subject.number, name=subject.name, verdict="not_testable")
 
     if not path.exists():
-        with patch.object(stage, "diagnose_joint", keep), patch.object(stage, "workers_for", lambda *_: 1):
+        with patch.object(stage, "diagnose_joint", keep), patch.object(parallel, "workers_for", lambda *_: 1):
             rows = job.work(task)
         # A log of one joint counts it as the first, whatever joint of an arm it is drawn as.
         joints = list(zip(map(dict, rows), subjects.values(), strict=True)) if subjects else []
