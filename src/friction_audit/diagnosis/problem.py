@@ -285,7 +285,9 @@ def _curves(data: JointData, samples: Samples) -> tuple[Curve, ...]:
     found, (read, near) = [], samples.near(len(data.t))
     for axis in AXES:
         values = axis.value(data)
-        if values is not None and len(knots := knots_of(values, data.used, most)) > 1:  # no constant
+        if values is None or not np.ptp(values[samples.fine]) > 0.0:  # a neighbour that moves between samples alone
+            continue
+        if len(knots := knots_of(values, data.used, most)) > 1:  # no constant
             columns = np.ascontiguousarray(near.of(curve(values[read], knots, data.dq[read])).T)
             found.append(Curve(axis, columns, values[samples.fine]))
     return tuple(found)
