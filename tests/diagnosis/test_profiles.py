@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from statsmodels.regression.linear_model import OLS
 
-from friction_audit.diagnosis.problem import AXES, Curve, curve, knots_of
+from friction_audit.diagnosis.problem import AXES, Curve, RegressionProblem, curve, knots_of
 from friction_audit.diagnosis.profiles import own_axis, profiles_of, shows_along
 from friction_audit.diagnosis.result import NamedEffect, Profile
 from friction_audit.joint_log import Float
@@ -160,3 +160,12 @@ X, SIGN, RINGING = np.tile(np.linspace(0.0, 1.0, 600), 8), np.repeat([1.0, -1.0]
 )
 def test_a_place_is_given_where_most_of_the_torque_is_a_curve_over_the_axis(torque: Float, shown: bool) -> None:
     assert shows_along(torque, X, SIGN) is shown
+
+
+def test_a_quantity_that_changes_between_the_samples_alone_has_no_curve() -> None:
+    data = moved_joint(duration_s=20.0)
+    between = np.setdiff1d(np.flatnonzero(data.used), RegressionProblem.build(data, None).samples.fine)[0]
+    warm = replace(data, temperature=np.where(np.arange(len(data.t)) == between, 25.0, 20.0))
+    problem = RegressionProblem.build(warm, None)
+    assert {curve.axis.name for curve in problem.curves} >= {"speed", "position"}
+    assert "temperature" not in {curve.axis.name for curve in problem.curves}
