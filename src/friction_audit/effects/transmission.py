@@ -167,7 +167,7 @@ class JointElasticity(Link):
         between = ringing[2:][(ringing[2:] > SOFTEST_NM_PER_RAD) & (ringing[2:] < STIFFEST_NM_PER_RAD)]
         every = np.append(STIFFEST_NM_PER_RAD, between[::-1])
         # Friction's jump, twice the Coulomb friction, must twist it by more than twice the noise of the position.
-        stiffest = max(corner, far.coulomb_nm / max(grid_noise(data.q, differences=4), np.finfo(float).tiny))
+        stiffest = max(corner, far.coulomb_nm / max(grid_noise(data.q, differences=4), 1e-300))
         # Every second stiffness is tried for springs that are soft at first; the projection finds those between. Those
         # that ring where hardly more than noise moves the measured side are tried with a smooth motion too, those that
         # ring below the corner with more damping and with less inertia on the far side.
