@@ -75,7 +75,8 @@ def regress_torque(
     strokes = int(found.stroke[-1]) + 1 if len(found.stroke) else 0
     if len(found.torque) < FEWEST_ROWS or strokes < FEWEST_CYCLES:
         return None
-    beside = rows.moving(dead_band_rad_s, -(-len(found.torque) // MOST_BESIDE))
+    # In single precision: a hundred columns that depend on each other ask for more digits than blocks agree in.
+    beside = rows.moving(dead_band_rad_s, -(-len(found.torque) // MOST_BESIDE), np.float32)
     beside = beside._replace(chain=rows.unknown_chain(beside))
     if beside.chain is not None and not (regression := _regress(beside, dead_band_rad_s, others or {})).doubt:
         return regression
@@ -251,7 +252,7 @@ class RegressionRows:
             sums = np.add.reduceat(part.posture, borders.ravel(), axis=0).reshape(*borders.shape, -1)
             by_position = differences((times @ self._blocks).T[..., None], sums[:, :3].swapaxes(0, 1) / block)
             if not len(self._chain):
-                self._chain = np.empty((3, len(self._index), sums.shape[2]))
+                self._chain = np.empty((3, len(self._index), sums.shape[2]), np.float32)
             self._chain[:, own] = part.posture[index], *by_position
 
     def _filtered(self, load: Float, index: Int) -> Float:
@@ -268,11 +269,11 @@ class RegressionRows:
             return np.asarray(sum(products[k : k + len(index), k] for k in range(stretches)))
         return np.asarray(self._smooth(load)[index[:, None] + NEIGHBOURS] @ SIMPSON)
 
-    def moving(self, dead_band_rad_s: float, every: int = 1) -> Rows:
+    def moving(self, dead_band_rad_s: float, every: int = 1, digits: type = np.float64) -> Rows:
         """Return the rows at which the joint moves, or one of so many, after the last part."""
         moving = np.abs(self.found["velocity"]) > dead_band_rad_s
         place = np.flatnonzero(moving & (self.found["lasting"] < LONGEST * 2 * self.around * self._step_s))[::every]
-        own = {name: column[place] for name, column in self.found.items()}
+        own = {name: column[place].astype(digits).astype(np.float64) for name, column in self.found.items()}
         columns = {name: own[name] for name in ("coulomb", "viscous")}
         columns |= {"offset": np.ones(len(place)), "inertia": own["inertia"]}
         columns |= {n: own[n] for n in ("gravity_x", "gravity_y") if len(place) and np.ptp(own[n]) > LEAST_SWING}
@@ -292,7 +293,7 @@ class RegressionRows:
         """Return what of the torque a chain without a model takes, None where no other joint moves, or of few rows."""
         if not len(self._chain):
             return None
-        moved = self._chain[:, rows.place]
+        moved = self._chain[:, rows.place].astype(np.float64)
         if not np.any(np.ptp(np.delete(moved[0], self._joint, axis=1), axis=0) > RESTING_RAD):
             return None
         motion, every = ChainMotion.of(self._joint, *moved), len(rows.place) // SOUGHT + 1

@@ -34,17 +34,17 @@ RIDGE = 1e-10  # relative to unit columns: keeps a window without any motion of 
 class Equations(NamedTuple):
     """Weighted equations of one joint, summed by group (a cycle, or a stroke)."""
 
-    # names of columns; those of the friction model come first, columns without a name have standard normal coefficients
-    names: tuple[str, ...]
+    names: tuple[str, ...]  # names of columns; those of the friction model come first
     normal: Float  # A_g^T W A_g per group, shape (m, p, p)
     right: Float  # A_g^T W y_g per group, shape (m, p)
     scale: Float  # lengths by which the columns were divided, shape (p,)
+    precision: Float = np.empty(0)  # of the coefficients of columns without a name, which come last
 
     def conditioning(self) -> tuple[float, float]:
         """Return the condition number of the scaled matrix and the correlation of the two friction coefficients."""
         # Not by eigenvalues: with instruments the matrix is not symmetric.
         normal, p = self.normal.sum(axis=0), len(self.names)
-        others = np.linalg.solve(normal[p:, p:] + np.eye(len(normal) - p), normal[p:, :p])
+        others = np.linalg.solve(normal[p:, p:] + np.diag(self.precision), normal[p:, :p])
         _, values, rows = np.linalg.svd(normal[:p, :p] - normal[:p, p:] @ others)
         is_singular = values[-1] < len(values) * np.finfo(float).eps * values[0]
         condition = float("inf") if is_singular else float(np.sqrt(values[0] / values[-1]))
@@ -125,7 +125,7 @@ def fit_windows(equations: Equations, window: int) -> Fit:
     both = (equations.normal, equations.right)
     normal, right = (np.lib.stride_tricks.sliding_window_view(one, window, axis=0).sum(axis=-1) for one in both)
     windows = len(normal)
-    ridge = np.diag(np.where(np.arange(normal.shape[-1]) < len(equations.names), RIDGE, 1.0))
+    ridge = np.diag(np.append(np.full(len(equations.names), RIDGE), equations.precision))
     value = _solve(normal + ridge, right)
     if windows == 1:
         variance = _solve(normal - equations.normal + ridge, right - equations.right).var(axis=0)[None]
@@ -182,10 +182,10 @@ def fit_rows(rows: Rows) -> tuple[Equations, Fit]:
     scale = np.linalg.norm(free.columns, axis=0).clip(min=np.finfo(float).tiny)
     weights = huber_weights(free.columns / scale, free.torque, free.instruments / scale)
     scaled, instruments = rows.columns / scale, rows.instruments / scale
-    first = np.flatnonzero(np.diff(rows.stroke, prepend=-1))
+    first, precision = np.flatnonzero(np.diff(rows.stroke, prepend=-1)), np.empty(0)
     if rows.chain is not None:
-        scaled, instruments = (np.hstack([one, rows.chain[0].T * rows.chain[1]]) for one in (scaled, instruments))
-        scale = np.append(scale, np.ones(len(rows.chain[1])))
+        scaled, instruments = (np.hstack([one, rows.chain[0].T]) for one in (scaled, instruments))
+        scale, precision = np.append(scale, np.ones(len(rows.chain[0]))), rows.chain[1] ** -2.0
         first = first[:: -(-len(first) // MOST_STROKES)]
     weighted = instruments * weights[:, None]
     strokes = [slice(*both) for both in pairwise([*first.tolist(), len(scaled)])]
@@ -194,6 +194,7 @@ def fit_rows(rows: Rows) -> tuple[Equations, Fit]:
         normal=np.stack([weighted[one].T @ scaled[one] for one in strokes]),
         right=np.add.reduceat(weighted.T * rows.torque, first, axis=-1).T,
         scale=scale,
+        precision=precision,
     )
     fit = fit_windows(equations, len(first))
     return equations, fit._replace(error=float(weights.mean() / np.mean(weights >= 1.0)) * fit.error)
