@@ -232,7 +232,9 @@ def _effects(
                 not_identifiable=unknown,
             )
         )
-    return tuple(replace(one, own=profiles.own_axis(one, traces)) for one in found[False]), tuple(found[True])
+    beside_chain = len(problem.chain) > 0
+    drawn = (replace(one, own=profiles.own_axis(one, traces, beside_chain=beside_chain)) for one in found[False])
+    return tuple(drawn), tuple(found[True])
 
 
 def _detection_limit(state: State, left_nm: float) -> float:

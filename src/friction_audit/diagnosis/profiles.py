@@ -106,12 +106,12 @@ def shows_along(torque: Float, along: Float, dq: Float) -> bool:
     return off_curve <= MOST_HIDDEN * float(torque @ torque)
 
 
-def own_axis(effect: NamedEffect, traces: Traces) -> OwnAxis | None:
+def own_axis(effect: NamedEffect, traces: Traces, *, beside_chain: bool = False) -> OwnAxis | None:
     """Return what an effect is drawn along; None where the axis of its curve shows it.
 
     A ripple is drawn over one wave, for bins in place would average it away. What follows several joints, or is no
-    curve over its axis, as the ringing of a spring, is drawn over the torque that was fitted: on the diagonal the log
-    holds all of the effect.
+    curve over its axis, as the ringing of a spring or a torque that is freed of an unknown chain, is drawn over the
+    torque that was fitted: on the diagonal the log holds all of the effect.
     """
     if ORDER in effect.parameters:
         waves = effect.parameters[ORDER].value * traces.q / (2 * np.pi)
@@ -119,7 +119,7 @@ def own_axis(effect: NamedEffect, traces: Traces) -> OwnAxis | None:
     else:
         source = effect.parameters.get(SOURCE)
         alone = effect.name not in OF_SEVERAL_JOINTS and (source is None or source.value == 0.0)
-        if alone and shows_along(effect.torque, traces.along[effect.curve.axis], traces.dq):
+        if alone and not beside_chain and shows_along(effect.torque, traces.along[effect.curve.axis], traces.dq):
             return None
         label, values = f"Fitted torque of {effect.name} [N m]", effect.torque
     before, after = traces.measured - traces.before, traces.measured - traces.after

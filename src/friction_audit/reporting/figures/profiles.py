@@ -11,6 +11,7 @@ from matplotlib.ticker import FuncFormatter
 
 from friction_audit.diagnosis.profiles import ORDER
 from friction_audit.diagnosis.result import CONTACT_EVENT, JointDiagnosis, NamedEffect, OwnAxis, Profile
+from friction_audit.effects.registry import GRAVITY
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Diagnosis
 from friction_audit.reporting.diagnosis_words import MOST_NUMBERS, effect_numbers, joint_message, plain_names
@@ -37,6 +38,11 @@ class Row(NamedTuple):
     own: OwnAxis | None = None
 
 
+def _own_axis(effect: NamedEffect) -> OwnAxis | None:
+    """A ripple is drawn over its wave, gravity that no angle shows over its fitted torque; no other effect is."""
+    return effect.own if ORDER in effect.parameters or effect.name == GRAVITY else None
+
+
 def rows_of(joint: JointDiagnosis) -> list[Row]:
     """Return one row per axis that shows a named effect, and one for what is left unexplained."""
 
@@ -47,7 +53,7 @@ def rows_of(joint: JointDiagnosis) -> list[Row]:
 
     rows: dict[str, Row] = {}
     for effect in joint.added:
-        own = effect.own if ORDER in effect.parameters else None  # a ripple is drawn over its wave
+        own = _own_axis(effect)
         row = along(effect.curve.axis) if own is None else Row(own.before, own.after, own)
         rows.setdefault(own.label if own else effect.curve.axis, row)
     found = list(rows.values())
@@ -160,8 +166,7 @@ def _draw_nothing_missing(axes: Axes, joint: JointDiagnosis) -> None:
 
 def _draw_effect(axes: Axes, joint: JointDiagnosis, effect: NamedEffect) -> None:
     """Draw the effect as the log shows it, and as it was fitted, a line for each direction."""
-    # A ripple is drawn over its wave; what no quantity shows is not drawn over its own fitted torque.
-    traces, own = joint.traces, effect.own if ORDER in effect.parameters else None
+    traces, own = joint.traces, _own_axis(effect)
     assert traces is not None
     parts.label_panel(axes, f"{parts.joint_title(joint.joint, joint.name)}: {plain_names(effect.name)}")
     curve, along = (own.curve, own.values) if own else (effect.curve, traces.along[effect.curve.axis])
