@@ -12,7 +12,7 @@ from friction_audit.preprocessing.even_grid import belated_samples, fresh_sample
 from friction_audit.preprocessing.interaction import Caution, Interaction
 from friction_audit.preprocessing.sign import SIGNIFICANT
 from friction_audit.preprocessing.torque_source import CHANNELS
-from friction_audit.robot.unknown_chain import RESTING_RAD
+from friction_audit.preprocessing.velocity import RESTING_RAD
 
 NAN = float("nan")
 MOST_DELAY_S, MOST_DELAY_STEPS = 0.02, 2.0  # of dq after q: larger than any filter's, the torque's clock is not known

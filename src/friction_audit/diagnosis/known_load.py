@@ -137,7 +137,7 @@ def known_inertias(arm: Arm | None, choice: TorqueChoice, q: Float) -> Float:
 def chain_basis(data: JointData, weight: Float, seen: Callable[[Float], Float], X: Float, y: Float) -> Float:
     """What of the chain's torque the log can tell from noise, orthonormal on the m samples, shape (k, m).
 
-    A direction counts beside nominal columns, shape (b, m), if its coefficient varies by more than noise makes of it.
+    A direction counts, given nominal columns, shape (b, m), if its coefficient varies by more than noise makes of it.
     ``seen`` brings the fine grid, shape (n, j), to the samples, shape (j, m), of some weight each.
     """
     motion = _chain_of(data, lambda x: (seen(x) / weight).T)

@@ -33,9 +33,15 @@ from friction_audit.preprocessing.even_grid import MOVING_RAD_S, LowPass
 from friction_audit.preprocessing.interaction import Interaction, Reason
 from friction_audit.preprocessing.sign import coarse_log
 from friction_audit.preprocessing.torque_source import CHANNELS
-from friction_audit.preprocessing.velocity import complementary_mean, crossover_of, find_lag, noise_of_both, position_of
+from friction_audit.preprocessing.velocity import (
+    RESTING_RAD,
+    complementary_mean,
+    crossover_of,
+    find_lag,
+    noise_of_both,
+    position_of,
+)
 from friction_audit.robot.arm import Arm
-from friction_audit.robot.unknown_chain import RESTING_RAD
 
 # Parts of a long recording, the bridge from each to the next, and the time in which springs and bristles forget that.
 PART_S, BRIDGE_S, FORGOTTEN_S = 60.0, 2.0, 3.0

@@ -319,7 +319,7 @@ def indistinguishable(
         names += [name for name, one in constants.items() if given.evidence(gram.of(one)) >= PRIOR]
     # Gravity that the torque holds changes with other joints too, and what follows their motion may be it.
     names += [GRAVITY] * (gram.problem.data.unknown_gravity and block.effect.axis == "neighbour")
-    names += [GRAVITY] * _small_beside_chain(gram, block, active)
+    names += [GRAVITY] * _small_to_chain(gram, block, active)
     wholes = PART_OF.get(block.name, ())
     certain = {GRAVITY} if gram.problem.data.weighs else set()  # the torque holds it
     leaning = (b for b in others if b.name not in certain and _leans(Training(gram), block, b, others))
@@ -327,7 +327,7 @@ def indistinguishable(
     return tuple(dict.fromkeys(names))
 
 
-def _small_beside_chain(gram: Gram, block: Block, active: Sequence[Block]) -> bool:
+def _small_to_chain(gram: Gram, block: Block, active: Sequence[Block]) -> bool:
     """Whether an effect's torque may be what the processes of a chain without a model leave of its gravity."""
     load = gram.problem.data.load
     if load is None or block.name == GRAVITY or not len(gram.problem.chain):

@@ -10,7 +10,7 @@ position are instruments for them.
 
 Rows of one stroke share their errors, so strokes are left out one at a time, as cycles are by the default estimator.
 
-Gravity and inertia of an arm that nobody gave a model of are a Gaussian process beside these columns: those of
+Gravity and inertia of an arm without a model are Gaussian processes in addition to these columns: those of
 ``robot.unknown_chain``, their coefficients left out with the strokes. All checks are on rows whitened with it.
 """
 
@@ -26,12 +26,12 @@ from friction_audit.friction.settings import FEWEST_CYCLES
 from friction_audit.friction.weighted import CUTOFF, Fit, Rows, fit_rows
 from friction_audit.joint_log import Float, Int
 from friction_audit.preprocessing.interaction import Caution, Interaction, Reason
-from friction_audit.preprocessing.velocity import filter_velocity, settling_samples
-from friction_audit.robot.unknown_chain import RESTING_RAD, ChainMotion, chain_columns, constant_coupling
+from friction_audit.preprocessing.velocity import RESTING_RAD, filter_velocity, settling_samples
+from friction_audit.robot.unknown_chain import ChainMotion, chain_columns, constant_coupling
 
 CUTOFF_HZ = 20.0
 ROW_RATE_HZ = 50.0
-MOST_ROWS, MOST_BESIDE = 20_000, 6_000  # the second beside an unknown chain
+MOST_ROWS, MOST_WITH_CHAIN = 20_000, 6_000  # the second with an unknown chain
 FEWEST_ROWS = 100
 # A difference of neighbours is a mean slope: torque and velocity are averaged likewise, for the inertia of slow logs.
 NEIGHBOURS, SIMPSON = np.array([-1, 0, 1]), np.array([1.0, 4.0, 1.0]) / 6.0
@@ -55,9 +55,10 @@ CERTAIN, LIKELY, SHORTEST_DELAY_S = 2.5, 1.5, 2e-3
 # The direction, averaged over so long, stands for a low-pass of 2 Hz. The share of Coulomb friction that follows it is
 # 0.3 and more in filtered logs, at most 0.08 where no friction builds up over a distance.
 TURN_S, LEAST_FOLLOWING, SURE = 0.3, 0.25, 3.0
-# Of an unknown chain: rows among which columns are looked for, standard deviation of what has no prior and least one
-# that counts, in units of the noise; least share of a column that no others hold; most columns per row.
-SOUGHT, NO_PRIOR, LEAST_SD, SMALLEST, MOST_PER_ROW = 1500, 1e4, 0.3, 1e-3, 0.25
+# Of an unknown chain: rows that are candidates for the Cholesky decomposition; standard deviation of a coefficient
+# without a prior, and the least that counts, in units of the noise; least share of a column that no others hold.
+CANDIDATES, NO_PRIOR, LEAST_SD, SMALLEST = 1500, 1e4, 0.3, 1e-3
+MOST_PER_ROW = 0.25  # columns of the chain: friction needs rows too
 
 
 def regress_torque(
@@ -66,7 +67,7 @@ def regress_torque(
     """Regress the torque of one joint on its motion, samples slower than the dead band left out.
 
     With the rows of the other joints by number it is also checked whether the regression can stand for the friction of
-    the joint where no energy does. Too few moving samples or strokes give None. Beside an unknown chain first; where
+    the joint where no energy does. Too few moving samples or strokes give None. With an unknown chain first; where
     that leaves a doubt, of a short log as a rule, without.
     """
     if not rows.found:  # the log is shorter than what a row needs
@@ -76,9 +77,9 @@ def regress_torque(
     if len(found.torque) < FEWEST_ROWS or strokes < FEWEST_CYCLES:
         return None
     # In single precision: a hundred columns that depend on each other ask for more digits than blocks agree in.
-    beside = rows.moving(dead_band_rad_s, -(-len(found.torque) // MOST_BESIDE), np.float32)
-    beside = beside._replace(chain=rows.unknown_chain(beside))
-    if beside.chain is not None and not (regression := _regress(beside, dead_band_rad_s, others or {})).doubt:
+    with_chain = rows.moving(dead_band_rad_s, -(-len(found.torque) // MOST_WITH_CHAIN), np.float32)
+    with_chain = with_chain._replace(chain=rows.unknown_chain(with_chain))
+    if with_chain.chain is not None and not (regression := _regress(with_chain, dead_band_rad_s, others or {})).doubt:
         return regression
     return _regress(found, dead_band_rad_s, others)
 
@@ -296,18 +297,18 @@ class RegressionRows:
         moved = self._chain[:, rows.place].astype(np.float64)
         if not np.any(np.ptp(np.delete(moved[0], self._joint, axis=1), axis=0) > RESTING_RAD):
             return None
-        motion, every = ChainMotion.of(self._joint, *moved), len(rows.place) // SOUGHT + 1
+        motion, every = ChainMotion.of(self._joint, *moved), len(rows.place) // CANDIDATES + 1
         known = rows.columns[:, :3].T  # inertia and gravity are among the effects
-        sought = chain_columns(motion, np.ones(len(rows.place)), known, rows.torque, every)
+        columns = chain_columns(motion, np.ones(len(rows.place)), known, rows.torque, every)
         constant = np.delete(constant_coupling(motion), self._joint, axis=0)  # own inertia has a column
         constant = constant / np.linalg.norm(constant, axis=1).clip(min=CUTOFF)[:, None]
         _, size, constant = np.linalg.svd(constant, full_matrices=False)
         constant = constant[size > SMALLEST]
-        sought -= (sought @ constant.T) @ constant
-        square, turned = np.linalg.eigh(sought @ sought.T)
+        columns -= (columns @ constant.T) @ constant
+        square, turned = np.linalg.eigh(columns @ columns.T)
         kept = square > LEAST_SD**2
         size = np.sqrt(square[kept])
-        basis = np.vstack([constant, (turned[:, kept] / size).T @ sought])
+        basis = np.vstack([constant, (turned[:, kept] / size).T @ columns])
         if len(basis) > MOST_PER_ROW * len(rows.place):
             return None
         return basis, np.append(np.full(len(constant), NO_PRIOR), size)

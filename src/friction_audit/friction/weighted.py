@@ -27,7 +27,7 @@ HUBER = 1.345  # residuals beyond so many standard deviations lose weight: 95 % 
 SIGMA_PER_MEDIAN = 1 / 0.6744897501960817  # standard deviation of a normal variable over its median absolute value
 REWEIGHTINGS = 9
 CUTOFF = 1e-14  # relative size below which a singular value of the normal matrix counts as zero
-MOST_STROKES = 40  # left out one at a time beside an unknown chain; of more, several together
+MOST_STROKES = 40  # left out one at a time with an unknown chain; of more, several together
 RIDGE = 1e-10  # relative to unit columns: keeps a window without any motion of one kind solvable
 
 

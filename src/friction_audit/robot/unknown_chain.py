@@ -1,4 +1,4 @@
-"""Rigid-body torque of a chain of revolute joints whose model nobody gave, identified from the log itself.
+"""Rigid-body torque of a chain of revolute joints without a model, identified from the log itself.
 
 The torque of gravity is linear in cosine and sine of each angle, and a sine of the joint's own; that of inertia is
 linear in accelerations and products of velocities, and of second degree in cosine and sine of each angle. Gaussian
@@ -15,7 +15,6 @@ import numpy as np
 from friction_audit.joint_log import Float, Int
 
 MOST = 100  # columns of a process
-RESTING_RAD = 0.05  # a joint without a cycle whose position stays within this does not move, and velocities are noise
 ROUNDS = 10  # of expectation maximisation
 ABSORBED = 1e-4  # of the norm of a column: less of it is rounding
 
@@ -126,7 +125,7 @@ def chain_columns(motion: ChainMotion, weight: Float, known: Float, y: Float, ev
     """Columns of both processes, each of a standard normal coefficient in units of the noise, shape (k, m).
 
     Their variances and that of the noise by expectation maximisation (D. A. Harville, J. Am. Stat. Assoc. 72 (1977)
-    320), beside known columns, shape (b, m), and the effects that they leave out. The samples have some weight each;
+    320), given known columns, shape (b, m), and the effects that they leave out. The samples have some weight each;
     every so many of them are candidates for the Cholesky decomposition.
     """
     thin = motion.at(slice(None, None, every))
