@@ -232,8 +232,8 @@ def _effects(
                 not_identifiable=unknown,
             )
         )
-    beside_chain = len(problem.chain) > 0
-    drawn = (replace(one, own=profiles.own_axis(one, traces, beside_chain=beside_chain)) for one in found[False])
+    free = len(problem.chain) > 0
+    drawn = (replace(one, own=profiles.own_axis(one, traces, free_of_chain=free)) for one in found[False])
     return tuple(drawn), tuple(found[True])
 
 

@@ -230,9 +230,9 @@ def _may_absorb_error(state: State, active: Sequence[Block], block: Block, other
     values = next(axis.value(problem.data) for axis in AXES if axis.name == other.effect.axis)
     assert values is not None
     knots = knots_of(values, problem.data.used)
-    hats = np.column_stack([np.interp(values, knots, row) for row in np.eye(len(knots))])
-    if other.effect.misses == "directed":
-        hats = curve(values, knots, problem.data.dq)
+    hats = curve(values, knots, problem.data.dq)
+    if other.effect.misses == "even":
+        hats = hats[:, : len(knots)] + hats[:, len(knots) :]
     given = selection.Projected(state.search.training, [b for b in active if b is not block])
     return given.and_also(state.gram.whiten(problem.columns(hats))).evidence(state.gram.of(block)) < selection.PRIOR
 

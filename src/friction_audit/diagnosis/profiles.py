@@ -106,11 +106,11 @@ def shows_along(torque: Float, along: Float, dq: Float) -> bool:
     return off_curve <= MOST_HIDDEN * float(torque @ torque)
 
 
-def own_axis(effect: NamedEffect, traces: Traces, *, beside_chain: bool = False) -> OwnAxis | None:
+def own_axis(effect: NamedEffect, traces: Traces, *, free_of_chain: bool = False) -> OwnAxis | None:
     """Return what an effect is drawn along; None where the axis of its curve shows it.
 
     A ripple is drawn over one wave, for bins in place would average it away. What follows several joints, or is no
-    curve over its axis, as the ringing of a spring or a torque that is freed of an unknown chain, is drawn over the
+    curve over its axis, as the ringing of a spring or gravity free of that of an unknown chain, is drawn over the
     torque that was fitted: on the diagonal the log holds all of the effect.
     """
     if ORDER in effect.parameters:
@@ -118,8 +118,8 @@ def own_axis(effect: NamedEffect, traces: Traces, *, beside_chain: bool = False)
         label, values = "Position within a wave [waves]", np.mod(waves, 1.0)
     else:
         source = effect.parameters.get(SOURCE)
-        alone = effect.name not in OF_SEVERAL_JOINTS and (source is None or source.value == 0.0)
-        if alone and not beside_chain and shows_along(effect.torque, traces.along[effect.curve.axis], traces.dq):
+        alone = effect.name not in OF_SEVERAL_JOINTS and (source is None or (source.value == 0.0 and not free_of_chain))
+        if alone and shows_along(effect.torque, traces.along[effect.curve.axis], traces.dq):
             return None
         label, values = f"Fitted torque of {effect.name} [N m]", effect.torque
     before, after = traces.measured - traces.before, traces.measured - traces.after
