@@ -139,7 +139,8 @@ def _result(subject: Subject, state: State, settings: DiagnosisSettings) -> Join
         remaining = profiles.profiles_of(problem, after.residual, last.curves)
     traces = _traces(state, before.residual, after.residual)
     named, negligible = _effects(state, estimates, settings.min_effect_nm, traces)
-    checks = residual_checks.run(gram, active)
+    small = {one.name for one in negligible}
+    checks = tuple(c for c in residual_checks.run(gram, active) if c.code != "change" or c.along not in small)
     bare = held_out(gram, [b for b in active if b.name == GRAVITY], replaced=active).rms
     verdict, lacking = verdict_of(state, named, checks), _lacking(state, checks)
     slow = (Caution("untested_time", numbers={"lacking": lacking}),) if verdict == "not_testable" else ()

@@ -6,7 +6,7 @@ import numpy as np
 
 from friction_audit.diagnosis import contact_events, residual_checks, selection
 from friction_audit.diagnosis.dictionary import Block, Dictionary
-from friction_audit.diagnosis.gram import Gram, Training
+from friction_audit.diagnosis.gram import RIDGE, Gram, Training
 from friction_audit.diagnosis.nonlinear import refine
 from friction_audit.diagnosis.problem import AXES, SIGNS, Nuisance, RegressionProblem, curve, knots_of
 from friction_audit.diagnosis.samples import NoiseModel
@@ -19,6 +19,10 @@ from friction_audit.joint_log import Float
 
 LEAST_Z = 2.0  # standard errors by which a held-out residual must shrink
 LEAST_SHARE = 0.1  # rms of an effect over that of what is left: 0.5 % of the rms
+# Variance inflation factor of what is collinear (S. Menard, Applied Logistic Regression Analysis, 1995): errors of others
+# grow by its root. Of two effects that cancel the log shows the difference, and that must be as large as this
+# share of what is left (whole_arms: ur one none 220000, joint 1: nonlinear_viscous; iiwa sines, joint 2: warm_up).
+COLLINEAR, LEAST_OWN = 5.0, 0.5
 REPEATS = 2
 EFFECT_ERROR = 0.1  # of the torque of a named effect
 GRAVITY_PARTS = (0.0, 0.1, 0.3, 1.0)  # of that: a sine of the angle may be exact
@@ -202,7 +206,7 @@ def accepted(state: State, active: Sequence[Block]) -> list[Block]:
     """Without effects that do not predict held-out cycles, or may be what a larger effect's formula lacks."""
     kept = list(active)
     while kept:
-        found, size = gains(state.gram, kept), sizes(state.gram, kept)
+        found, size, inflated = gains(state.gram, kept), sizes(state.gram, kept), inflations(state.gram, kept)
         left = float(np.std(residual_checks.residual_of(state.gram, kept)))
         strengths = []
         for k, block in enumerate(kept):
@@ -211,6 +215,7 @@ def accepted(state: State, active: Sequence[Block]) -> list[Block]:
                 for s, other in zip(size, kept, strict=True)
             )
             stands = found[k].z >= LEAST_Z and found[k].shrinks and size[k] >= LEAST_SHARE * left and not lost
+            stands &= inflated[k] <= COLLINEAR or size[k] >= LEAST_OWN * left * np.sqrt(inflated[k])
             strengths.append(np.inf if stands else found[k].z)
         if not np.isfinite(min(strengths)):
             break
@@ -238,9 +243,27 @@ def _may_absorb_error(state: State, active: Sequence[Block], block: Block, other
 
 
 def sizes(gram: Gram, active: Sequence[Block]) -> Float:
-    """Rms of each effect's torque free of the nominal model, shape (k,). [N m]"""
-    X, torques = gram.problem.X, (c @ block.columns for block, c in fitted(gram, active))
-    return np.array([float(np.sqrt(np.mean((torque - _ols(X, torque) @ X) ** 2))) for torque in torques])
+    """Rms of each effect's torque free of the nominal model, and of an offset that may be any, shape (k,). [N m]"""
+    known = gram.base_raw[gram.precision == 0.0]
+    torques = [c @ block.columns for block, c in fitted(gram, active)]
+    return np.array([float(np.sqrt(np.mean((torque - _ols(known, torque) @ known) ** 2))) for torque in torques])
+
+
+def inflations(gram: Gram, active: Sequence[Block]) -> Float:
+    """Variance inflation factor of each effect's size by the nuisances and the other effects, shape (k,)."""
+    fit = Training(gram).fit(active)
+    whole = (fit.factor @ fit.factor.T) * np.outer(fit.scale, fit.scale)
+    known, rows, found = np.flatnonzero(gram.precision[fit.kept] == 0.0), np.arange(len(whole)), []
+    owner = np.repeat(np.arange(-1, len(active)), [len(fit.kept), *(b.p for b in active)])
+    for k, coefficients in enumerate(selection.split(fit, active)):
+        own, others = rows[owner == k], rows[owner != k]
+        cross = whole[:, own] @ coefficients
+        free = [
+            cross[own] @ coefficients - cross[one] @ np.linalg.solve(whole[np.ix_(one, one)], cross[one])
+            for one in (known, others)
+        ]
+        found.append(free[0] / max(free[1], RIDGE * free[0]))
+    return np.array(found)
 
 
 def nominal(training: Training, active: Sequence[Block]) -> Nominal:
