@@ -4,6 +4,7 @@ import gc
 import os
 from collections.abc import Callable, Iterator
 from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -13,9 +14,9 @@ from hypothesis import settings
 from rosbags.serde import cdr, ros1
 from rosbags.serde.utils import compile_lines
 
+from tests import in_this_process
 from tests.chromium import NoChromiumError, find_chromium
 from tests.opened_page import open_address  # noqa: F401 - a fixture
-from tests.sketches import sketch
 
 if TYPE_CHECKING:
     from playwright.sync_api import BrowserContext
@@ -78,10 +79,18 @@ def made_once() -> Iterator[None]:
 
 
 @pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> in_this_process.Run:
+    """Return the command line: words in, answer out, in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "100")
+    return in_this_process.run
+
+
+@pytest.fixture
 def sketched(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Make figures and do not paint them, unless asked to be thorough: see ``sketches.py``."""
+    """Make figures and do not paint them, unless asked to be thorough."""
     if not request.config.getoption("thorough"):
-        monkeypatch.setattr("matplotlib.figure.Figure.savefig", sketch)
+        monkeypatch.setattr("matplotlib.figure.Figure.savefig", in_this_process.sketch)
 
 
 @pytest.fixture(scope="session")

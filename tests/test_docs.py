@@ -24,8 +24,8 @@ from friction_audit.reporting.estimate import ESTIMATE
 from friction_audit.reporting.figures.registry import FIGURES
 from friction_audit.simulation import EFFECTS
 from friction_audit.simulation.effects.effect import HiddenEffect
-from tests.diagnosed_once import diagnosed_once
 from tests.documented_commands import PAGES, ROOT, Terminal, blocks, commands, examples, same
+from tests.in_this_process import diagnosed_once
 
 DOCS = ROOT / "docs"
 ON_PAGES = pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))

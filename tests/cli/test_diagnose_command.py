@@ -17,8 +17,8 @@ from friction_audit.diagnosis.prepare import Subject
 from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.io.writers.write_log import write_log
 from friction_audit.reporting import report as log_report
-from tests.cli.conftest import Run
 from tests.each_case import with_thorough
+from tests.in_this_process import Run
 from tests.reporting.conftest import build_estimate
 
 FEW = ("--candidates", "stribeck,torque_ripple")

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from friction_audit.cli import NAMES, command_of, parameters
-from tests.cli.conftest import Run
+from tests.in_this_process import Run
 
 EACH = pytest.mark.parametrize("name", NAMES)
 

@@ -10,8 +10,7 @@ from friction_audit import __version__
 from friction_audit.cli import NAMES, command_of, main
 from friction_audit.cli.parameters import HEADINGS
 from friction_audit.effects.joint_model import ArmModel, JointModel, save_model, simple_model
-from tests.cli.conftest import Run
-from tests.in_this_process import in_this_process
+from tests.in_this_process import Run, in_this_process
 
 MOST_OPTIONS = 15
 
