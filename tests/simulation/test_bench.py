@@ -154,8 +154,8 @@ def test_a_simulation_that_diverges_says_so_and_gives_no_log(settings: BenchSett
 # What holds of every effect: nothing at zero strength, finite and visible as usual, alone and in company.
 
 SEED = 4
-USUAL = BenchSettings(duration_s=20.0)
-FINE = replace(USUAL, sensors=(IDEAL_SENSORS,))
+USUAL = BenchSettings(duration_s=10.0)
+FINE = replace(USUAL, sensors=(IDEAL_SENSORS,), duration_s=20.0)
 ALONE = [effect for effect in EFFECTS if not effect.needs_neighbours]
 CASES = [(effect, form) for effect in ALONE for form in effect.forms or ("",)]
 NAMES = [f"{effect.name}-{form}" for effect, form in CASES]
@@ -250,7 +250,7 @@ STEPS = {"q": 1e-6, "dq": 1e-6, "tau_interaction": 0.0357, "tau_J": 0.0357, "gra
 @pytest.mark.parametrize(("driven", "logs_sensor"), [(False, False), (False, True), (True, True)])
 @pytest.mark.parametrize("number", [0, 1, *thorough(range(2, 6))])
 def test_all_effects_at_once(number: int, driven: bool, logs_sensor: bool) -> None:
-    settings = replace(USUAL, logs_sensor=logs_sensor, logs_temperature=True, driven=driven, duration_s=10.0)
+    settings = replace(USUAL, logs_sensor=logs_sensor, logs_temperature=True, driven=driven)
     settings = replace(settings, gravity_nm=5.0 * logs_sensor)
     hidden = everything(number)
     if driven:
