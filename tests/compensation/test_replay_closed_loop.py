@@ -1,6 +1,5 @@
 """Replay where the joint moves otherwise than recorded, fitted or of a file; steps and cycles of the hand by hand."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -16,7 +15,6 @@ from friction_audit.compensation.settings import Competitor, ModelFile, ReplaySe
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, simple_model
 from friction_audit.effects.registry import terms
-from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.reporting.notices import sentences, text_of
 from friction_audit.simulation.bench import Operator
@@ -105,20 +103,6 @@ def test_an_inertia_that_the_log_does_not_tell_is_refused() -> None:
 
 
 REGULATION = TorqueRegulation(inertia_kg_m2=0.3, desired_inertia_kg_m2=0.2)
-
-
-@pytest.mark.parametrize(
-    ("made", "message"),
-    [
-        (lambda: ReplaySettings(assume="wrong"), "--assume wrong"),
-        (lambda: ReplaySettings(compensator=REGULATION), "same-motion holds fixed"),
-        (lambda: Competitor(name="magic"), "--compensator magic"),
-        (lambda: replace(TRUE_HAND, inertia_kg_m2=-1.0), "--operator -1,9,60"),
-    ],
-)
-def test_contradictions_are_refused(made: Callable[[], object], message: str) -> None:
-    with pytest.raises(UsageError, match=message):
-        made()
 
 
 # Parts of a replay by hand.
