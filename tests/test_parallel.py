@@ -19,6 +19,7 @@ from threadpoolctl import threadpool_info, threadpool_limits
 
 from friction_audit.compiled import compiled
 from friction_audit.errors import AnalysisError
+from friction_audit.joint_log import Float, read_only
 from friction_audit.parallel import WORKERS, in_processes, one_joint_at_a_time, own_process, per_joint, workers_for
 
 forked = pytest.mark.skipif(sys.platform != "linux", reason="no process is forked there")
@@ -79,6 +80,15 @@ def test_results_come_in_order_from_all_processes(tmp_path: Path) -> None:
     assert [(value, last) for value, _, last in found] == [(10 * piece, piece) for piece in range(9)]
     assert len({process for _, process, _ in found}) == 3
     assert multiprocessing.active_children() == []
+
+
+def test_one_worker_is_this_process_and_does_a_piece_when_it_is_asked_for() -> None:
+    done: list[int] = []
+    results = in_processes(done.append, 3, 1)
+    next(results)
+    assert done == [0]
+    assert list(results) == [None, None]
+    assert done == [0, 1, 2]
 
 
 @forked
@@ -160,6 +170,15 @@ def is_there(process: int) -> bool:
         return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except OSError:
         return False
+
+
+@pytest.mark.parametrize("numbers", [np.arange(6.0), np.arange(12.0)[::2], np.asfortranarray(np.ones((3, 2)))])
+def test_numbers_for_a_loop_are_of_one_kind(numbers: Float) -> None:
+    given = read_only(numbers)
+    assert given.flags.c_contiguous
+    assert not given.flags.writeable
+    assert numbers.flags.writeable
+    np.testing.assert_array_equal(given, numbers)
 
 
 def test_a_loop_compiles_where_no_cache_can_be_written(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,9 +1,9 @@
 """What holds for every effect of the registry; the simulator's formula of each is the detector's column."""
 
+import functools
 import re
 from collections.abc import Callable
 from dataclasses import fields, replace
-from functools import cache
 from importlib import import_module
 from itertools import combinations
 from pathlib import Path
@@ -157,7 +157,7 @@ ELSEWHERE = {
 }  # fmt: skip
 
 
-@cache
+@functools.cache
 def written() -> dict[str, set[str]]:
     """Return the files in which each name is a string, an import or a field; the word may be the field's too."""
     any_of = f"({'|'.join(NAMES)})"
