@@ -18,7 +18,7 @@ from friction_audit.reporting.report import lead_sentence
 from friction_audit.reporting.table import Column, Table
 from tests.reporting import batch_by_hand, diagnosis_by_hand, log_report_by_hand
 from tests.reporting.log_report_by_hand import report
-from tests.reporting.pages import MOST_BYTES, SMALL, blank_figures, of_log, outline, page
+from tests.reporting.pages import MOST_BYTES, SMALL, blank_figures, of_batch, of_log, outline, page
 
 
 @pytest.mark.parametrize(("case", "figures"), [("plain", len(LOG_FIGURES)), ("batch", len(figures_of("drift")))])
