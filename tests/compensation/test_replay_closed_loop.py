@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from friction_audit.compensation.competitors import UNABLE, TorqueRegulation, feed_friction, feed_of
+from friction_audit.compensation.competitors import UNABLE, feed_friction, feed_of
 from friction_audit.compensation.counterfactual import tables_of_file
 from friction_audit.compensation.records import fresh_memory
 from friction_audit.compensation.result import dissipation_removed, find_step
@@ -100,9 +100,6 @@ def test_an_inertia_that_the_log_does_not_tell_is_refused() -> None:
     massless = replace(log, tau_interaction=log.tau_interaction - 0.3 * ddq[:, None])
     joint = replay(massless, ReplaySettings(assume="same-torque")).joints[0]
     assert "inertia is not determined" in text_of(joint.reason)
-
-
-REGULATION = TorqueRegulation(inertia_kg_m2=0.3, desired_inertia_kg_m2=0.2)
 
 
 # Parts of a replay by hand.

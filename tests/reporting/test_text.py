@@ -24,7 +24,6 @@ from tests.reporting.conftest import build_estimate
 from tests.reporting.diagnosis_by_hand import ALONE, BIAS, LIMIT, NAMED, NOT_TESTABLE, STRIBECK, coefficient, diagnosis
 
 ARM = batch_by_hand.arm()
-STEP, RISE = ARM.joints[1].coefficients[0], ARM.joints[4].coefficients[0]
 LONG = replace(BIAS, name="position_dependent_friction", alternatives=("load_dependent_friction",))
 
 

@@ -107,7 +107,6 @@ def test_every_setting_of_a_scenario_can_be_assigned(scenario: Scenario) -> None
 
 # Hidden effects.
 
-ONE = next(scenario.settings for scenario in SCENARIOS if len(scenario.settings.hidden) == 1)
 SEVEN = next(scenario.settings for scenario in SCENARIOS if len(scenario.settings.moving) == 7)
 ONE_OF_SEVEN = next(scenario.settings for scenario in SCENARIOS if scenario.name == "panda-joint")
 EACH_EFFECT = pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.name)

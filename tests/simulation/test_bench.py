@@ -20,11 +20,6 @@ from tests.each_case import thorough
 
 SHORT = BenchSettings(duration_s=20.0)
 IDEAL = replace(SHORT, sensors=(IDEAL_SENSORS,))
-DRIVEN = replace(SHORT, driven=True, logs_sensor=True)
-
-
-def hidden(*names: str) -> Hidden:
-    return Hidden().holding(*(effect.make({}) for effect in EFFECTS if effect.name in names))
 
 
 def only(column: Float) -> Float:
@@ -91,9 +86,7 @@ def test_the_stiffest_wall_takes_energy(form: str) -> None:
     assert (work - kept).min() > -1e-3 * work[-1]
 
 
-# Coloured noise, and what diverges.
-
-PLAIN = BenchSettings(duration_s=6.0)
+# Coloured noise.
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
