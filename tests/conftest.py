@@ -4,6 +4,7 @@ import gc
 import os
 from collections.abc import Callable, Iterator
 from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -15,10 +16,11 @@ from rosbags.serde.utils import compile_lines
 
 from tests.chromium import NoChromiumError, find_chromium
 from tests.opened_page import open_address  # noqa: F401 - a fixture
-from tests.sketches import sketch
 
 if TYPE_CHECKING:
     from playwright.sync_api import BrowserContext
+
+    from tests.in_this_process import Run
 
 FLAGS = ("--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run")
 
@@ -78,8 +80,20 @@ def made_once() -> Iterator[None]:
 
 
 @pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> "Run":
+    """Return the command line: words in, answer out, in an empty folder."""
+    from tests.in_this_process import run as command  # noqa: PLC0415 - NumPy looks for its threads when it is loaded
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "100")
+    return command
+
+
+@pytest.fixture
 def sketched(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Make figures and do not paint them, unless asked to be thorough: see ``sketches.py``."""
+    """Make figures and do not paint them, unless asked to be thorough."""
+    from tests.in_this_process import sketch  # noqa: PLC0415 - as above
+
     if not request.config.getoption("thorough"):
         monkeypatch.setattr("matplotlib.figure.Figure.savefig", sketch)
 

@@ -5,7 +5,6 @@ A block fenced as ``console`` shows commands after ``$`` and what they print; on
 """
 
 import contextlib
-import io
 import os
 import re
 import shlex
@@ -18,9 +17,7 @@ from itertools import pairwise
 from pathlib import Path
 from unittest.mock import patch
 
-from friction_audit.cli import main
-from tests.diagnosed_once import diagnosed_once
-from tests.in_this_process import in_this_process
+from tests.in_this_process import Answer, diagnosed_once, in_this_process, run
 
 ROOT = Path(__file__).parents[1]
 PAGES = (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md")))
@@ -72,8 +69,9 @@ class Terminal:
         words = shlex.split(first)
         if words[0] != "friction-audit":
             return self._shell(command, "")
-        self.code, out, err = self._call(words[1:], apart=bool(rest))
-        return err + self._shell(rest, out) if rest else out
+        answer = self._call(words[1:], apart=bool(rest))
+        self.code = answer.code
+        return answer.err + self._shell(rest, answer.out) if rest else answer.out
 
     def provide_logs(self, command: str) -> bool:
         """Put sample logs where a command expects logs that the page only imagines; True if there are such."""
@@ -90,24 +88,11 @@ class Terminal:
                 path.write_text(_renamed(words), encoding="utf-8")
         return not self.imagined.isdisjoint(words)
 
-    def _call(self, words: list[str], *, apart: bool) -> tuple[int, str, str]:
-        """Run the program; standard error goes where standard output goes, unless they are wanted apart."""
-        out = io.StringIO()
-        err = io.StringIO() if apart else out
-        with (
-            contextlib.chdir(self.folder),
-            patch.dict(os.environ, COLUMNS=str(WIDTH)),
-            in_this_process(),
-            diagnosed_once(),
-            contextlib.redirect_stdout(out),
-            contextlib.redirect_stderr(err),
-        ):
-            try:
-                main(words)
-                code = 0
-            except SystemExit as stop:
-                code = int(stop.code or 0)
-        return code, out.getvalue(), err.getvalue() if apart else ""
+    def _call(self, words: list[str], *, apart: bool) -> Answer:
+        """Run the program in the folder."""
+        columns = patch.dict(os.environ, COLUMNS=str(WIDTH))
+        with contextlib.chdir(self.folder), columns, in_this_process(), diagnosed_once():
+            return run(*words, apart=apart)
 
     def _shell(self, command: str, text: str) -> str:
         """Run anything else in a shell; a loop over commands whose output nobody reads is run by this process."""
@@ -125,8 +110,9 @@ class Terminal:
         )
         self.code = done.returncode
         for words in noted.read_text().split("\0\0")[:-1] if noted.exists() else ():
-            self.code, out, _ = self._call(words.split("\0"), apart=False)
-            assert "/dev/null" in command or not out, out
+            answer = self._call(words.split("\0"), apart=False)
+            self.code = answer.code
+            assert "/dev/null" in command or not answer.out, answer.out
         noted.unlink(missing_ok=True)
         return done.stdout + done.stderr
 

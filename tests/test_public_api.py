@@ -97,6 +97,7 @@ def test_a_replay_counts_the_cycles_that_the_hand_ended(estimated: Estimate) -> 
     [
         ("estimate_log", {"dirve": "hand"}, "estimate_log: no option dirve; .* did you mean drive"),
         ("replay_log", {"asume": "same-motion"}, "did you mean assume"),
+        ("replay_log", {"assume": "wrong"}, "--assume wrong"),
         ("diagnose_log", {"sed": 1}, "did you mean seed"),
         ("diagnose_log", {"candidates": ("friktion",)}, "candidates: friktion: expected some of stribeck, "),
         *(("diagnose_log", {"min_effect_nm": one}, "expected a torque of zero or more") for one in (-0.1, np.nan)),

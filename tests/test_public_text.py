@@ -3,6 +3,7 @@
 import ast
 import re
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 from friction_audit.reporting.notices import sentences
@@ -20,6 +21,10 @@ HOUSE_WORDS = (
 # In messages and help also:
 MORE = r"|(?<=\w )(?:hole|stroke)s?|(?:hole|stroke)s?(?= \w)|unasked|the like|spoils?|anew|leave \S+ away"
 NAME = re.compile(r"(?:^|_)(?:told|tell|nobody|whatever|beside|behind|news|worth|rivals?|strays?|locked|grown)(?:_|$)")
+
+
+parsed = cache(lambda path: ast.parse(path.read_text()))
+"""The module of a path, whatever is looked for in it."""
 
 
 def found_in(text: str, more: str = "") -> list[str]:
@@ -44,7 +49,7 @@ def literals(tree: ast.AST) -> Iterator[tuple[int, str]]:
 def test_no_house_word_is_left() -> None:
     wrong = []
     for path in sorted(SOURCE.rglob("*.py")):
-        tree, place = ast.parse(path.read_text()), path.relative_to(SOURCE)
+        tree, place = parsed(path), path.relative_to(SOURCE)
         wrong += [
             f"{place}:{line}: {word}: {text[:90]!r}" for line, text in literals(tree) for word in found_in(text, MORE)
         ]
@@ -74,7 +79,7 @@ NO_RESULT = re.compile(  # what has texts of errors about what was given, and la
 def test_the_analysis_writes_no_sentence_and_every_code_has_one() -> None:
     wrong, made = [], set[str]()
     for path in (path for folder in ANALYSIS for path in sorted((SOURCE / folder).rglob("*.py"))):
-        tree, quiet = ast.parse(path.read_text()), set[int]()
+        tree, quiet = parsed(path), set[int]()
         for node in ast.walk(tree):
             if isinstance(node, FINDS) and NO_RESULT.search(ast.unparse(node)):
                 quiet.update(range(node.lineno, (node.end_lineno or 0) + 1))

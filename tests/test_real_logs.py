@@ -3,21 +3,18 @@
 The logs are not part of the project; FRICTION_AUDIT_REAL_LOGS names the folder that holds them.
 """
 
-import json
 import os
-from contextlib import redirect_stdout
 from functools import cache
-from io import StringIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from friction_audit.cli import main
 from friction_audit.io.readers import read_log
 from friction_audit.preprocessing.interaction_torque import extract_interaction
 from friction_audit.preprocessing.settings import TorqueSettings
+from tests.in_this_process import run
 
 REAL = os.environ.get("FRICTION_AUDIT_REAL_LOGS")
 pytestmark = pytest.mark.skipif(REAL is None, reason="FRICTION_AUDIT_REAL_LOGS is not set")
@@ -30,13 +27,6 @@ SLOW_RATE = "unisa-acg+inverse-dynamics-solver/panda_exciting_trajectory.db3"
 
 PUBLISHED_COULOMB_NM = (0.245, 0.152, 0.183, 0.359, 0.267, 0.166, 0.211)
 """Classical identification of Gaz et al. (2019), supplementary table III, on the excitation log."""
-
-
-def run(capsys: pytest.CaptureFixture[str], *argv: str) -> tuple[int, str, str]:
-    with pytest.raises(SystemExit) as caught:
-        main(list(argv))
-    captured = capsys.readouterr()
-    return int(caught.value.code or 0), captured.out, captured.err
 
 
 def path(name: str) -> str:
@@ -66,17 +56,14 @@ def test_measured_logs_are_read(
         assert log.source.findings[0].amount == 19 + 2 * 7 + 3 * 2
 
 
-def test_a_clock_wrong_by_two_is_refused_in_spite_of_uneven_stamps(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_clock_wrong_by_two_is_refused_in_spite_of_uneven_stamps() -> None:
     columns = ("t=time", "q=q7", "dq=dq7", "tau_interaction=q7_tau_J_compensate")
-    code, _, err = run(capsys, "info", path(WRONG_CLOCK), *(word for one in columns for word in ("--map", one)))
-    assert code == 3
-    assert "--time-scale 0.502" in err
+    answer = run("info", path(WRONG_CLOCK), *(word for one in columns for word in ("--map", one)))
+    assert (answer.code, "--time-scale 0.502" in answer.err) == (3, True)
 
 
-def test_the_excitation_log_agrees_with_the_published_identification(capsys: pytest.CaptureFixture[str]) -> None:
-    code, out, _ = run(capsys, "estimate", path(EXCITATION), "--drive", "robot", "--robot", "panda", "--json")
-    document = json.loads(out)
-    assert code == 0
+def test_the_excitation_log_agrees_with_the_published_identification() -> None:
+    document = run("estimate", path(EXCITATION), "--drive", "robot", "--robot", "panda", "--json").document()
     for joint, published in zip(document["joints"], PUBLISHED_COULOMB_NM, strict=True):
         bound = 0.06 if joint["joint"] >= 5 else 0.10
         assert abs(joint["coulomb_nm"]["value"] - published) < bound, joint["name"]
@@ -101,29 +88,21 @@ def test_one_way_motion_proves_no_sign() -> None:
 
 
 @pytest.mark.parametrize(("name", "reason"), [(AT_REST, "did not move: "), (ONE_WAY, "all motion that counts has one")])
-def test_an_arm_at_rest_or_moved_one_way_has_no_answer(
-    name: str, reason: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    code, _, err = run(capsys, "estimate", path(name))
-    assert (code, reason in err) == (4, True)
+def test_an_arm_at_rest_or_moved_one_way_has_no_answer(name: str, reason: str) -> None:
+    answer = run("estimate", path(name))
+    assert (answer.code, reason in answer.err) == (4, True)
 
 
-def test_the_bag_at_30_hz_reads_warns_and_estimates_joint_7(capsys: pytest.CaptureFixture[str]) -> None:
-    code, out, _ = run(capsys, "estimate", path(SLOW_RATE), "--json")
-    document = json.loads(out)
-    assert code == 0
+def test_the_bag_at_30_hz_reads_warns_and_estimates_joint_7() -> None:
+    document = run("estimate", path(SLOW_RATE), "--json").document()
     assert "low_rate" in [warning["code"] for warning in document["warnings"]]
     assert abs(document["joints"][6]["coulomb_nm"]["value"] - 0.25) < 0.05
 
 
-def test_an_excitation_log_is_answered_by_a_regression_but_for_its_coupled_wrist(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_an_excitation_log_is_answered_by_a_regression_but_for_its_coupled_wrist() -> None:
     """A Staubli TX40; friction of joints 1 to 4 as its identification was published."""
-    code, out, _ = run(capsys, "estimate", path("thanhndv212+figaroh-examples/tx40_tidy.csv"), "--json")
-    joints = json.loads(out)["joints"]
+    joints = run("estimate", path("thanhndv212+figaroh-examples/tx40_tidy.csv"), "--json").document()["joints"]
     published = ((7.14, 8.05), (8.26, 5.53), (6.34, 1.97), (2.48, 1.11))
-    assert code == 0
     for joint, (coulomb, viscous) in zip(joints[:4], published, strict=True):
         assert joint["method"] == "regression"
         assert joint["coulomb_nm"]["value"] == pytest.approx(coulomb, rel=0.11)
@@ -135,11 +114,9 @@ def test_an_excitation_log_is_answered_by_a_regression_but_for_its_coupled_wrist
 @cache
 def diagnosed(name: str, *options: str) -> dict[int, dict[str, Any]]:
     """Every joint of a log as the program tells it, by its number."""
-    out = StringIO()
-    with redirect_stdout(out), pytest.raises(SystemExit) as caught:
-        main(["diagnose", path(name), *options, "-q", "--json"])
-    assert not caught.value.code
-    return {joint["joint"]: joint for joint in json.loads(out.getvalue())["joints"]}
+    answer = run("diagnose", path(name), *options, "-q", "--json")
+    assert answer.code == 0
+    return {joint["joint"]: joint for joint in answer.document()["joints"]}
 
 
 BARE = (EXCITATION, "--drive", "robot", "--robot", "panda", "--gravity", "model", "--inertia", "none")

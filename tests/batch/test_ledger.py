@@ -157,6 +157,7 @@ BROKEN: dict[str, str] = {
 
 @pytest.mark.parametrize("fault", BROKEN)
 def test_a_broken_session_is_named_and_computed_anew(fault: str, rig: Path, batch: Batch, tmp_path: Path) -> None:
+    rig /= "2026-03-01.parquet"
     first = batch(rig)
     with closing(sqlite3.connect(tmp_path / "out" / "ledger.sqlite")) as opened, opened:
         (path,) = opened.execute("SELECT path FROM arms WHERE id = 1").fetchone()

@@ -1,57 +1,14 @@
 """Small logs with known friction, and the command line as a function."""
 
-import json
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
-import jsonschema
 import numpy as np
 import pytest
 
-from friction_audit.cli import main
 from friction_audit.io.writers.write_log import write_log
-from friction_audit.reporting.documents import load_schema
 from tests.in_this_process import in_this_process
 from tests.reporting.conftest import build_estimate
-
-
-@dataclass(frozen=True)
-class Answer:
-    """What a command did."""
-
-    code: int
-    out: str
-    err: str
-
-    def document(self) -> dict[str, Any]:
-        """Return the one document on standard output, its schema held against it."""
-        document: dict[str, Any] = json.loads(self.out)
-        jsonschema.Draft202012Validator(load_schema(document["schema"].split("/")[1])).validate(document)
-        return document
-
-
-Run = Callable[..., Answer]
-
-
-@pytest.fixture
-def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Run:
-    """Return the command line: words in, answer out, in an empty folder."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "100")
-
-    def call(*argv: object) -> Answer:
-        capsys.readouterr()
-        try:
-            main([str(word) for word in argv])
-            code: object = 0
-        except SystemExit as stop:
-            code = 0 if stop.code is None else stop.code
-        assert isinstance(code, int)
-        return Answer(code, *capsys.readouterr())
-
-    return call
 
 
 @pytest.fixture

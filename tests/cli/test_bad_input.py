@@ -17,8 +17,8 @@ from friction_audit.io.readers import choose_reader
 from friction_audit.io.readers.reader import ReadOptions
 from friction_audit.io.writers.write_log import WRITERS
 from friction_audit.joint_log import Float, JointLog, Source
-from tests.cli.conftest import Run
 from tests.each_case import with_thorough
+from tests.in_this_process import Run
 from tests.io.synthetic_recordings import motion
 
 SAMPLES = 400

@@ -23,7 +23,7 @@ from friction_audit.io.readers import read_log
 from friction_audit.io.writers.write_log import write_log
 from friction_audit.reporting.figures.registry import figures_of
 from friction_audit.simulation import BenchSettings, simulate
-from tests.cli.conftest import Run
+from tests.in_this_process import Run
 
 DAYS, STEP, FEW = 8, 5, 4
 LEDGER = Path("friction-drift/ledger.sqlite")

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.cli.conftest import Run
+from tests.in_this_process import Run
 
 NO_MARGINS = ("--margin-persons", "0", "-q")
 SHORT = ("--persons", "2", "--duration", "12", "--methods", "none,oracle", "-q")

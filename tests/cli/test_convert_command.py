@@ -7,7 +7,7 @@ import pytest
 
 from friction_audit.io.readers import read_log
 from friction_audit.io.writers.write_log import WRITERS
-from tests.cli.conftest import Run
+from tests.in_this_process import Run
 from tests.test_whole_file import state
 
 LOG = Path(__file__).parents[2] / "sample_logs" / "formats" / "csv.csv"

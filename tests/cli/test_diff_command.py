@@ -15,9 +15,9 @@ from statsmodels.stats.multitest import multipletests
 from friction_audit.drift.session import Session
 from friction_audit.drift.two_sides import compare_sides
 from friction_audit.friction.history import UNDETERMINED, Coefficient
-from tests.cli.conftest import Run
 from tests.drift.made_sessions import make_joint, make_session
 from tests.each_case import thorough
+from tests.in_this_process import Run
 
 Pair = tuple[float, float]
 SPEED = 1.0  # rad/s: of the friction law of results, which hold no speeds

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.cli.conftest import Run
+from tests.in_this_process import Run
 from tests.reporting.conftest import COULOMB
 
 

@@ -8,8 +8,10 @@ from pathlib import Path
 import pytest
 
 from friction_audit.cli import NAMES, command_of, parameters
-from tests.cli.conftest import Run
+from friction_audit.cli.parameters import HEADINGS
+from tests.in_this_process import Run
 
+MOST_OPTIONS = 15
 EACH = pytest.mark.parametrize("name", NAMES)
 
 
@@ -24,11 +26,18 @@ def options(name: str) -> list[str]:
 
 
 @EACH
-def test_help_shows_examples_that_are_the_command_s(name: str, run: Run) -> None:
-    shown = run(name, "--help").out
+def test_help_has_groups_and_examples_that_are_the_command_s(name: str, run: Run) -> None:
+    short, whole = (run(name, word).out for word in ("--help", "--help-all"))
+    for text in (short, whole):
+        headings = [line.removesuffix(":") for line in text.splitlines() if line.endswith(":") and line[0] != " "]
+        assert headings == [heading for heading in HEADINGS if heading in headings]
+        assert {"Common options"} <= set(headings) <= set(HEADINGS)
+        assert max(map(len, text.splitlines())) <= 100
+    few, every = (len(re.findall(r"^  (?:-\w, )?--", text, re.MULTILINE)) for text in (short, whole))
+    assert (few <= MOST_OPTIONS, every) == (True, len(options(name)) + len(["--help"]))
     assert len(examples(name)) > 1
     for line in command_of(name).epilog.splitlines()[1:]:
-        assert line in shown
+        assert line in short
     for words in examples(name):
         assert words[:2] == ["friction-audit", name]
         named = {word.partition("=")[0] for word in words if re.match(r"--[a-z]", word)}

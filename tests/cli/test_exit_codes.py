@@ -7,13 +7,9 @@ from pathlib import Path
 import pytest
 
 from friction_audit import __version__
-from friction_audit.cli import NAMES, command_of, main
-from friction_audit.cli.parameters import HEADINGS
+from friction_audit.cli import main
 from friction_audit.effects.joint_model import ArmModel, JointModel, save_model, simple_model
-from tests.cli.conftest import Run
-from tests.in_this_process import in_this_process
-
-MOST_OPTIONS = 15
+from tests.in_this_process import Run, in_this_process
 
 ANSWERED = [
     ("--version", 0, "out", __version__),
@@ -71,19 +67,6 @@ def test_refused_and_nothing_written(words: str, code: int, text: str, run: Run,
     assert text.format(logs=logs) in answer.err or text in " ".join(answer.err.split())
     written = (path for path in tmp_path.rglob("*") if "friction-drift" not in path.parts)  # a ledger stays
     assert sorted(written) == before
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_every_command_has_help_with_groups(name: str, run: Run) -> None:
-    counts = []
-    for text in (run(name, "--help").out, run(name, "--help-all").out):
-        headings = [line.removesuffix(":") for line in text.splitlines() if line.endswith(":") and line[0] != " "]
-        assert headings == [heading for heading in HEADINGS if heading in headings]
-        assert {"Common options"} <= set(headings) <= set(HEADINGS)
-        assert max(map(len, text.splitlines())) <= 100
-        counts.append(len(re.findall(r"^  (?:-\w, )?--", text, re.MULTILINE)))
-    options = sum(param.param_type_name == "option" for param in command_of(name).params)
-    assert (counts[0] <= MOST_OPTIONS, counts[1]) == (True, options + len(["--help"]))
 
 
 @pytest.mark.parametrize(("error", "code", "text"), [

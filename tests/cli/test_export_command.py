@@ -12,7 +12,7 @@ from mcap.reader import make_reader
 
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, save_model
 from friction_audit.reporting import diagnosis, estimate, replay
-from tests.cli.conftest import Run
+from tests.in_this_process import Run
 
 TERMS = {"coulomb": (0.4,), "stribeck": (0.2, 0.1, 1.0), "torque_bias": (0.1,)}
 JOINT = JointModel(inertia_kg_m2=0.3, terms=tuple(FittedTerm(*term) for term in TERMS.items()))

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.cli.conftest import Run
+from tests.in_this_process import Run
 from tests.io.synthetic_recordings import tidy_frame
 
 

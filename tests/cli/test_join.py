@@ -11,8 +11,8 @@ import pytest
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers import ReadOptions, read_log
-from tests.cli.conftest import Run
 from tests.each_case import with_thorough
+from tests.in_this_process import Run
 
 EPOCH = 1.7e9
 

@@ -8,8 +8,8 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from tests.cli.conftest import Run
 from tests.cli.test_diff_command import joint, result
+from tests.in_this_process import Run
 
 AMPERE = ("--map", "tau_interaction=tau_interaction_{i}:A")
 

@@ -16,7 +16,7 @@ from friction_audit.errors import AnalysisError
 from friction_audit.io.readers import read_log
 from friction_audit.io.writers.write_log import write_log
 from friction_audit.reporting.figures.panels import joint_title
-from tests.cli.conftest import Run
+from tests.in_this_process import Run
 from tests.reporting.conftest import build_estimate
 
 OBEYED = "\x1b[31m\x1b]0;title\x07\x1b[2J\x08\r\x9b31m\x7f\u202egnp\u2066\u061c\u200f"

@@ -9,8 +9,8 @@ import pytest
 from friction_audit import parallel
 from friction_audit.cli.parameters import PLOTTED
 from friction_audit.reporting.figures.style import RC
-from tests.cli.conftest import Run
 from tests.each_case import thorough
+from tests.in_this_process import Run
 
 
 def test_a_sheet_and_every_joint(run: Run, logs: Path, tmp_path: Path) -> None:

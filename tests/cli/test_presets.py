@@ -13,7 +13,7 @@ from friction_audit.planning.design import candidates_of
 from friction_audit.presets import BUILT_IN, PRESETS, TORQUES, candidates
 from friction_audit.robot.arm import read_urdf
 from friction_audit.robot.urdf import limits_in
-from tests.cli.conftest import Run
+from tests.in_this_process import Run
 from tests.io.synthetic_recordings import tidy_frame
 
 URS = ("ur3e", "ur5e", "ur10e", "ur16e", "ur20", "ur30")

@@ -7,7 +7,7 @@ import pytest
 
 from friction_audit.errors import AnalysisError
 from friction_audit.reporting import report as log_report
-from tests.cli.conftest import Run
+from tests.in_this_process import Run
 
 NAMES = ("moved1.report.html", "moved1.report.json", "moved1.report.md")
 PDF = "moved1.report.pdf"

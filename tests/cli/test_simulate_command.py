@@ -20,8 +20,8 @@ from friction_audit.simulation.assign import paths
 from friction_audit.simulation.bench import Progress
 from friction_audit.simulation.effects import EFFECTS
 from friction_audit.simulation.scenarios import SCENARIOS, AnySettings, Scenario
-from tests.cli.conftest import Run
 from tests.each_case import EACH_WRITER
+from tests.in_this_process import Run
 
 ONE = next(scenario for scenario in SCENARIOS if len(scenario.settings.joints) == 1).name
 SEVEN = next(scenario for scenario in SCENARIOS if len(scenario.settings.moving) == 7).name

@@ -64,6 +64,7 @@ AS_A_COMMAND = """
 import os, runpy, signal, sys
 number = signal.Signals(int(sys.argv.pop(1)))
 signal.signal(signal.SIGINT, signal.default_int_handler)  # what a shell starts in the background ignores it
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # and what nohup starts this one
 """
 AT_THE_DRAFT = """
 from friction_audit.io import files

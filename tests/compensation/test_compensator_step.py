@@ -178,11 +178,6 @@ LUGRE = competitors.LugreCompensation(coulomb_nm=COULOMB, breakaway_nm=0.4, visc
 @pytest.mark.parametrize(
     ("made", "message"),
     [
-        (lambda: EnergyCompensator(model="stribeck"), "model stribeck: expected one of viscous, coulomb, combined"),
-        (lambda: EnergyCompensator(window=1), "window 1: expected 2 to 64 cycles"),
-        (lambda: EnergyCompensator(window=65, model="viscous"), "expected 1 to 64 cycles"),
-        (lambda: EnergyCompensator(initiation_rad_s=0.01), "initiation above termination"),
-        (lambda: EnergyCompensator(forced_from_cycle=0), "cycles count from 1"),
         (lambda: pack([None], 0.0), "rate 0 Hz"),
         (lambda: replace(LUGRE, breakaway_nm=0.2), "breakaway_nm 0.2: expected coulomb_nm 0.3 or more"),
         (lambda: competitors.fit_sigmoid(0.0, 0.0), "friction above zero"),

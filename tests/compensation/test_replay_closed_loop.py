@@ -1,6 +1,5 @@
 """Replay where the joint moves otherwise than recorded, fitted or of a file; steps and cycles of the hand by hand."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -8,17 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from friction_audit.compensation.closed_loop import CYCLE
-from friction_audit.compensation.competitors import UNABLE, TorqueRegulation, feed_friction, feed_of
-from friction_audit.compensation.controller import hand_cuts
+from friction_audit.compensation.competitors import UNABLE, feed_friction, feed_of
 from friction_audit.compensation.counterfactual import tables_of_file
 from friction_audit.compensation.records import fresh_memory
-from friction_audit.compensation.result import ReplayHistory, dissipation_removed, find_step, first_right
+from friction_audit.compensation.result import dissipation_removed, find_step
 from friction_audit.compensation.settings import Competitor, ModelFile, ReplaySettings, energy_compensator
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, simple_model
 from friction_audit.effects.registry import terms
-from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.reporting.notices import sentences, text_of
 from friction_audit.simulation.bench import Operator
@@ -106,30 +102,7 @@ def test_an_inertia_that_the_log_does_not_tell_is_refused() -> None:
     assert "inertia is not determined" in text_of(joint.reason)
 
 
-REGULATION = TorqueRegulation(inertia_kg_m2=0.3, desired_inertia_kg_m2=0.2)
-
-
-@pytest.mark.parametrize(
-    ("made", "message"),
-    [
-        (lambda: ReplaySettings(assume="wrong"), "--assume wrong"),
-        (lambda: ReplaySettings(compensator=REGULATION), "same-motion holds fixed"),
-        (lambda: Competitor(name="magic"), "--compensator magic"),
-        (lambda: replace(TRUE_HAND, inertia_kg_m2=-1.0), "--operator -1,9,60"),
-    ],
-)
-def test_contradictions_are_refused(made: Callable[[], object], message: str) -> None:
-    with pytest.raises(UsageError, match=message):
-        made()
-
-
 # Parts of a replay by hand.
-
-
-def history(friction: list[float], left: list[float]) -> ReplayHistory:
-    made = np.zeros(len(friction), CYCLE).view(np.recarray)
-    made.friction_j, made.net_energy_j = friction, left
-    return made
 
 
 def test_what_is_given_out_counts_as_left_over() -> None:
@@ -137,13 +110,6 @@ def test_what_is_given_out_counts_as_left_over() -> None:
     assert dissipation_removed(1.0, -0.5) == pytest.approx(0.5)
     assert np.isnan(dissipation_removed(np.zeros(0), np.zeros(0)))
     assert np.isnan(dissipation_removed(-1.0, 0.0))
-
-
-def test_right_means_three_in_a_row() -> None:
-    left = [1.0, 0.05, 0.5, 0.1, -0.1, 0.0, 0.9]
-    assert first_right(history([1.0] * 7, left)) == 3
-    assert first_right(history([1.0] * 7, left), 4) is None
-    assert first_right(history([1.0, 1.0], [0.0, 0.0])) is None
 
 
 def cycles(after: float, at: int, count: int = 24) -> tuple[Float, Float, Float]:
@@ -163,21 +129,6 @@ def test_neither_speed_nor_noise_nor_warming_up_is_a_step() -> None:
     assert find_step(path, square, friction * np.linspace(2.0, 1.0, len(path))) is None
     assert find_step(path[:5], square[:5], friction[:5]) is None
     assert find_step(0.0 * path, square, friction) is None
-
-
-def test_the_hand_ends_cycles_when_all_joints_have_moved() -> None:
-    t: Float = np.arange(4001, dtype=np.float64) * 1e-3
-    speed = np.abs(np.sin(np.pi * t))
-    dq = np.stack([np.sin(np.pi * t), np.where(t < 1.0, 0.0, np.sin(np.pi * t))], axis=1)
-
-    def cuts(minimum_path_rad: float) -> list[float]:
-        found = hand_cuts(t, speed, dq, (0.1, 0.025), 0.01, minimum_path_rad)
-        return [float(t[i]) for i in np.flatnonzero(found)]
-
-    # The second joint stands still in the first second: its cycle is the first two.
-    np.testing.assert_allclose(cuts(0.1), [2.0, 3.0, 4.0], atol=0.02)
-    np.testing.assert_allclose(cuts(0.0), [1.0, 2.0, 3.0, 4.0], atol=0.02)
-    assert cuts(10.0) == []
 
 
 # With a model file: its joint moves otherwise than recorded, or its friction is applied.

@@ -7,18 +7,17 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from scipy.linalg import cholesky, solve_triangular, toeplitz
 from scipy.optimize import least_squares
 from scipy.signal import lfilter
 from scipy.stats import t as student
 
-from friction_audit.diagnosis.dictionary import Block, Dictionary
+from friction_audit.diagnosis.dictionary import Dictionary
 from friction_audit.diagnosis.gram import Gram, Training
 from friction_audit.diagnosis.nonlinear import intervals, refine
 from friction_audit.diagnosis.problem import FOLDS, RegressionProblem, folds_of
 from friction_audit.diagnosis.procedure import nominal
 from friction_audit.diagnosis.residual_checks import spectral_line
-from friction_audit.diagnosis.samples import NoiseModel, levinson_durbin
+from friction_audit.diagnosis.samples import NoiseModel
 from friction_audit.diagnosis.selection import occam
 from friction_audit.diagnosis.validation import held_out, measure_gap, wild_cluster_bootstrap
 from friction_audit.effects.effect import Effect
@@ -26,7 +25,6 @@ from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.registry import effect_of
 from friction_audit.joint_log import Float
 from tests.diagnosis.toy_effects import BUMP, SQUARE, WAVE, bump, rising
-from tests.each_case import thorough
 from tests.effects.joint_data_by_hand import moved_joint
 
 
@@ -41,22 +39,6 @@ def prepared(
                            np.zeros(len(problem.y)))  # fmt: skip
     dictionary = Dictionary.build(problem, effects, baseline)
     return Gram(problem, noise, (), dictionary.blocks), dictionary
-
-
-def direct(gram: Gram, active: tuple[Block, ...] = ()) -> tuple[Float, Float]:
-    """Coefficients by least squares on the whitened samples, and what is left."""
-    columns = np.vstack([gram.base, *(gram.of(one) for one in active)]).T
-    found = np.linalg.lstsq(columns, gram.y)[0]
-    return found, gram.y - columns @ found
-
-
-def test_innovations_are_those_of_the_cholesky_factor_of_the_covariance() -> None:
-    predictors, errors = levinson_durbin(0.7 ** np.arange(3.0))
-    columns = np.random.default_rng(0).standard_normal((2, 40))
-    noise = NoiseModel(predictors=predictors, scales=1 / np.sqrt(errors), age=np.minimum(np.arange(40), 2),
-                       weight=np.ones(40), effective_samples=40.0)  # fmt: skip
-    factor = cholesky(toeplitz(0.7 ** np.arange(40.0)), lower=True)
-    assert noise.whiten(columns) == pytest.approx(solve_triangular(factor, columns.T, lower=True).T)
 
 
 def test_noise_is_an_autoregression_of_its_own_innovations() -> None:
@@ -91,36 +73,6 @@ def test_evidence_is_the_integral_over_a_prior_as_wide_as_suits_the_data(gain: f
 
     largest = max(evidence(v) for v in np.geomspace(1.01, 20 * each, 400))
     assert float(occam(gain, float(numbers))) == pytest.approx(largest, abs=0.02)
-
-
-def test_scores_of_the_gram_matrix_are_those_of_direct_least_squares() -> None:
-    gram, _ = prepared(BUMP, WAVE, SQUARE)
-    training = Training(gram)
-    active = (next(one for one in gram.blocks if one.name == "bump"),)
-    before = float(np.sum(direct(gram, active)[1] ** 2))
-    assert training.fit(active).rss == pytest.approx(before)
-    assert training.fit(active).coefficients == pytest.approx(direct(gram, active)[0])
-    gains, coefficients = training.gain(active)
-    for k, block in enumerate(gram.blocks):
-        if block not in active:
-            found, left = direct(gram, (*active, block))
-            assert gains[k] == pytest.approx(training.samples * np.log(before / np.sum(left**2)), rel=1e-4, abs=1e-6)
-            assert coefficients[k, : block.p] == pytest.approx(found[-block.p :], rel=1e-4)
-
-
-@pytest.mark.parametrize(("name", "most"), [("backlash", 0.25), *thorough([("presliding", 0.4)])])
-def test_a_screened_effect_that_is_completed_is_the_whole_one(name: str, most: float) -> None:
-    problem, effect = prepared(BUMP)[0].problem, effect_of(name)
-    baseline = problem.nominal.baseline(np.array([0.3, 0.07, 0.2]))
-    whole, some = (Dictionary.build(problem, (effect,), baseline, whole=whole) for whole in (True, False))
-    assert 0 < len(some.blocks) < most * len(whole.blocks)
-    some.complete(effect.name)
-    assert not some.withheld
-    found, expected = (sorted(one.blocks, key=lambda block: sorted(block.shape.items())) for one in (some, whole))
-    for block, same in zip(found, expected, strict=True):
-        assert (block.shape, block.numbers) == (same.shape, same.numbers)
-        assert block.log_prior == pytest.approx(same.log_prior)
-        np.testing.assert_allclose(block.columns, same.columns, rtol=1e-6, atol=1e-6)
 
 
 def test_held_out_residuals_are_those_of_fits_without_the_fold() -> None:

@@ -101,12 +101,6 @@ def test_the_neighbour_is_the_one_that_moves_most_and_never_the_joint_itself() -
     assert AXIS["neighbour"](among) == pytest.approx(2.0 * DATA.dq)
 
 
-def test_a_curve_is_a_line_between_its_knots_for_each_direction() -> None:
-    values, dq = np.array([0.0, 0.5, 2.0, 2.5]), np.array([1.0, 1.0, -1.0, -1.0])
-    by_hand = [[1, 0, 0, 0, 0, 0], [0.5, 0.5, 0, 0, 0, 0], [0, 0, 0, 0, 0.5, 0.5], [0, 0, 0, 0, 0.25, 0.75]]
-    assert curve(values, np.array([0.0, 1.0, 3.0]), dq) == pytest.approx(np.array(by_hand))
-
-
 # The axis along which an effect is drawn.
 
 TRACES = traces(4)

@@ -146,18 +146,6 @@ def test_a_model_that_holds_everything_leaves_nothing_to_fit() -> None:
         nominal_model(EXACT, make_samples(EXACT), held)
 
 
-def test_columns_that_are_copies_share_the_smallest_coefficients() -> None:
-    w = np.sin(np.arange(50.0))
-    assert least_squares(np.column_stack([w, w, np.zeros(50)]), 2.0 * w) == pytest.approx([1.0, 1.0, 0.0])
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_a_column_of_zeros_has_no_coefficient_not_even_a_rounding(seed: int) -> None:
-    columns = np.random.default_rng(seed).standard_normal((40, 6))
-    columns[:, [2, 4]] = 0.0
-    assert least_squares(columns, np.sin(np.arange(40.0)))[[2, 4]].tolist() == [0.0, 0.0]
-
-
 def test_numbers_that_a_model_file_lacks_are_no_columns() -> None:
     of_angle = FittedTerm("gravity_error", (0.3, 0.1, *([0.0] * 15)))
     nominal = nominal_model(EXACT, make_samples(EXACT), JointModel(inertia_kg_m2=0.5, terms=(*SIMPLE, of_angle)))

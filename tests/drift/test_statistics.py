@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from friction_audit.drift.change_test import estimate_autocorrelation, make_directions, step_down, studentise
-from friction_audit.drift.regression import fit_model, residual_scatter
+from friction_audit.drift.change_test import estimate_autocorrelation, make_directions, studentise
 from friction_audit.drift.session import Series, make_series
 from friction_audit.joint_log import Float
 from tests.drift.made_sessions import make_sessions, noisy
@@ -16,12 +15,6 @@ from tests.drift.made_sessions import make_sessions, noisy
 def series_of(level: np.ndarray, error: float = 0.003) -> Series:
     sessions = make_sessions(level, error=error)
     return replace(make_series(sessions, range(len(level)), 1, "coulomb_nm", by_start=True), temperature=None)
-
-
-def test_scatter_of_equal_errors_is_the_variance_less_theirs() -> None:
-    residual = np.array([-3.0, -1.0, 1.0, 3.0])  # sum of squares 20, 4 - 1 degrees of freedom
-    assert residual_scatter(residual, np.full(4, 2.0), 3) == pytest.approx(np.sqrt(20 / 3 - 4))
-    assert residual_scatter(residual, np.full(4, 3.0), 3) == 0.0
 
 
 def test_statistics_of_a_step_and_of_a_ramp_are_those_of_the_usual_tests() -> None:
@@ -33,21 +26,6 @@ def test_statistics_of_a_step_and_of_a_ramp_are_those_of_the_usual_tests() -> No
     assert step == pytest.approx(stats.ttest_ind(y[5:], y[:5]).statistic, rel=1e-4)
     line = stats.linregress(np.arange(12), y)
     assert t[directions.split == 0] == pytest.approx(line.slope / line.stderr, rel=1e-4)
-
-
-def test_step_down_by_hand() -> None:
-    null = np.array([[1.0, 5.0], [2.0, 2.5], [3.0, 0.5]])
-    # 4 against the maxima 5, 2.5, 3: one is as large; 2 against 1, 2, 3: two are.
-    assert step_down(np.array([2.0, 4.0]), null).tolist() == [3 / 4, 2 / 4]
-
-
-def test_weighted_mean_by_hand() -> None:
-    # The errors are far beyond the differences: no scatter, weights as the values squared over the errors squared.
-    values = np.array([0.30, 0.31, 0.29, 0.30])
-    fit, weight = fit_model(series_of(values, 0.05), np.ones((4, 1))), (values / 0.05) ** 2
-    assert fit.scatter == 0.0
-    assert fit.value[0] == pytest.approx(np.sum(weight * np.log(values)) / np.sum(weight))
-    assert fit.covariance[0, 0] == pytest.approx(1 / np.sum(weight), rel=1e-3)
 
 
 def wandering(rng: np.random.Generator, count: int, length: int, correlation: float) -> Float:

@@ -1,8 +1,8 @@
 """A joint of any terms under a recorded torque: by hand, against scipy, and against the exact simulation."""
 
-import math
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +11,6 @@ from scipy.integrate import solve_ivp
 
 from friction_audit.dynamics.bristles import bristles_of
 from friction_audit.dynamics.motion import Motion, Term
-from friction_audit.dynamics.torque_tables import certain, read_along, tabulate
 from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.joint_log import Float
 from tests.dynamics.joints import invent, joint_with, make_recording, recording_of, simulate, simulate_along
@@ -142,16 +141,35 @@ def test_a_term_with_a_past_is_iterated_to_what_scipy_finds() -> None:
     assert found == pytest.approx(exact, abs=0.01)
 
 
-def test_pieces_give_the_recording_back_from_their_starts_and_nothing_between_them() -> None:
+def of_load_and_neighbours(m: Motion) -> Float:
+    assert m.load is not None
+    assert m.others is not None
+    return 0.1 * m.load * np.sign(m.dq) + 0.2 * m.others.ddq[:, 0] + 0.01 * m.t
+
+
+CURVES = [FittedTerm("stribeck", (0.1, 0.1, 2.0)), FittedTerm("nonlinear_viscous", (0.1, 2.0, 0.1, 0.0))]
+
+
+@pytest.mark.parametrize(
+    "terms",
+    [
+        [*CURVES, FittedTerm("offset", (0.05,)), FittedTerm("torque_ripple", (0.05, 0.05, 30.0))],
+        [invent(of_load_and_neighbours)],
+        [invent(lambda m: m.q**3 + np.sign(m.dq) * m.q**2 + 2 * m.dq * m.q, 0.5)],
+        [invent(lambda m: np.sign(m.dq) * np.sqrt(np.abs(m.dq)))],
+        [FittedTerm("cable_spring", (0.5, 0.1, 0.0, 0.1, 0.0))],
+        [FittedTerm("torque_drift", (0.1, 0.1, 0.0, 0.0, 2))],
+        [FittedTerm("inertia_error", (0.05,))],
+        [FittedTerm("presliding", (0.3, 0.005, 1.0, 0.005))],
+        [invent(lambda m: np.cumsum(np.abs(m.dq)) * np.sign(m.dq) * 1e-3)],
+        [invent(lambda m: m.t * np.abs(m.dq) ** 1.5 * np.sign(m.dq))],
+    ],
+)
+def test_pieces_give_the_recording_back_from_their_starts_and_nothing_between_them(terms: list[Any]) -> None:
     """The torque that a model takes along a recording, given as the drive, gives the recorded motion."""
     recording = replace(make_recording(10.0), rest=None)
     pieces = np.array([[100, 700], [900, 3900]])
-    model = joint_with(
-        FittedTerm("stribeck", (0.1, 0.1, 2.0)),
-        FittedTerm("offset", (0.05,)),
-        FittedTerm("torque_ripple", (0.05, 0.05, 30.0)),
-        FittedTerm("nonlinear_viscous", (0.1, 2.0, 0.1, 0.0)),
-    )
+    model = joint_with(*terms)
     found = simulate_along(model, recording, model.torque(recording), pieces)
     inside = np.zeros(len(found), bool)
     inside[100:701] = inside[900:3901] = True
@@ -160,12 +178,9 @@ def test_pieces_give_the_recording_back_from_their_starts_and_nothing_between_th
     assert found[inside] == pytest.approx(recording.dq[inside], abs=0.02)
 
 
-# Terms read off by asking them: bristles by hand, and tables that give along a recording what the terms give.
+# Bristles read off a term.
 
-# Bristles read off a term: by hand for a stop and for Dahl's exponential, and along the path of any motion.
-
-LEVEL, REACH = 0.3, 0.01
-Q = 0.03 * np.sin(np.linspace(0.0, 12.0, 3001)) * np.linspace(0.1, 1.0, 3001)
+LEVEL = 0.3
 
 
 def stop(q: Float, reach: float) -> Float:
@@ -173,28 +188,6 @@ def stop(q: Float, reach: float) -> Float:
     for displacement in (np.diff(q) / reach).tolist():
         z.append(min(max(z[-1] + displacement, -1.0), 1.0))
     return np.array(z)
-
-
-def dahl(q: Float, reach: float) -> Float:
-    z = [0.0]
-    for displacement in (np.diff(q) / reach).tolist():
-        end = math.copysign(1.0, displacement)
-        z.append(end + (z[-1] - end) * math.exp(-abs(displacement)) if displacement else z[-1])
-    return np.array(z)
-
-
-def test_a_stop_by_hand() -> None:
-    """A spring that slips at 0.3 N m, in the place of 0.3 N m of dry friction: a straight line over twice the reach."""
-    term = invent(lambda motion: stop(motion.q, REACH) - np.sign(motion.dq), LEVEL, "bristle")
-    dry, found, springs = bristles_of(term)
-    assert dry == pytest.approx(-LEVEL, rel=1e-6)
-    curve = np.interp([0.0, REACH, 2 * REACH, 0.3], found.path, found.torque)
-    assert curve == pytest.approx([LEVEL, 0.0, -LEVEL, -LEVEL], abs=1e-3)
-    assert found.damping_s == pytest.approx(0.0, abs=1e-9)
-    for bristles in (found, springs):
-        assert bristles.along(Q) == pytest.approx(LEVEL * stop(Q, REACH), abs=2e-3)
-    assert springs.reach == pytest.approx([REACH], rel=1e-3)
-    assert springs.stiffness == pytest.approx([LEVEL / REACH], rel=1e-3)
 
 
 def test_springs_remember_every_reversal() -> None:
@@ -208,80 +201,3 @@ def test_springs_remember_every_reversal() -> None:
     wrong = [np.sqrt(np.mean((one.along(q) - LEVEL * two(q)) ** 2)) for one in (springs, found)]
     assert wrong[0] < 3e-3
     assert wrong[1] > 5.0 * wrong[0]
-
-
-@pytest.mark.parametrize("damping", [0.0, 0.02])
-def test_an_exponential_and_the_damping_of_its_bending_by_hand(damping: float) -> None:
-    def torque(motion: Motion) -> Float:
-        z = dahl(motion.q, REACH)
-        return z + damping * np.gradient(z, motion.t) - np.sign(motion.dq)
-
-    dry, found, _ = bristles_of(invent(torque, LEVEL, "bristle"))
-    assert found.damping_s == pytest.approx(damping, rel=0.02, abs=1e-6)
-    assert dry == pytest.approx(-LEVEL, rel=0.01)
-    if damping == 0.0:
-        assert found.torque == pytest.approx(LEVEL * (2.0 * np.exp(-found.path / REACH) - 1.0), abs=1e-3)
-        assert found.along(Q) == pytest.approx(LEVEL * dahl(Q, REACH), abs=2e-3)
-
-
-# Tables of terms: read along a recording they give what the terms give, and say so where they cannot.
-
-RECORDING = make_recording()
-BRISTLES = FittedTerm("presliding", (0.3, 0.005, 1.0, 0.005))
-
-
-def of_load_and_neighbours(m: Motion) -> Float:
-    assert m.load is not None
-    assert m.others is not None
-    return 0.1 * m.load * np.sign(m.dq) + 0.2 * m.others.ddq[:, 0] + 0.01 * m.t
-
-
-OF_POSITION = invent(lambda m: m.q**3 + np.sign(m.dq) * m.q**2 + 2 * m.dq * m.q)
-
-
-@pytest.mark.parametrize(
-    "term",
-    [
-        invent(of_load_and_neighbours),
-        OF_POSITION,
-        invent(lambda m: np.sign(m.dq) * np.sqrt(np.abs(m.dq))),
-        FittedTerm("coulomb", (0.3,)),
-        FittedTerm("viscous", (0.1,)),
-        FittedTerm("offset", (0.1,)),
-        FittedTerm("stribeck", (0.3, 0.1, 1.0)),
-        FittedTerm("nonlinear_viscous", (0.3, 0.5, 0.1, 0.0)),
-        FittedTerm("torque_ripple", (0.3, 0.1, 20.0)),
-        FittedTerm("cable_spring", (0.5, 0.1, 0.0, 0.1, 0.0)),
-        FittedTerm("torque_drift", (0.1, 0.1, 0.0, 0.0, 2)),
-        FittedTerm("inertia_error", (0.05,)),
-        FittedTerm("presliding", BRISTLES.values),
-    ],
-)
-def test_terms_without_a_past_are_tabulated(term: Term) -> None:
-    tables, past = tabulate(0.3, (term,), RECORDING)
-    assert past == ()
-    sure = certain(RECORDING) != 0.0
-    error = (read_along(tables, RECORDING) - 0.3 * RECORDING.ddq - term.torque(RECORDING))[sure]
-    assert np.sqrt(np.mean(error**2)) <= 0.1 * np.sqrt(np.mean(term.torque(RECORDING) ** 2))
-
-
-@pytest.mark.parametrize(
-    "torque",
-    [
-        lambda motion: np.cumsum(np.abs(motion.dq)) * np.sign(motion.dq) * 1e-3,
-        lambda motion: np.roll(motion.dq, 40),
-        lambda motion: motion.t * np.abs(motion.dq) ** 1.5 * np.sign(motion.dq),
-    ],
-    ids=["sum", "late", "curved and changing"],
-)
-def test_what_no_table_holds_is_left_to_the_past(torque: Callable[[Motion], Float]) -> None:
-    term = invent(torque)
-    tables, past = tabulate(0.3, (term,), RECORDING)
-    assert past == (term,)
-    assert not tables.speed.any()
-
-
-def test_second_bristles_are_left_to_the_past() -> None:
-    tables, past = tabulate(0.3, (BRISTLES, BRISTLES), RECORDING)
-    assert past == (BRISTLES,)
-    assert len(tables.bristles.path) > 0

@@ -1,5 +1,6 @@
 """What holds for every effect of the registry; the simulator's formula of each is the detector's column."""
 
+import functools
 import re
 from collections.abc import Callable
 from dataclasses import fields, replace
@@ -143,7 +144,6 @@ def test_stated_numbers_make_what_needs_them_identifiable() -> None:
 # The name of an effect stands in its module, in its simulator module and in the lines of the two registries.
 
 SOURCE = Path(__file__).parents[2] / "src" / "friction_audit"
-TEXTS = {path.relative_to(SOURCE).as_posix(): path.read_text() for path in SOURCE.rglob("*.py")}
 # Where the simulator applies what an effect does: compiled code calls each by its name.
 APPLIED = ("simulation/mechanics/", "simulation/bench.py", "simulation/sensors.py")
 # Other files: examples of the help, scenarios, a caution of the same name and its sentence, and parts of the program
@@ -157,16 +157,26 @@ ELSEWHERE = {
 }  # fmt: skip
 
 
+@functools.cache
+def written() -> dict[str, set[str]]:
+    """Return the files in which each name is a string, an import or a field; the word may be the field's too."""
+    any_of = f"({'|'.join(NAMES)})"
+    name = re.compile(rf'"{any_of}[":]|\.{any_of}\b|import {any_of}\b|^    {any_of}: (?:\w+\.)?[A-Z]', re.MULTILINE)
+    found: dict[str, set[str]] = {}
+    for path in SOURCE.rglob("*.py"):
+        for match in name.finditer(path.read_text()):
+            found.setdefault(match[match.lastindex or 0], set()).add(path.relative_to(SOURCE).as_posix())
+    return found
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_an_effect_is_defined_in_one_module_of_either_side(name: str) -> None:
-    # As a string, an import or a field; the word itself may be the field's, as in "backlash".
-    written = re.compile(rf'"{name}[":]|\.{name}\b|import {name}\b|^    {name}: (\w+\.)?[A-Z]', re.MULTILINE)
-    found = {path for path, text in TEXTS.items() if written.search(text)}
     own = {f"effects/{MODULES[name]}.py", "effects/registry.py", "simulation/effects/__init__.py"}
     # Its own class carries the name too; in other effects it is the other side of a pair that is easily confused.
-    assert own <= found
-    others = {path for path in found - own if not path.startswith(("effects/", "simulation/effects/", *APPLIED))}
-    assert len(others) <= ELSEWHERE.get(name, 0), sorted(others)
+    assert own <= written()[name]
+    elsewhere = (path for path in written()[name] - own if not path.startswith(("effects/", "simulation/effects/")))
+    others = sorted(path for path in elsewhere if not path.startswith(APPLIED))
+    assert len(others) <= ELSEWHERE.get(name, 0), others
 
 
 # The simulator's formula of every effect against the detector's columns, at random states of a joint.

@@ -211,22 +211,6 @@ def test_what_is_a_start(q: Float, dq: Float, starts: int) -> None:
 
 
 @pytest.mark.parametrize("direction", [-1.0, 1.0])
-def test_the_standstill_takes_the_direction_of_the_motion_and_no_acceleration(direction: float) -> None:
-    q, dq, _ = start(1.0, direction)
-    noise = DEAD / 5 * np.random.default_rng(0).standard_normal(len(q))
-    found = breakaway.find_breakaways(q, dq + noise, DEAD, GRID_S)
-    held, ddq = breakaway.signed_rest(dq + noise, noise / GRID_S, found, DEAD)
-    before = slice(found.samples[0, 0], found.certain[0])
-    assert held[before] == pytest.approx(direction * DEAD)
-    assert np.all(ddq[found.samples] == 0.0)
-    outside = np.setdiff1d(np.arange(len(q)), np.arange(before.start, before.stop))
-    assert np.array_equal(held[outside], (dq + noise)[outside])
-    again = breakaway.find_breakaways(q, held, DEAD, GRID_S)
-    assert np.array_equal(again.samples, found.samples)
-    assert np.array_equal(again.certain, found.certain)
-
-
-@pytest.mark.parametrize("direction", [-1.0, 1.0])
 def test_a_start_by_a_motor_that_held_the_other_way_tells_nothing(direction: float) -> None:
     q, dq, _ = start(1.0, direction)
     torque = direction * (LEVEL + 0.5 * RISE * (T - 1.0))

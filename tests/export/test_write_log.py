@@ -83,19 +83,6 @@ def test_a_log_that_a_dialect_cannot_hold_is_refused(writer: Writer, log: JointL
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("writer", WRITERS, ids=NAMES)
-def test_what_is_there_is_kept_unless_asked(writer: Writer, tmp_path: Path) -> None:
-    log, path = make_log(samples=10), place(tmp_path, writer)
-    path.write_text("precious")
-    with pytest.raises(UsageError, match="exists already"):
-        write_log(log, path, dialect=writer.name)
-    assert path.read_text() == "precious"
-    path.unlink()
-    write_log(log, path, dialect=writer.name)
-    write_log(log, path, dialect=writer.name, overwrite=True)
-    assert [item.name for item in tmp_path.iterdir()] == [path.name]
-
-
 @pytest.mark.parametrize("name", ["csv", "csv-long", "mcap", "mcap-json", "parquet-lists"])
 @settings(max_examples=20, deadline=None)
 @given(number=st.floats(allow_nan=False, allow_infinity=False, min_value=-9e8, max_value=9e8))

@@ -19,7 +19,7 @@ from friction_audit.preprocessing.interaction_torque import extract_interaction
 from friction_audit.preprocessing.segmentation import segment_cycles
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.reporting.notices import minor
-from tests.io.synthetic_recordings import motion, recording, tidy_frame
+from tests.io.synthetic_recordings import motion, recording, refused, tidy_frame
 
 Change = Callable[[Recording], None]
 NAN = np.nan
@@ -97,8 +97,7 @@ def test_time_starts_at_zero_and_the_start_follows() -> None:
     ],
 )
 def test_recordings_that_cannot_be_used_are_refused(change: Change, words: str) -> None:
-    with pytest.raises(InputError, match=words):
-        vetted(changed(change))
+    refused(words, vetted, changed(change))
 
 
 @pytest.mark.parametrize(
@@ -288,8 +287,7 @@ def test_a_rig_that_may_be_in_degrees_is_refused_with_the_way_to_say_it(tmp_path
     columns = {"t": arrays["t"], "tau_J": arrays["tau_J"][:, 0]}
     columns |= {"q": arrays["q"][:, 0] * 116.0, "dq": arrays["dq"][:, 0] * 116.0}
     pd.DataFrame(columns).to_csv(tmp_path / "rig.csv", index=False)
-    with pytest.raises(InputError, match=r"degrees.*--map q=q:deg --map dq=dq:deg"):
-        read_log(tmp_path / "rig.csv")
+    refused(r"degrees.*--map q=q:deg --map dq=dq:deg", read_log, tmp_path / "rig.csv")
     for unit, largest in (("deg", np.deg2rad(58.0)), ("rad", 58.0)):
         log = read_log(tmp_path / "rig.csv", ReadOptions(mapping={"q": f"q:{unit}", "dq": f"dq:{unit}"}))
         assert log.q[:, 0].max() == pytest.approx(largest, rel=1e-3)
@@ -311,8 +309,7 @@ def test_an_axis_in_millimetres_does_not_turn_the_others_into_radians(tmp_path: 
     frame = tidy_frame(3000)
     frame[["q_3", "dq_3"]] *= 500.0
     frame.to_csv(tmp_path / "lift.csv", index=False)
-    with pytest.raises(InputError, match="leave an axis in mm out"):
-        read_log(tmp_path / "lift.csv")
+    refused("leave an axis in mm out", read_log, tmp_path / "lift.csv")
     both = {"q": "q_1,q_2", "dq": "dq_1,dq_2", "tau_J": "tau_J_1,tau_J_2"}
     np.testing.assert_array_equal(
         read_log(tmp_path / "lift.csv", ReadOptions(mapping=both)).q, motion(3000)["q"][:, :2]
@@ -341,8 +338,7 @@ def test_a_channel_that_keeps_its_value_is_named_with_the_part(channel: str) -> 
 
 def test_two_recordings_in_one_file_are_named_with_the_row(tmp_path: Path) -> None:
     pd.concat([tidy_frame(3000)] * 2).to_csv(tmp_path / "two.csv", index=False)
-    with pytest.raises(InputError, match=r"2 recordings in one file: cut it before row 3001"):
-        read_log(tmp_path / "two.csv")
+    refused(r"2 recordings in one file: cut it before row 3001", read_log, tmp_path / "two.csv")
 
 
 def test_a_few_wild_torques_are_no_unit() -> None:

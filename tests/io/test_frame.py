@@ -133,17 +133,3 @@ def test_a_torque_is_preferred_to_its_current() -> None:
     assert log.source.channels["tau_J"] == "actual_current_as_torque_{i}"
     assert log.tau_J is not None
     assert np.abs(log.tau_J[:, 0]).max() == pytest.approx(2.0 * 9.0 * 2.01, rel=1e-3)
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"gear_ratio": (100.0,)}, "--gear-ratio without --torque-constant"),
-        ({"torque_constant": (0.1, 0.1, 0.1)}, r"--torque-constant: 3 numbers; expected one, or one per joint \(2\)"),
-        ({"torque_scale": (-1.0,)}, "--torque-scale: expected numbers above zero; a sign is turned with --flip"),
-        ({"flip": (3,)}, "--flip: no joint 3; expected joints from 1 to 2"),
-    ],
-)
-def test_impossible_constants_are_refused(options: dict[str, Any], message: str) -> None:
-    with pytest.raises(UsageError, match=message):
-        friction_audit.log_from_frame(table(), **options)

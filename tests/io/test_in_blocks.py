@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given, strategies as st
 
 from friction_audit.compensation.settings import ReplaySettings
 from friction_audit.io.readers import ReadOptions, read_log
 from friction_audit.io.writers.write_log import WRITERS, write_log
-from friction_audit.joint_log import JointLog, LogInBlocks, LogPart, Means, Source, block_means
+from friction_audit.joint_log import JointLog, LogInBlocks, LogPart, Source
 from friction_audit.pipeline import AuditSettings, estimate_log, replay_estimate, while_read
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.preprocessing.sign import coarse_log
@@ -273,17 +272,6 @@ def test_lists_and_exact_clocks_are_read_in_blocks(frame: pd.DataFrame, tmp_path
     path = tmp_path / "lists.parquet"
     pd.DataFrame({"time": np.asarray(t), **lists}).to_parquet(path, index=False, row_group_size=7001)
     assert_same_log(path, {})
-
-
-@given(sizes=st.lists(st.integers(1, 90), min_size=40, max_size=50))
-def test_means_are_those_of_the_whole_whatever_the_blocks(sizes: list[int]) -> None:
-    whole = np.random.default_rng(0).standard_normal((sum(sizes), 3))
-    means = Means(1e-3, len(whole), ["dq"], 2)
-    for piece in np.split(whole, np.cumsum(sizes)[:-1]):
-        means.take(piece[:, 0], {"dq": piece[:, 1:]})
-    expected = block_means(whole, means.of)
-    np.testing.assert_array_equal(np.column_stack([means.found[0], means.found[1]["dq"]]), expected)
-    assert (means.of, len(expected)) == (20, len(whole) // 20)
 
 
 def test_a_long_log_is_judged_by_stretches_that_are_spread_over_it(

@@ -9,9 +9,8 @@ import pyarrow.parquet as pq
 import pytest
 
 import friction_audit
-from friction_audit.errors import InputError
 from friction_audit.io.readers import ReadOptions, read_log
-from tests.io.synthetic_recordings import motion, tidy_frame
+from tests.io.synthetic_recordings import motion, refused, tidy_frame
 
 
 def write(path: Path, columns: dict[str, Any], **options: Any) -> Path:
@@ -91,8 +90,7 @@ def without_a_stamp() -> pd.DataFrame:
 )
 def test_columns_that_are_no_numbers_are_refused(tmp_path: Path, frame: Callable[[], pd.DataFrame], words: str) -> None:
     frame().to_parquet(tmp_path / "run.parquet")
-    with pytest.raises(InputError, match=words):
-        read_log(tmp_path / "run.parquet")
+    refused(words, read_log, tmp_path / "run.parquet")
 
 
 @pytest.mark.parametrize("scalar", [True, False])
@@ -149,8 +147,7 @@ def test_damaged_in_the_middle(tmp_path: Path) -> None:
     content = bytearray(path.read_bytes())
     content[4:4000] = bytes(3996)
     path.write_bytes(content)
-    with pytest.raises(InputError, match="a damaged Parquet file: time: row group 1 of 1"):
-        read_log(path)
+    refused("a damaged Parquet file: time: row group 1 of 1", read_log, path)
 
 
 def flip(path: Path, column: int, group: int) -> None:
@@ -198,11 +195,9 @@ def test_our_own_files_have_checksums(tmp_path: Path) -> None:
 def test_claims_that_no_recording_makes_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("friction_audit.io.readers.reader._BOMB_BYTES", 1_000_000)
     path = write(tmp_path / "bomb.parquet", dict.fromkeys(("time", "q_1", "dq_1", "tau_J_1"), np.zeros(100_000)))
-    with pytest.raises(InputError, match="GB packed into"):
-        read_log(path)
+    refused("GB packed into", read_log, path)
 
 
 def test_a_log_beyond_memory_is_refused_with_a_way_to_a_part(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("friction_audit.io.readers.reader.address_limit", lambda: 10_000)
-    with pytest.raises(InputError, match=r"memory here; read a part of it with .*--t-start 0 --t-end 600"):
-        read_log(tidy(tmp_path / "run.parquet"))
+    refused(r"memory here; read a part of it with .*--t-start 0 --t-end 600", read_log, tidy(tmp_path / "run.parquet"))

@@ -1,6 +1,5 @@
 """Wild samples are left out and named; what joints do is not."""
 
-import json
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -9,10 +8,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from friction_audit.cli import main
 from friction_audit.io.readers import read_log
 from friction_audit.io.readers.reader import ReadOptions
 from friction_audit.joint_log import Float, JointLog
+from tests.in_this_process import run
 from tests.io.synthetic_recordings import motion, recording
 from tests.io.test_checks import codes, finding, vetted
 
@@ -43,17 +42,14 @@ CASES: Mapping[str, tuple[str, list[int], list[float]]] = {
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_a_wild_sample_is_left_out_and_named_and_the_estimate_is_as_without(
-    case: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_wild_sample_is_left_out_and_named_and_the_estimate_is_as_without(case: str, tmp_path: Path) -> None:
     column, rows, values = CASES[case]
     table = rig()
     table.loc[rows, column] = values
     table.to_csv(tmp_path / "rig.csv", index=False)
-    with pytest.raises(SystemExit) as stop:
-        main(["estimate", str(tmp_path / "rig.csv"), "--json"])
-    document = json.loads(capsys.readouterr().out)
-    assert stop.value.code == 6
+    answer = run("estimate", tmp_path / "rig.csv", "--json")
+    document = answer.document()
+    assert answer.code == 6
     for coefficient, truth in TRUTH.items():
         assert document["joints"][0][coefficient]["value"] == pytest.approx(truth, abs=2e-3)
     (found,) = [one for one in document["warnings"] if one["code"] == "wild_samples"]

@@ -1,8 +1,6 @@
 """The commands whose answers are pinned while the code is rebuilt, and how an answer becomes numbers and words."""
 
-import contextlib
 import hashlib
-import io
 import json
 import re
 import zipfile
@@ -12,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from friction_audit.cli import main
 from friction_audit.simulation import SCENARIOS
+from tests.in_this_process import run
 
 ROOT = Path(__file__).resolve().parents[2]
 SAMPLES = ROOT / "sample_logs"
@@ -63,23 +61,11 @@ COMMANDS = {
 SLOW = ("diagnose", "report", "batch-report", "compare", "reproduce")
 
 
-def answer(words: str) -> tuple[int, str]:
-    """Run a command; return its exit code and standard output."""
-    out = io.StringIO()
-    code: object = 0
-    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(io.StringIO()):
-        try:
-            main(words.split())
-        except SystemExit as end:
-            code = end.code or 0
-    return int(str(code)), out.getvalue()
-
-
 def make_logs(folder: Path, *, slow: bool) -> dict[str, Path]:
     """Simulate the logs that commands read, those of slow ones too; the current folder becomes theirs."""
     logs = {name: folder / f"{name}.parquet" for name in SIMULATED}
     for name in SIMULATED if slow else ("stribeck", "arm"):
-        answer(f"{SIMULATED[name]} -q -o {logs[name]}")
+        run(*f"{SIMULATED[name]} -q -o {logs[name]}".split())
     (folder / "rig").mkdir()
     for n in range(1, 6 if slow else 1):
         logs[f"rig-{n}"].rename(folder / "rig" / f"2026-03-0{n}.parquet")
@@ -95,9 +81,9 @@ def answers(folder: Path, *, slow: bool) -> Iterator[tuple[str, dict[str, Any]]]
     for name, words in COMMANDS.items():
         if words.startswith(SLOW) and not slow:
             continue
-        code, out = answer(words.format(**logs))
-        document = json.loads(out) if out.lstrip().startswith("{") else None
-        yield name, {"exit": code, **pinned(document, str(folder))}
+        answer = run(*words.format(**logs).split())
+        document = json.loads(answer.out) if answer.out.lstrip().startswith("{") else None
+        yield name, {"exit": answer.code, **pinned(document, str(folder))}
     for name, path in logs.items():
         if path.exists():
             yield f"log {name}", log_content(path)
@@ -107,7 +93,7 @@ def scenario_hashes(folder: Path) -> Iterator[tuple[str, str]]:
     """Yield scenario and hash of the numbers of a short log of it."""
     for scenario in SCENARIOS:
         path = folder / f"{scenario.name}.npz"
-        answer(f"simulate {scenario.name} --seed 3 --duration 8 -q -o {path}")
+        run(*f"simulate {scenario.name} --seed 3 --duration 8 -q -o {path}".split())
         if path.exists():
             with zipfile.ZipFile(path) as archive:
                 content = b"".join(archive.read(name) for name in sorted(archive.namelist()))

@@ -20,10 +20,8 @@ from friction_audit.planning.design import Limits, candidates_of, limits_of
 from friction_audit.planning.plan import JointPlan, plan_task, trajectory_of
 from friction_audit.planning.task import Arm, Joint, Task, task_of
 from friction_audit.reporting.plan import Recording, plan_lines
-from tests.cli.conftest import Run, run
 from tests.each_case import thorough
-
-__all__ = ["run"]
+from tests.in_this_process import Run
 
 DURATION = 120
 STRIBECK = {"stribeck_excess_nm": 0.15, "stribeck_speed_rad_s": 0.1, "stribeck_exponent": 2.0}

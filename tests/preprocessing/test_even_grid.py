@@ -5,7 +5,6 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import pytest
 from hypothesis import example, given, settings, strategies as st
-from scipy.interpolate import CubicSpline
 from scipy.signal import lfilter
 
 from friction_audit.joint_log import Float, JointLog
@@ -157,15 +156,6 @@ def test_the_position_shows_whether_samples_are_as_late_as_their_stamps(samples_
     q = np.column_stack([np.sin(taken), 0.5 * np.sin(2.0 * taken)]) + rng.normal(scale=1e-6, size=(len(tick), 2))
     times = even_grid.times_of_samples(t, q, np.column_stack([np.cos(taken), np.cos(2.0 * taken)]))
     assert np.std(times - taken) < 0.2 * np.std(t - tick)
-
-
-@given(n=st.integers(2, 30), seed=st.integers(0, 1000))
-def test_the_spline_is_the_natural_one_of_scipy(n: int, seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    x, y = np.cumsum(rng.uniform(0.5, 2.0, n)), rng.standard_normal(n)
-    at = np.linspace(x[0] - 0.1, x[-1] + 0.1, 50)
-    expected = CubicSpline(x, y, bc_type="natural" if n > 2 else "not-a-knot")(at)
-    assert even_grid.natural_spline(x, y, at) == pytest.approx(expected, abs=1e-9)
 
 
 @pytest.mark.parametrize(("pole", "before"), [(0.97, 0.3), (0.97 * np.exp(0.1j), 0.2 - 0.1j)])

@@ -405,11 +405,6 @@ def test_whose_model_is_known(robot: str, asked: str, used: str, joints: int, kn
         (hand_log(), {"gravity": "model", "robot": "none"}, "--robot none"),
         (VENDOR, {"torque": "tau_ext", "gravity": "model"}, "neither gravity nor inertia"),
         (VENDOR, {"gravity": "model"}, "about tau_J"),
-        (VENDOR, {"torque": "tau"}, "--torque tau: expected one of auto, interaction, tau_ext, tau_J"),
-        (VENDOR, {"drive": "foot"}, "--drive foot"),
-        (VENDOR, {"model_rate_hz": 0.0}, "--model-rate 0"),
-        (VENDOR, {"payload": (0.0, 0.0, 0.0, 0.1)}, "--payload 0,0,0,0.1: expected mass,x,y,z"),
-        (VENDOR, {"gravity_vector": (0.0, 0.0, float("nan"))}, "--gravity-vector"),
     ],
 )
 def test_wrong_and_contradicting_choices_are_refused(log: JointLog, choices: dict[str, Any], message: str) -> None:

@@ -142,12 +142,6 @@ def readings(q_noise: float, dq_noise: float) -> tuple[Float, Float]:
     return TRUE + q_noise * slope, TRUE + dq_noise * np.fft.irfft(white[1])
 
 
-def below(signal: Float, hertz: float) -> float:
-    """Root mean square of what is below a frequency."""
-    inside = np.fft.rfftfreq(len(GRID), GRID_S) < hertz
-    return float(np.std(np.fft.irfft(np.fft.rfft(signal) * inside)))
-
-
 def test_the_crossover_is_where_both_are_equally_noisy_and_none_is_below_the_frequencies_of_motions() -> None:
     assert velocity.crossover_of(*readings(1e-5, 2 * np.pi * 20.0 * 1e-5), GRID_S) == pytest.approx(20.0, rel=0.1)
     assert velocity.crossover_of(*readings(1e-3, 2 * np.pi * 1e-3), GRID_S) == 0.0
@@ -164,14 +158,6 @@ def test_noise_that_comes_and_goes_is_found_as_what_two_velocities_do_not_have_i
     slope, logged = (TRUE + np.fft.irfft(one) for one in (2j * np.pi * hertz * white[0], white[1]))
     found = velocity.noise_of_both(slope, logged, np.ones(len(GRID), bool), GRID_S, 0.0)
     assert_allclose(found, np.array([1e-5, 1e-3]) * np.sqrt(2.0 * GRID_S), rtol=0.1)
-
-
-def test_the_mean_is_quieter_than_either_at_all_frequencies() -> None:
-    slope, logged = readings(1e-5, 2 * np.pi * 20.0 * 1e-5)
-    both = velocity.complementary_mean(slope, logged, np.ones(len(GRID), bool), GRID_S, 20.0) - TRUE
-    for hertz in (5.0, 20.0, 80.0):
-        assert below(both, hertz) < min(below(slope - TRUE, hertz), below(logged - TRUE, hertz))
-    assert below(both, 5.0) < 0.3 * below(logged - TRUE, 5.0)
 
 
 def test_where_the_position_cannot_be_trusted_it_is_the_logged_one() -> None:

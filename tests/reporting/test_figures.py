@@ -19,7 +19,7 @@ from friction_audit.drift.two_sides import compare_sides
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import AuditSettings, estimate_log, replay_estimate
-from friction_audit.reporting.figures.panels import CUTOFF_HZ, cutoff_hz, draw_curve, smooth, thin_extremes
+from friction_audit.reporting.figures import panels
 from friction_audit.reporting.figures.registry import FIGURES, FigureKind
 from friction_audit.reporting.figures.style import COLUMN_IN, FORMATS, SHEET_IN, STYLE, figure_bytes, load_style
 from tests.each_case import thorough
@@ -118,6 +118,12 @@ def test_the_same_result_gives_the_same_undated_bytes(suffix: str) -> None:
     assert not re.search(rb"20\d\d-\d\d-\d\dT", first)
 
 
+def test_axes_have_the_unit_of_the_torque() -> None:
+    axes = panels.label_in_unit(FIGURES[0].draw(result_of("estimate"), 1), "A").axes
+    assert "[A]" in axes[0].get_ylabel()
+    assert not any("N m" in one.get_ylabel() for one in axes)
+
+
 def test_the_users_own_matplotlib_settings_change_nothing() -> None:
     with rc_context({"font.size": 30, "lines.linewidth": 9}):
         assert FIGURES[0].draw(result_of("estimate"), 1).axes[0].yaxis.label.get_fontsize() == 7.5
@@ -126,7 +132,7 @@ def test_the_users_own_matplotlib_settings_change_nothing() -> None:
 @given(st.lists(st.floats(-1e3, 1e3), min_size=2, max_size=400), st.integers(8, 60))
 def test_no_extreme_is_lost_and_time_keeps_its_order(values: list[float], most: int) -> None:
     signal = np.array(values)
-    t, thinned = thin_extremes(np.arange(len(signal), dtype=np.float64), signal, most)
+    t, thinned = panels.thin_extremes(np.arange(len(signal), dtype=np.float64), signal, most)
     width = -(-2 * len(signal) // most)
     whole = len(signal) // width * width if len(signal) > most else len(signal)
     assert thinned.min() <= signal[:whole].min()
@@ -138,7 +144,7 @@ def test_no_extreme_is_lost_and_time_keeps_its_order(values: list[float], most: 
 
 def test_no_line_bridges_a_gap() -> None:
     t, axes = np.append(np.arange(50.0), [90.0, 91.0]), Figure().subplots()
-    draw_curve(axes, t, np.ones(52), 100, label="curve")
+    panels.draw_curve(axes, t, np.ones(52), 100, label="curve")
     assert np.flatnonzero(np.isnan(line(axes, "curve")[1])).tolist() == [49]
 
 
@@ -146,7 +152,7 @@ def test_a_slow_signal_passes_the_filter_without_delay_and_a_fast_one_is_gone() 
     t = np.arange(0, 10, 0.001)
     slow, fast = np.sin(2 * np.pi * 0.5 * t), np.sin(2 * np.pi * 100 * t)
     inside = slice(1000, -1000)
-    assert smooth(t, slow + fast)[inside] == pytest.approx(slow[inside], abs=2e-3)
-    assert smooth(t[:5], t[:5]) is not None
-    assert cutoff_hz(t) == CUTOFF_HZ
-    assert cutoff_hz(np.arange(0, 10, 1 / 30)) == pytest.approx(6.0)
+    assert panels.smooth(t, slow + fast)[inside] == pytest.approx(slow[inside], abs=2e-3)
+    assert panels.smooth(t[:5], t[:5]) is not None
+    assert panels.cutoff_hz(t) == panels.CUTOFF_HZ
+    assert panels.cutoff_hz(np.arange(0, 10, 1 / 30)) == pytest.approx(6.0)

@@ -18,8 +18,10 @@ from friction_audit.reporting.drift import BatchSummary
 from friction_audit.reporting.drift_sessions import session_columns
 from friction_audit.reporting.report import LogReport, report_tables
 from tests.reporting import batch_by_hand, diagnosis_by_hand, log_report_by_hand as by_hand
+from tests.reporting.conftest import build_estimate
 from tests.reporting.diagnosis_by_hand import AMBIGUOUS, NAMED
 from tests.reporting.test_documents import ARM, BATCHES
+from tests.reporting.test_text import in_ampere
 
 UNITLESS = {
     "condition_number", "correlation", "dissipation_removed", "dissipation_removed_updated", "limited_fraction",
@@ -63,6 +65,14 @@ def test_columns_are_the_result_s() -> None:
     for column, rows in enumerate(every()["cycles"].rows):
         own = found.estimate.cycles[column]
         assert np.sum(rows.columns["net_energy_j"]) == pytest.approx(own.sums.work_j.sum())
+
+
+@pytest.mark.parametrize(("unit", "ends"), [("N m", ("nm", "j")), ("A", ("a", "a_rad")), ("mA", ("ma", "ma_rad"))])
+def test_columns_have_the_unit_of_the_torque(unit: str, ends: tuple[str, str]) -> None:
+    coefficients, _, cycles, interaction = estimate.estimate_tables(in_ampere(build_estimate(1), unit))
+    assert {f"coulomb{part}_{ends[0]}" for part in ("", "_low", "_high")} < coefficients.types.keys()
+    assert f"net_energy_{ends[1]}" in cycles.types
+    assert f"interaction_{ends[0]}" in interaction.types
 
 
 def test_residual_is_measured_less_model_and_effects_are_words() -> None:

@@ -24,7 +24,6 @@ from tests.reporting.conftest import build_estimate
 from tests.reporting.diagnosis_by_hand import ALONE, BIAS, LIMIT, NAMED, NOT_TESTABLE, STRIBECK, coefficient, diagnosis
 
 ARM = batch_by_hand.arm()
-STEP, RISE = ARM.joints[1].coefficients[0], ARM.joints[4].coefficients[0]
 LONG = replace(BIAS, name="position_dependent_friction", alternatives=("load_dependent_friction",))
 
 
@@ -37,8 +36,8 @@ def row(lines: list[str], start: str) -> str:
     return " ".join(next(line for line in lines if line.startswith(start)).split())
 
 
-def in_ampere(found: Estimate) -> Estimate:
-    return replace(found, log=replace(found.log, source=replace(found.log.source, torque_unit="A")))
+def in_ampere(found: Estimate, unit: str = "A") -> Estimate:
+    return replace(found, log=replace(found.log, source=replace(found.log.source, torque_unit=unit)))
 
 
 @pytest.mark.parametrize(("lines", "rows", "sentences"), [
@@ -84,6 +83,13 @@ def test_a_table_and_its_sentences(lines: Callable[[], list[str]], rows: list[st
     assert not any("…" in line for line in found)
     assert [one for one in rows if not row(found, one.split()[0] + " ").startswith(one)] == []
     assert [one for one in sentences if not any(line.startswith(one) for line in found)] == []
+
+
+def test_a_narrow_terminal_cuts_no_number(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "22")
+    found = estimate_lines(build_estimate(1))
+    assert row(found, "1 ").startswith("1 0.2473 ± 0.0051 0.2480 0.3965 ± 0.0061 0.3957 16 (0)")
+    assert all(line == line.rstrip() for line in found)
 
 
 def test_the_longest_sentence_has_two_hundred_characters() -> None:

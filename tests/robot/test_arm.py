@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.robot.arm import load_arm, read_urdf
-from friction_audit.robot.regressor import random_motion, regressor_entries, significant, tilt_torque
+from friction_audit.robot.regressor import random_motion, regressor_entries, tilt_torque
 
 READY = np.array([0.0, -np.pi / 4, 0.0, -3 * np.pi / 4, 0.0, np.pi / 2, np.pi / 4])
 HAND = (0.73, -0.01, 0.0, 0.03)
@@ -207,10 +207,3 @@ def test_a_tilted_base_to_first_order() -> None:
     across = np.linalg.svd(ARM.model.opt.gravity[None])[2][1:]
     found = tilt_torque(ARM, MOTION[0]) @ (across @ np.array([0.01, 0.02, 0.0]))
     assert found == pytest.approx(tilted.gravity(MOTION[0]) - ARM.gravity(MOTION[0]), abs=1e-9)
-
-
-def test_columns_that_are_combinations_of_those_before_are_not_significant() -> None:
-    first, second = np.arange(5.0), np.ones(5)
-    columns = np.column_stack([first, second, first - 2 * second, np.zeros(5), first**2])
-    assert significant(columns).tolist() == [True, True, False, False, True]
-    assert not significant(np.zeros((5, 2))).any()

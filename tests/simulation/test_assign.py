@@ -64,32 +64,6 @@ def test_one_value_changes_and_no_other(entry: str, path: str, value: object) ->
     assert type(changed[path]) is type(value)
 
 
-@pytest.mark.parametrize(
-    ("entry", "message"),
-    [
-        ("motion.ease_s=1@2", "is not set joint by joint; leave out @2"),
-        ("hand.stifness_n_per_m=1", r"no such setting; .* did you mean hand\.stiffness_n_per_m"),
-        ("hidden.torque_nm=1", "no such setting; --list"),
-        ("duration_s", "expected NAME=VALUE"),
-        ("duration_s=", "--set duration_s=: expected a number"),
-        ("duration_s=inf", "expected a number"),
-        ("sines=1.5", "--set servo.motion.sines=1.5: expected a whole number"),
-        ("driven=yes", "expected true or false"),
-        ("model=jump", "expected one of"),
-        ("path.pause_s=1", "expected 2 values separated by commas, found 1"),
-        ("mass_kg=-1", "--set hand.mass_kg=-1: hand: mass_kg -1: expected zero or more"),
-        ("joints.coulomb_nm=1@8-9", "no joint 8-9; expected joints from 1 to 7"),
-        ("joints.coulomb_nm=1@", "'' is no joint"),
-        ("compensator=walk", "--set compensator=walk: expected one of"),
-        ("coulomb_nm=1", r"stands for 2 settings; expected one of joints\.coulomb_nm, compensator\.forced\.coulomb_nm"),
-        ("compensator=fixed_compensation", "fixed_compensation has no usual values; a scenario must have it"),
-    ],
-)
-def test_what_cannot_be_is_said(entry: str, message: str) -> None:
-    with pytest.raises(UsageError, match=message):
-        assign_text(ARM, entry)
-
-
 def test_settings_that_limit_each_other_are_assigned_in_an_order_that_fits() -> None:
     usual, slow, fast = EnergyCompensator(), "termination_rad_s=0.5", "initiation_rad_s=1"
     assert assign_texts(usual, [slow, fast]) == replace(usual, termination_rad_s=0.5, initiation_rad_s=1.0)
@@ -133,7 +107,6 @@ def test_every_setting_of_a_scenario_can_be_assigned(scenario: Scenario) -> None
 
 # Hidden effects.
 
-ONE = next(scenario.settings for scenario in SCENARIOS if len(scenario.settings.hidden) == 1)
 SEVEN = next(scenario.settings for scenario in SCENARIOS if len(scenario.settings.moving) == 7)
 ONE_OF_SEVEN = next(scenario.settings for scenario in SCENARIOS if scenario.name == "panda-joint")
 EACH_EFFECT = pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.name)
@@ -155,31 +128,8 @@ def test_parameters_form_and_joints() -> None:
     assert hidden_effects(hidden) == [
         {"joint": joint, "name": "stribeck", "form": "lorentzian", "parameters": parameters} for joint in (2, 5, 6)
     ]
-
-
-@pytest.mark.parametrize(
-    ("settings", "entries", "message"),
-    [
-        (ONE_OF_SEVEN, ["stribeck@2"], "does nothing where only joint 1 moves"),
-        (ONE_OF_SEVEN, ["inertial_coupling"], "does nothing where only joint 1 moves"),
-        (ONE, ["torque_crosstalk"], "takes an arm of several joints; .*panda-joint, panda, panda-driven"),
-        (SEVEN, ["stribek"], "--effect stribek: no effect stribek; did you mean stribeck"),
-        (SEVEN, ["wobble"], "no effect wobble; --list-effects"),
-        (SEVEN, [""], "no effect without a name"),
-        (SEVEN, ["stribeck:0.2"], "'0.2': expected NAME:PARAMETER=VALUE"),
-        (SEVEN, ["stribeck:excess_nm=0.2,"], "expected NAME:PARAMETER=VALUE"),
-        (SEVEN, ["stribeck:excess_nm=1,excess_nm=2"], "excess_nm is given twice"),
-        (SEVEN, ["stribeck:exces_nm=1"], r"no parameter exces_nm; expected .*; did you mean excess_nm\?"),
-        (SEVEN, ["stribeck:excess_nm=much"], "expected a number from"),
-        (SEVEN, ["stribeck:form=square"], "expected one of exponential, lorentzian, piecewise"),
-        (SEVEN, ["stribeck@8"], "no joint 8; expected joints from 1 to 7"),
-        (SEVEN, ["stribeck@0"], "'0' is no joint"),
-        (SEVEN, ["stribeck@1-3", "time_delay@3", "stribeck@2-3"], "stribeck@2-3: joint 2-3 has stribeck already"),
-    ],
-)
-def test_what_cannot_be_hidden_is_said(settings: Any, entries: list[str], message: str) -> None:
-    with pytest.raises(UsageError, match=message):
-        hide(settings, entries)
+    with pytest.raises(UsageError, match="no effect without a name"):
+        hide(SEVEN, [""])
 
 
 # A model of joints simulated: what the model says of the simulated motion is the torque that was simulated.

@@ -1,6 +1,6 @@
 """One joint on a bench: recording, sensors, settings; what holds of every effect, alone and in company."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import fields, replace
 from functools import cache
 from typing import Any
@@ -9,27 +9,17 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from friction_audit.compensation.law import EnergyCompensator
-from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.joint_log import Float
-from friction_audit.simulation import IDEAL_SENSORS, BenchSettings, JointParameters, Operator, Sensors, simulate
-from friction_audit.simulation.arm import ArmSettings, Servo
-from friction_audit.simulation.bench import HandGuidedPanda
+from friction_audit.simulation import IDEAL_SENSORS, BenchSettings, Sensors, simulate
 from friction_audit.simulation.effects import EFFECTS, Hidden
 from friction_audit.simulation.effects.effect import HiddenEffect
 from friction_audit.simulation.effects.load_and_place import JointLimitStop
-from friction_audit.simulation.effects.structure import InertiaError, JointElasticity
 from friction_audit.simulation.sensors import draw_noise, quantise
 from friction_audit.simulation.settings import Simulation, TrueMotion
 from tests.each_case import thorough
 
 SHORT = BenchSettings(duration_s=20.0)
 IDEAL = replace(SHORT, sensors=(IDEAL_SENSORS,))
-DRIVEN = replace(SHORT, driven=True, logs_sensor=True)
-
-
-def hidden(*names: str) -> Hidden:
-    return Hidden().holding(*(effect.make({}) for effect in EFFECTS if effect.name in names))
 
 
 def only(column: Float) -> Float:
@@ -66,32 +56,6 @@ def test_sensor_reads_gravity_and_the_load_does_not_change_a_rigid_joint(driven:
     )
 
 
-@pytest.mark.parametrize(
-    ("make", "words"),
-    [
-        (lambda: JointParameters(inertia_kg_m2=0.0), "inertia_kg_m2 0: expected a number above zero"),
-        (lambda: JointElasticity(compliance_rad_per_nm=1e-9), "1e-09: expected 0, a rigid joint, or at least 1e-05"),
-        (lambda: HandGuidedPanda(joint=8), "expected a joint from 1 to 7 and 7 of each"),
-        (lambda: HandGuidedPanda(sensors=(Sensors(),)), "expected a joint from 1 to 7 and 7 of each"),
-        (lambda: Sensors(lost=0.9), "lost 0.9: expected a number from 0 to 0.5"),
-        (lambda: Sensors(torque_step_nm=1e-12), "torque_step_nm 1e-12: expected 0, for none, or at least 1e-09"),
-        (lambda: BenchSettings(duration_s=1e-4), "expected at least 2 sampling intervals"),
-        (lambda: BenchSettings(gravity_nm=1.0), "cannot log the interaction torque; expected logs_sensor=true"),
-        (lambda: BenchSettings(driven=True), "cannot log the interaction torque; expected logs_sensor=true"),
-        (lambda: replace(DRIVEN, compensator=EnergyCompensator()), "compensator takes a hand that moves the joint"),
-        (lambda: replace(DRIVEN, hidden=(hidden("unlogged_compensation"),)), "unlogged_compensation takes a hand"),
-        (lambda: hidden("presliding", "stiction"), "bristles have a break-away of their own"),
-        (
-            lambda: simulate(replace(SHORT, hidden=(Hidden(inertia_error=InertiaError(extra_kg_m2=-0.4)),)), 1),
-            "extra_kg_m2 leaves joint 1 an inertia of",
-        ),
-    ],
-)
-def test_settings_out_of_range_are_refused(make: Callable[[], object], words: str) -> None:
-    with pytest.raises(UsageError, match=words):
-        make()
-
-
 # At the ends of their ranges effects are still physics; beyond them they are refused.
 
 LIMITS_IDEAL = BenchSettings(duration_s=4.0, sensors=(IDEAL_SENSORS,))
@@ -122,9 +86,7 @@ def test_the_stiffest_wall_takes_energy(form: str) -> None:
     assert (work - kept).min() > -1e-3 * work[-1]
 
 
-# Coloured noise, and what diverges.
-
-PLAIN = BenchSettings(duration_s=6.0)
+# Coloured noise.
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
@@ -137,25 +99,11 @@ def test_slow_part_keeps_the_variance_and_changes_the_colour(share: float) -> No
         assert_allclose(np.corrcoef(noise[lag:], noise[:-lag])[0, 1], expected, atol=0.03)
 
 
-@pytest.mark.parametrize(
-    ("settings", "words"),
-    [
-        (replace(PLAIN, operator=Operator(stiffness_nm_per_rad=1e9)), "joint 1 has a speed above 1000 rad/s"),
-        (replace(PLAIN, operator=Operator(stiffness_nm_per_rad=1e300)), "joint 1 has a speed above 1000 rad/s"),
-        (replace(PLAIN, gravity_nm=1e300, logs_sensor=True), "joint 1 has a torque above 1e\\+06 N m"),
-        (ArmSettings(driven=True, servo=Servo(stiffness_nm_per_rad=1e9), duration_s=0.1), "joint"),
-    ],
-)
-def test_a_simulation_that_diverges_says_so_and_gives_no_log(settings: BenchSettings, words: str) -> None:
-    with pytest.raises(AnalysisError, match=rf"stiff\.csv: the simulation diverged: {words}"):
-        simulate(settings, 1, path="stiff.csv")
-
-
 # What holds of every effect: nothing at zero strength, finite and visible as usual, alone and in company.
 
 SEED = 4
-USUAL = BenchSettings(duration_s=20.0)
-FINE = replace(USUAL, sensors=(IDEAL_SENSORS,))
+USUAL = BenchSettings(duration_s=10.0)
+FINE = replace(USUAL, sensors=(IDEAL_SENSORS,), duration_s=20.0)
 ALONE = [effect for effect in EFFECTS if not effect.needs_neighbours]
 CASES = [(effect, form) for effect in ALONE for form in effect.forms or ("",)]
 NAMES = [f"{effect.name}-{form}" for effect, form in CASES]
@@ -250,7 +198,7 @@ STEPS = {"q": 1e-6, "dq": 1e-6, "tau_interaction": 0.0357, "tau_J": 0.0357, "gra
 @pytest.mark.parametrize(("driven", "logs_sensor"), [(False, False), (False, True), (True, True)])
 @pytest.mark.parametrize("number", [0, 1, *thorough(range(2, 6))])
 def test_all_effects_at_once(number: int, driven: bool, logs_sensor: bool) -> None:
-    settings = replace(USUAL, logs_sensor=logs_sensor, logs_temperature=True, driven=driven, duration_s=10.0)
+    settings = replace(USUAL, logs_sensor=logs_sensor, logs_temperature=True, driven=driven)
     settings = replace(settings, gravity_nm=5.0 * logs_sensor)
     hidden = everything(number)
     if driven:
