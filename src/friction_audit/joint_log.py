@@ -73,21 +73,22 @@ class Recording:
     t: Float  # time since the first sample, strictly increasing, t[0] = 0, shape (n,) [s]
     joint_names: tuple[str, ...]  # in the order of the columns
     source: Source
+    clock: tuple[int, float, float] | None = field(default=None, init=False)  # as in ``LogInBlocks``; None: that of t
 
     @property
     def samples(self) -> int:
         """Number of samples n."""
-        return len(self.t)
+        return self.clock[0] if self.clock else len(self.t)
 
     @property
     def duration_s(self) -> float:
         """Time from the first to the last sample. [s]"""
-        return float(self.t[-1])
+        return self.clock[1] if self.clock else float(self.t[-1])
 
     @property
     def rate_hz(self) -> float:
         """Sampling rate, from the median time step. [Hz]"""
-        return 1.0 / median_step(self.t)
+        return 1.0 / (self.clock[2] if self.clock else median_step(self.t))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -238,21 +239,6 @@ class LogInBlocks(LogPart):
     read: Callable[[Collection[str]], Iterator[tuple[Float, dict[str, Float]]]]
     read_whole: Callable[[], JointLog]  # reads the log into memory
     listener: Any = None  # what has taken every block while the log was checked, or None
-
-    @property
-    def samples(self) -> int:
-        """Number of samples n."""
-        return self.clock[0]
-
-    @property
-    def duration_s(self) -> float:
-        """Time from the first to the last sample. [s]"""
-        return self.clock[1]
-
-    @property
-    def rate_hz(self) -> float:
-        """Sampling rate, from the median time step. [Hz]"""
-        return 1.0 / self.clock[2]
 
     def take_window(self, start_s: float | None, stop_s: float | None) -> JointLog:
         """Return the samples with start_s <= t < stop_s, in memory; the log itself where it is that part."""

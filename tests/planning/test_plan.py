@@ -96,6 +96,14 @@ def test_limits_of_the_panda_are_those_published() -> None:
         limits_of(replace(joint, name="elbow"), 0.0, urdf=Path(robot.__file__).parent / "panda.urdf", robot="")
 
 
+def test_an_option_replaces_a_limit_that_a_urdf_of_a_cad_program_leaves_at_zero(tmp_path: Path) -> None:
+    urdf, limit = tmp_path / "arm.urdf", '<limit lower="-2" upper="2" velocity="0"/>'
+    urdf.write_text(f'<robot name="a"><joint name="joint1" type="revolute">{limit}</joint></robot>')
+    assert limits_of(Joint(), 0.0, urdf=urdf, speed_rad_s=0.5).speed_rad_s == 0.5
+    with pytest.raises(UsageError, match="raise --speed"):
+        limits_of(Joint(), 0.0, urdf=urdf)
+
+
 def test_a_number_that_a_document_leaves_out_takes_no_name_away() -> None:
     numbers = {"curved_viscous_nm": 0.06, "curved_viscous_exponent": 2.4, "curved_viscous_speed_rad_s": None}
     effects = [{"name": "nonlinear_viscous", "alternatives": ["stribeck"], "parameters": numbers}]

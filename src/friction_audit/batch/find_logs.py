@@ -70,8 +70,6 @@ def find_logs(
             found.setdefault(key, replace(log, row=rows.get(log.place)))
     if lost:
         raise InputError("; ".join(lost))
-    if not found:
-        raise InputError("no log was named; give files, folders, globs or URLs, or a manifest that names some")
     return sorted(found.values(), key=lambda log: natural(log.path))
 
 
@@ -91,7 +89,8 @@ def _logs_of(name: str, closed: set[str]) -> list[LogFile]:
             if place.lower().endswith(SUFFIXES) and not system.isdir(place):
                 return [_at(system, place)] if system.exists(place) else []
             top = place.rstrip("/").rpartition("/")[2]
-            return list(_below(place, top, system.walk(place, detail=True), partial(_at, system)))
+            walk, log_at = system.walk(place, detail=True), partial(_at, system)
+            return [log for listed in walk for log in _logs_at(place, top, listed, log_at)]
     path = Path(name)
     if path.is_dir():
         return list(_logs_in(path, closed))
@@ -103,41 +102,39 @@ def _logs_of(name: str, closed: set[str]) -> list[LogFile]:
 
 def _logs_in(top: Path, closed: set[str]) -> Iterator[LogFile]:
     unread: list[OSError] = []
-
-    def listed() -> Iterator[tuple[str, list[str], list[str]]]:
-        for folder, inside, files in os.walk(top, onerror=unread.append):
-            inside.sort(key=natural)
-            if os.path.realpath(folder) in closed:
-                inside.clear()
-            else:
-                yield folder, inside, files
-
-    whole = top.resolve().name
-    yield from _below(str(top), whole, listed(), local_log, lambda folder: (Path(folder) / DATA_SET).is_file())
+    name = top.resolve().name
+    for folder, inside, files in os.walk(top, onerror=unread.append):
+        inside.sort(key=natural)
+        if os.path.realpath(folder) in closed:
+            inside.clear()
+        else:
+            is_set = (Path(folder) / DATA_SET).is_file()
+            yield from _logs_at(str(top), name, (folder, inside, files), local_log, is_set=is_set)
     for error in unread:  # a folder that cannot be listed: its reader says why
-        yield local_log(error.filename, (*reversed(Path(error.filename).relative_to(top).parts), whole))
+        yield local_log(error.filename, (*reversed(Path(error.filename).relative_to(top).parts), name))
 
 
-def _below(
+def _logs_at(
     top: str,
     name: str,
-    listed: Iterable[tuple[str, Any, Iterable[str]]],
+    listed: tuple[str, Any, Iterable[str]],
     log_at: Callable[[str, tuple[str, ...]], LogFile],
-    is_whole: Callable[[str], bool] = lambda _: False,
+    *,
+    is_set: bool = False,
 ) -> Iterator[LogFile]:
-    """Walk through a folder of a name; a folder that is a bag is one log, and results of this program are none."""
-    for folder, inside, files in listed:
-        inner = [part for part in folder.removeprefix(top.rstrip("/")).split("/") if part]
-        around = (*reversed(inner), name)
-        bag = is_bag(around[0], [*files])
-        if LEDGER in files or (around[0].startswith(".") and inner):
-            inside.clear()
-        elif bag or is_whole(folder):
-            inside.clear()
-            yield log_at(folder, around[1:] if bag else around)
-        else:
-            logs = [file for file in files if not file.startswith(".") and file.lower().endswith(SUFFIXES)]
-            yield from (log_at(f"{folder.rstrip('/')}/{file}", around) for file in sorted(logs, key=natural))
+    """Yield the logs of one folder below a top of a name; a bag or a data set is one log, and results are none."""
+    folder, inside, files = listed
+    inner = [part for part in folder.removeprefix(top.rstrip("/")).split("/") if part]
+    around = (*reversed(inner), name)
+    bag = is_bag(around[0], [*files])
+    if LEDGER in files or (around[0].startswith(".") and inner):
+        inside.clear()
+    elif bag or is_set:
+        inside.clear()
+        yield log_at(folder, around[1:] if bag else around)
+    else:
+        logs = [file for file in files if not file.startswith(".") and file.lower().endswith(SUFFIXES)]
+        yield from (log_at(f"{folder.rstrip('/')}/{file}", around) for file in sorted(logs, key=natural))
 
 
 def is_bag(folder: str, files: Sequence[str]) -> bool:

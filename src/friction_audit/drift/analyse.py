@@ -68,18 +68,16 @@ def _collect(order: Order, compared: tuple[int, ...]) -> tuple[list[Series], lis
     """Return each coefficient of each joint, isolated sessions and those without a temperature set aside."""
     joints = sorted({joint.joint for index in compared for joint in order.sessions[index].joints})
     family: list[Series] = []
-    warnings: dict[Caution | None, set[int]] = {}
+    warned: dict[Caution, set[int]] = {}
     for joint, coefficient in product(joints, COEFFICIENTS):
         series = make_series(order.sessions, compared, joint, coefficient, by_start=order.by == "start")
         series = replace(series, kept=~find_isolated(series.y, series.y_error))
         like, warning = use_temperature(series, order.sessions)
         family.append(leave_outliers_out(like))
-        warnings.setdefault(warning, set()).add(joint)
-    warnings.pop(None, None)
-    numbers = {
-        one: write_joint_numbers(sorted(some)) if len(some) < len(joints) else "" for one, some in warnings.items()
-    }
-    return family, [replace(one, numbers={**one.numbers, "only": only}) for one, only in numbers.items() if one]
+        if warning is not None:
+            warned.setdefault(warning, set()).add(joint)
+    only = {one: write_joint_numbers(sorted(own)) if len(own) < len(joints) else "" for one, own in warned.items()}
+    return family, [replace(one, numbers={**one.numbers, "only": who}) for one, who in only.items()]
 
 
 def _judge(family: Sequence[Series], settings: DriftSettings) -> list[Verdict | None]:

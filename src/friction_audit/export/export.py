@@ -38,9 +38,9 @@ class Target:
     suffixes: tuple[str, ...]  # file name endings with the dot, the usual one first
     highest_power: int | None = 1  # of the speed, that its damping has; None where it holds the law itself
     armature: bool = False  # whether it has a place for the inertia
-    # of a format that takes the user's file: its joints in their order, and the edits that put friction into some
+    # of a format that takes the user's file: its joints in their order, and the edits that put friction into one
     joints_of: Callable[[XmlText], list[Tag]] | None = None
-    edits: Callable[[XmlText, Sequence[tuple[Tag, ExportedJoint]]], Iterator[Edit]] | None = None
+    edits: Callable[[XmlText, Tag, ExportedJoint], Iterator[Edit]] | None = None
 
 
 TARGETS = (
@@ -145,7 +145,7 @@ def export_friction(
     if into is None or target.edits is None:
         content = render(target.name, written)
     else:
-        content = into.edited(target.edits(into, [(tags[joint.name], joint) for joint in written]))
+        content = into.edited(edit for joint in written for edit in target.edits(into, tags[joint.name], joint))
     with whole_file(out, overwrite=overwrite) as draft:
         draft.write_bytes(content)
     return Export(

@@ -1,7 +1,7 @@
 """Friction in the file of a robot (URDF, MJCF of MuJoCo, SDF of Gazebo); every other byte of the user's file stays."""
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 from xml.parsers import expat
@@ -125,35 +125,32 @@ def mjcf_joints(mjcf: XmlText) -> list[Tag]:
     return [tag for tag in joints if "name" in tag.attributes and tag.parent and tag.parent.name == "body"]
 
 
-def edit_urdf(robot: XmlText, joints: Sequence[tuple[Tag, ExportedJoint]]) -> Iterator[Edit]:
-    """Set ``<dynamics>`` of joints."""
-    for tag, joint in joints:
-        coulomb, viscous, *_ = map(number, joint.fitted.coefficients)
-        values, there = {"damping": viscous, "friction": coulomb}, robot.child(tag, "dynamics")
-        attributes = " ".join(f'{key}="{value}"' for key, value in values.items())
-        yield robot.set_attributes(there, values) if there else robot.append(tag, f"<dynamics {attributes}/>")
+def edit_urdf(robot: XmlText, tag: Tag, joint: ExportedJoint) -> Iterator[Edit]:
+    """Set ``<dynamics>`` of a joint."""
+    coulomb, viscous, *_ = map(number, joint.fitted.coefficients)
+    values, there = {"damping": viscous, "friction": coulomb}, robot.child(tag, "dynamics")
+    attributes = " ".join(f'{key}="{value}"' for key, value in values.items())
+    yield robot.set_attributes(there, values) if there else robot.append(tag, f"<dynamics {attributes}/>")
 
 
-def edit_mjcf(mjcf: XmlText, joints: Sequence[tuple[Tag, ExportedJoint]]) -> Iterator[Edit]:
-    """Set the attributes of joints."""
-    for tag, joint in joints:
-        damping, inertia = " ".join(map(number, joint.damping)), joint.law.inertia_kg_m2
-        values = {"frictionloss": number(joint.fitted.coefficients[0]), "damping": damping}
-        yield mjcf.set_attributes(tag, values if inertia is None else values | {"armature": number(inertia)})
+def edit_mjcf(mjcf: XmlText, tag: Tag, joint: ExportedJoint) -> Iterator[Edit]:
+    """Set the attributes of a joint."""
+    damping, inertia = " ".join(map(number, joint.damping)), joint.law.inertia_kg_m2
+    values = {"frictionloss": number(joint.fitted.coefficients[0]), "damping": damping}
+    yield mjcf.set_attributes(tag, values if inertia is None else values | {"armature": number(inertia)})
 
 
-def edit_sdf(sdf: XmlText, joints: Sequence[tuple[Tag, ExportedJoint]]) -> Iterator[Edit]:
-    """Set ``<dynamics>`` of the axes of joints."""
-    for tag, joint in joints:
-        coulomb, viscous, *_ = map(number, joint.fitted.coefficients)
-        axis, values = sdf.child(tag, "axis"), {"damping": viscous, "friction": coulomb}
-        if axis is None:
-            raise InputError(f"{sdf.where}: joint {joint.name} has no <axis>; expected one; repair the file")
-        dynamics = sdf.child(axis, "dynamics")
-        there = {name: own for name in values if dynamics and (own := sdf.child(dynamics, name))}
-        yield from (sdf.filled(own, values[name]) for name, own in there.items())
-        lacking = "".join(f"<{key}>{value}</{key}>" for key, value in values.items() if key not in there)
-        if dynamics is None:
-            yield sdf.append(axis, f"<dynamics>{lacking}</dynamics>")
-        elif lacking:
-            yield sdf.append(dynamics, lacking)
+def edit_sdf(sdf: XmlText, tag: Tag, joint: ExportedJoint) -> Iterator[Edit]:
+    """Set ``<dynamics>`` of the axis of a joint."""
+    coulomb, viscous, *_ = map(number, joint.fitted.coefficients)
+    axis, values = sdf.child(tag, "axis"), {"damping": viscous, "friction": coulomb}
+    if axis is None:
+        raise InputError(f"{sdf.where}: joint {joint.name} has no <axis>; expected one; repair the file")
+    dynamics = sdf.child(axis, "dynamics")
+    there = {name: own for name in values if dynamics and (own := sdf.child(dynamics, name))}
+    yield from (sdf.filled(own, values[name]) for name, own in there.items())
+    lacking = "".join(f"<{key}>{value}</{key}>" for key, value in values.items() if key not in there)
+    if dynamics is None:
+        yield sdf.append(axis, f"<dynamics>{lacking}</dynamics>")
+    elif lacking:
+        yield sdf.append(dynamics, lacking)

@@ -10,11 +10,11 @@ Experiments, 1972). Sums of squares add up over candidates, for each starts and 
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
 from math import inf
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -80,7 +80,7 @@ def limits_of(
 ) -> Limits:
     """Return the limits of a joint: those of the arm, tightened to those of a hand, replaced by what is asked for.
 
-    The range is relative to the start; what is asked for has the names of ``Limits``, None where the arm decides.
+    The range is relative to the start; what is asked for are rates by the names of ``Limits``, None: the arm decides.
     """
     low, high, speed = -inf, inf, inf
     acceleration, jerk, source = (*USUAL[1:], "usual of arms")
@@ -99,18 +99,16 @@ def limits_of(
         speed, acceleration, jerk = map(min, (speed, acceleration, jerk), HAND)
         source = f"{source}; at most those of a person"
     below, above = range_rad or joint.reach_rad
-    found = Limits(
+    rates = {"speed_rad_s": USUAL[0] if speed == inf else speed}
+    rates |= {"acceleration_rad_s2": acceleration, "jerk_rad_s3": jerk}
+    return Limits(
         start_rad=start_rad,
         low_rad=max(low + MARGIN_RAD, start_rad + below),
         high_rad=min(high - MARGIN_RAD, start_rad + above),
-        speed_rad_s=USUAL[0] if speed == inf else speed,
-        acceleration_rad_s2=acceleration,
-        jerk_rad_s3=jerk,
         slowest_rad_s=HAND_SLOWEST if joint.hand else ROBOT_SLOWEST,
         source=source,
+        **(rates | {key: value for key, value in asked.items() if value is not None}),
     )
-    given: dict[str, Any] = {key: value for key, value in asked.items() if value is not None}
-    return replace(found, **given)
 
 
 BEND = 10.0 / np.sqrt(3.0)  # largest second derivative of the velocity of ``strokes.min_jerk``
