@@ -60,6 +60,26 @@ class PositionDependentFriction(Effect):
     the position. A wave under a bell is a patch where the bell is narrower than the wave is long.
     """
 
+    name = "position_dependent_friction"
+    label = "friction changes with position"
+    axis = "position"
+    coefficients = (
+        Parameter("position_friction_cos_nm", "N m", "cosine amplitude"),
+        Parameter("position_friction_sin_nm", "N m", "sine amplitude"),
+    )
+    nonlinear = (
+        Parameter(ORDER, "1", "waves per revolution", lower=0.0, upper=1e4, optional=True),
+        Parameter(CENTRE, "rad", "centre of the stretch", optional=True),
+        Parameter(WIDTH, "rad", "half width of the stretch", lower=1e-4, default=EVERYWHERE, optional=True),
+    )
+    friction = True
+    requires = staticmethod(lambda data, nominal: both_directions(data, nominal) or span(data, nominal, 0.5))
+    record = "pass every place four times in each direction"
+    separate = {
+        "torque_ripple": "pass every place four times in each direction",
+        "gravity_error": "pass every place four times in each direction",
+    }
+
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield sgn(dq) exp(-((q - c) / w)^2 / 2) times cos and sin of k (q - c), two columns; equal bells are one."""
         wave = Wave(motion.q)
@@ -90,29 +110,6 @@ class PositionDependentFriction(Effect):
         return [*wide, *bells, *({ORDER: 1.0 / bell[WIDTH], **bell} for bell in bells)]
 
 
-POSITION_DEPENDENT_FRICTION = PositionDependentFriction(
-    name="position_dependent_friction",
-    label="friction changes with position",
-    axis="position",
-    coefficients=(
-        Parameter("position_friction_cos_nm", "N m", "cosine amplitude"),
-        Parameter("position_friction_sin_nm", "N m", "sine amplitude"),
-    ),
-    nonlinear=(
-        Parameter(ORDER, "1", "waves per revolution", lower=0.0, upper=1e4, optional=True),
-        Parameter(CENTRE, "rad", "centre of the stretch", optional=True),
-        Parameter(WIDTH, "rad", "half width of the stretch", lower=1e-4, default=EVERYWHERE, optional=True),
-    ),
-    friction=True,
-    requires=lambda data, nominal: both_directions(data, nominal) or span(data, nominal, 0.5),
-    record="pass every place four times in each direction",
-    separate={
-        "torque_ripple": "pass every place four times in each direction",
-        "gravity_error": "pass every place four times in each direction",
-    },
-)
-
-
 # Distance of orders times the standard deviation of the position: a phase is off by half of it, rms, at most.
 FINEST, COARSEST = 1.0, 1.4
 # As many as the time of a search allows; where they do not reach, they lie as far apart as they may. The others are
@@ -129,6 +126,18 @@ class TorqueRipple(Effect):
     Every order tried is a trial: R. B. Davies, Hypothesis testing when a nuisance parameter is present only under the
     alternative, Biometrika 74 (1987) 33.
     """
+
+    name = "torque_ripple"
+    label = "torque periodic in position"
+    axis = "position"
+    coefficients = (
+        Parameter("ripple_cos_nm", "N m", "cosine amplitude"),
+        Parameter("ripple_sin_nm", "N m", "sine amplitude"),
+    )
+    nonlinear = (Parameter("ripple_order", "1", "waves per revolution", lower=0.0, upper=1e5),)
+    requires = staticmethod(partial(span, least_rad=0.5))
+    record = "pass slowly and steadily over five periods of the ripple"
+    separate = {"joint_elasticity": "repeat slow, steady motions at two speeds: a ripple's frequency goes with speed"}
 
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         wave = Wave(motion.q)
@@ -151,21 +160,6 @@ def order_range(data: JointData) -> tuple[float, float]:
     return first, max(2.0 * np.pi * CORNER_HZ / float(slow), first)
 
 
-TORQUE_RIPPLE = TorqueRipple(
-    name="torque_ripple",
-    label="torque periodic in position",
-    axis="position",
-    coefficients=(
-        Parameter("ripple_cos_nm", "N m", "cosine amplitude"),
-        Parameter("ripple_sin_nm", "N m", "sine amplitude"),
-    ),
-    nonlinear=(Parameter("ripple_order", "1", "waves per revolution", lower=0.0, upper=1e5),),
-    requires=partial(span, least_rad=0.5),
-    record="pass slowly and steadily over five periods of the ripple",
-    separate={"joint_elasticity": "repeat slow, steady motions at two speeds: a ripple's frequency goes with speed"},
-)
-
-
 PARTS = 12  # of the range, between which it may begin to pull; the first and the last for a side on which it does not
 # Free stretches are so many parts long: their middles lie closer to each other than their lengths. From no free
 # stretch there is no way downhill to a short one, which therefore has to be on the grid.
@@ -182,6 +176,25 @@ class CableSpring(Effect):
     other. A linear spring about another centre is one about this centre with a preload.
     """
 
+    name = "cable_spring"
+    label = "a cable pulls the joint back"
+    axis = "position"
+    coefficients = (
+        Parameter("cable_stiffness_nm_per_rad", "N m/rad", "stiffness", lower=0.0),
+        Parameter("cable_hardening_nm_per_rad3", "N m/rad^3", "cubic stiffness"),
+        Parameter("cable_preload_nm", "N m", "preload"),
+    )
+    nonlinear = (
+        Parameter("cable_centre_rad", "rad", "neutral position"),
+        Parameter("cable_free_rad", "rad", "slack to either side", lower=0.0),
+    )
+    requires = staticmethod(partial(span, least_rad=0.8))
+    record = "move through all of the range"
+    separate = {
+        "joint_limit_stop": "move through all of the range: a stop is there at its ends only",
+        "torque_bias": "rest at both ends of the range: a bias is the same there",
+        "inertia_error": "move at two frequencies: on one sinusoid a spring and inertia are the same",
+    }
     screened = 3
     misses = "even"
     like_gravity = True
@@ -214,29 +227,6 @@ class CableSpring(Effect):
         return (coefficients[0] > 0) & (coefficients[0] + coefficients[1] > 0)  # pulls back, also stretched by a radian
 
 
-CABLE_SPRING = CableSpring(
-    name="cable_spring",
-    label="a cable pulls the joint back",
-    axis="position",
-    coefficients=(
-        Parameter("cable_stiffness_nm_per_rad", "N m/rad", "stiffness", lower=0.0),
-        Parameter("cable_hardening_nm_per_rad3", "N m/rad^3", "cubic stiffness"),
-        Parameter("cable_preload_nm", "N m", "preload"),
-    ),
-    nonlinear=(
-        Parameter("cable_centre_rad", "rad", "neutral position"),
-        Parameter("cable_free_rad", "rad", "slack to either side", lower=0.0),
-    ),
-    requires=partial(span, least_rad=0.8),
-    record="move through all of the range",
-    separate={
-        "joint_limit_stop": "move through all of the range: a stop is there at its ends only",
-        "torque_bias": "rest at both ends of the range: a bias is the same there",
-        "inertia_error": "move at two frequencies: on one sinusoid a spring and inertia are the same",
-    },
-)
-
-
 DEPTH_RAD = 0.1  # depth at which a stop's torque is quoted, so that its unit does not depend on the exponent
 DEPTHS = (0.02, 0.05, 0.08, 0.12, 0.2)  # how deep the joint goes into a stop, as shares of the range
 EXPONENTS = (1.0, 2.0)
@@ -249,6 +239,23 @@ class JointLimitStop(Effect):
     Mechanics 42 (1975) 440: the torque grows with a power of the depth, and so does the damping; a plain damper too.
     """
 
+    name = "joint_limit_stop"
+    label = "a stop near the end of the range"
+    axis = "position"
+    coefficients = (
+        Parameter("stop_upper_nm", "N m", "torque 0.1 rad into the upper stop", lower=0.0),
+        Parameter("stop_lower_nm", "N m", "torque 0.1 rad into the lower stop", lower=0.0),
+        Parameter("stop_damping_nms_per_rad", "N m s/rad", "damping in contact"),
+        Parameter("stop_deep_damping_nms_per_rad", "N m s/rad", "damping 0.1 rad into a stop"),
+    )
+    nonlinear = (
+        Parameter("stop_upper_rad", "rad", "position of the upper stop"),
+        Parameter("stop_lower_rad", "rad", "position of the lower stop"),
+        Parameter("stop_exponent", "1", "exponent of the depth", lower=0.5, upper=5.0),
+    )
+    requires = staticmethod(partial(span, least_rad=0.5))
+    record = "move through all of the range"
+    separate = {"contact_event": "go to the same place again: a stop is still there"}
     screened = 3
     misses = "even"
     like_gravity = True
@@ -272,24 +279,3 @@ class JointLimitStop(Effect):
 
     def possible(self, coefficients: Float, at: Points) -> Each:
         return np.all(coefficients[:2] >= 0, axis=0) & (coefficients[0] + coefficients[1] > 0)  # stops push back
-
-
-JOINT_LIMIT_STOP = JointLimitStop(
-    name="joint_limit_stop",
-    label="a stop near the end of the range",
-    axis="position",
-    coefficients=(
-        Parameter("stop_upper_nm", "N m", "torque 0.1 rad into the upper stop", lower=0.0),
-        Parameter("stop_lower_nm", "N m", "torque 0.1 rad into the lower stop", lower=0.0),
-        Parameter("stop_damping_nms_per_rad", "N m s/rad", "damping in contact"),
-        Parameter("stop_deep_damping_nms_per_rad", "N m s/rad", "damping 0.1 rad into a stop"),
-    ),
-    nonlinear=(
-        Parameter("stop_upper_rad", "rad", "position of the upper stop"),
-        Parameter("stop_lower_rad", "rad", "position of the lower stop"),
-        Parameter("stop_exponent", "1", "exponent of the depth", lower=0.5, upper=5.0),
-    ),
-    requires=partial(span, least_rad=0.5),
-    record="move through all of the range",
-    separate={"contact_event": "go to the same place again: a stop is still there"},
-)

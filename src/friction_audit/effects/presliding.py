@@ -35,6 +35,24 @@ KINDS = ((0.02, 1e-4), (0.5, 1e-4), (1.0, 1e-4), (2.0, 1e-4), (1.0, 0.01))
 
 
 class Presliding(Effect):
+    name = "presliding"
+    label = "friction builds up after a reversal"
+    axis = "displacement"
+    coefficients = (Parameter("bristle_nm", "N m", "Coulomb friction of the bristles", lower=0.0),)
+    nonlinear = (
+        Parameter("reach_rad", "rad", "Coulomb friction over stiffness at rest", lower=1e-6, upper=1.0),
+        Parameter("yielding_exponent", "1", "exponent of yielding", lower=0.0, upper=3.0),
+        Parameter("bristle_damping_s", "s", "damping over stiffness", lower=0.0, upper=1.0),
+    )
+    forward = "bristle"
+    requires = staticmethod(reversals)
+    record = "reverse at least 20 times, over short and long ways"
+    separate = {
+        "backlash": "reverse slowly with hardly any load: a gap gives no torque at all, then an impact",
+        "frictional_lag": "reverse at different accelerations: presliding goes by the path, a lag by the time",
+        "time_delay": "reverse at different accelerations: presliding goes by the path, a delay by the time",
+        "joint_elasticity": "reverse fast and slowly: a spring rings after a fast reversal",
+    }
     screened = 3
 
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
@@ -118,25 +136,3 @@ def _dahl(path: Float, exponent: float) -> Float:
             missing *= (1.0 + bend * abs(step) * missing**bend) ** (-1.0 / bend)
         z[i] = sign * (1.0 - missing)
     return z
-
-
-PRESLIDING = Presliding(
-    name="presliding",
-    label="friction builds up after a reversal",
-    axis="displacement",
-    coefficients=(Parameter("bristle_nm", "N m", "Coulomb friction of the bristles", lower=0.0),),
-    nonlinear=(
-        Parameter("reach_rad", "rad", "Coulomb friction over stiffness at rest", lower=1e-6, upper=1.0),
-        Parameter("yielding_exponent", "1", "exponent of yielding", lower=0.0, upper=3.0),
-        Parameter("bristle_damping_s", "s", "damping over stiffness", lower=0.0, upper=1.0),
-    ),
-    forward="bristle",
-    requires=reversals,
-    record="reverse at least 20 times, over short and long ways",
-    separate={
-        "backlash": "reverse slowly with hardly any load: a gap gives no torque at all, then an impact",
-        "frictional_lag": "reverse at different accelerations: presliding goes by the path, a lag by the time",
-        "time_delay": "reverse at different accelerations: presliding goes by the path, a delay by the time",
-        "joint_elasticity": "reverse fast and slowly: a spring rings after a fast reversal",
-    },
-)
