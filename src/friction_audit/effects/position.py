@@ -3,11 +3,10 @@
 from collections.abc import Iterator, Sequence
 from functools import partial
 from itertools import product
-from math import cos, sin
 
 import numpy as np
+from numpy.typing import NDArray
 
-from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import Each, Effect, Nonlinear, Points
 from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, both_directions, reach, span, speeds
@@ -22,7 +21,7 @@ SAME_STEP = 1e-12  # differences of the spacing of orders that are rounding, as 
 
 
 class Wave:
-    """Cosine and sine of k q for one order k after the other: of evenly spaced ones by turning by the same angle.
+    """exp(i k q) for one order k after the other: of evenly spaced ones by turning by the same angle.
 
     That takes four products where cosine and sine take many; a turn is right to rounding, and so are a hundred.
     """
@@ -30,27 +29,16 @@ class Wave:
     def __init__(self, q: Float) -> None:
         """Begin at order 0."""
         self._q, self._order, self._step = q, 0.0, 0.0
-        self._turn = self._wave = np.stack([np.ones(len(q)), np.zeros(len(q))])
+        self._turn = self._wave = np.ones(len(q), np.complex128)
 
-    def of(self, order: float) -> Float:
-        """Cosine and sine of an order, shape (2, n)."""
+    def of(self, order: float) -> NDArray[np.complex128]:
+        """Cosine and, as imaginary part, sine of an order, shape (n,)."""
         step = order - self._order
-        if step == 0.0:
-            return self._wave
-        if abs(step - self._step) > SAME_STEP * abs(order):
-            self._step, self._turn = step, np.stack([np.cos(step * self._q), np.sin(step * self._q)])
-        self._order, self._wave = order, _turned(self._wave, self._turn)
+        if step != 0.0:
+            if abs(step - self._step) > SAME_STEP * abs(order):
+                self._step, self._turn = step, np.exp(1j * step * self._q)
+            self._order, self._wave = order, self._wave * self._turn
         return self._wave
-
-
-@compiled()
-def _turned(wave: Float, turn: Float) -> Float:
-    """Cosine and sine of the sum of two angles, shape (2, n) each."""
-    out = np.empty_like(wave)
-    for i in range(wave.shape[1]):
-        out[0, i] = wave[0, i] * turn[0, i] - wave[1, i] * turn[1, i]
-        out[1, i] = wave[0, i] * turn[1, i] + wave[1, i] * turn[0, i]
-    return out
 
 
 class PositionDependentFriction(Effect):
@@ -93,8 +81,8 @@ class PositionDependentFriction(Effect):
                 if order == 0.0:
                     columns[0] = bell
                 else:  # neighbours under bells of one width have one order
-                    (cosine, sine), c, s = wave.of(order), cos(order * centre), sin(order * centre)
-                    columns[0], columns[1] = bell * (c * cosine + s * sine), bell * (c * sine - s * cosine)
+                    about_centre = wave.of(order) * np.exp(-1j * order * centre)
+                    columns[:] = bell * about_centre.real, bell * about_centre.imag
                 yield place, columns.T
 
     def tries(self, data: JointData) -> list[Nonlinear]:
@@ -141,7 +129,8 @@ class TorqueRipple(Effect):
 
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         wave = Wave(motion.q)
-        yield from ((place, wave.of(order).T) for place, (order,) in enumerate(many))
+        for place, (order,) in enumerate(many):
+            yield place, np.stack([(at := wave.of(order)).real, at.imag]).T
 
     def tries(self, data: JointData) -> list[tuple[float]]:
         """Return orders so close to each other that none between two is missed, where the time of a search allows."""
