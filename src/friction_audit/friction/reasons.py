@@ -24,10 +24,9 @@ STANDSTILL = 0.1  # share of the initiation threshold below which a joint stands
 
 
 def cautions_of(joint: JointFriction) -> Iterator[Caution]:
-    """Yield the cautions about one joint's estimate."""
-    found = [("not_determined", {"reason": joint.reason})] if joint.reason else [*_weaknesses(joint)]
-    for code, numbers in found:
-        yield Caution(code=code, joint=joint.joint, numbers=numbers)
+    """Yield the cautions about one joint's estimate, or why there is none."""
+    found = [("not_determined", {"reason": joint.reason})] if joint.reason else _weaknesses(joint)
+    yield from (Caution(code=code, joint=joint.joint, numbers=numbers) for code, numbers in found)
 
 
 def not_simultaneous(joint: JointFriction) -> Iterator[Caution]:
