@@ -28,13 +28,6 @@ class OneColumn(Effect):
         return self.of(motion)[:, None]
 
 
-class Constant(OneColumn):
-    """A torque that is constant in motion."""
-
-    misses = "nothing"
-    like_gravity = True
-
-
 class Inertia(OneColumn):
     name = "inertia"
     label = "inertia"
@@ -70,7 +63,7 @@ class Offset(OneColumn):
 NOMINAL = (Inertia(), Coulomb(), Viscous(), Offset())
 
 
-class AsymmetricCoulomb(Constant):
+class AsymmetricCoulomb(OneColumn):
     name = "asymmetric_coulomb"
     label = "friction differs by direction"
     axis = "speed"
@@ -84,6 +77,8 @@ class AsymmetricCoulomb(Constant):
         "torque_drift": "let the joint rest unloaded for 2 s early and late: a drift is read at rest too, "
         "friction is not",
     }
+    misses = "nothing"
+    like_gravity = True
     of = staticmethod(lambda motion: np.abs(np.sign(motion.dq)))
 
 
@@ -103,7 +98,7 @@ class AsymmetricViscous(OneColumn):
     of = staticmethod(lambda motion: np.abs(motion.dq))
 
 
-class TorqueBias(Constant):
+class TorqueBias(OneColumn):
     name = "torque_bias"
     label = "offset of the torque sensor"
     axis = "time"
@@ -113,6 +108,8 @@ class TorqueBias(Constant):
     separate = {
         "torque_drift": "zero the sensor and let the joint rest unloaded for 2 s early and late: a drift comes back"
     }
+    misses = "nothing"
+    like_gravity = True
     of = staticmethod(lambda motion: np.ones(len(motion.t)))  # at rest too
 
 

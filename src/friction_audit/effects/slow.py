@@ -51,7 +51,8 @@ class TorqueDrift(Effect):
         Parameter.choice(
             "drift_waves",
             "0 all waves, 1 the slowest wave alone, else number of the slowest waves",
-            *(0.0, WAVES),
+            0.0,
+            WAVES,
             optional=True,
         ),
     )
