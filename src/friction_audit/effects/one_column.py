@@ -5,6 +5,7 @@ friction that differs is a constant torque, which a sensor without a zero reads 
 """
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 
@@ -19,10 +20,7 @@ from friction_audit.preprocessing.interaction import Caution
 class OneColumn(Effect):
     """An effect that is a coefficient times ``of`` the motion, shape (n,)."""
 
-    @staticmethod
-    def of(motion: Motion) -> Float:
-        """Return the quantity."""
-        raise NotImplementedError
+    of: "ClassVar[staticmethod[[Motion], Float]]"
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         return self.of(motion)[:, None]

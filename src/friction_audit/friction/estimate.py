@@ -177,13 +177,13 @@ def _conclude(
         taken = {name: getattr(found, name) for name in same}
         joint = replace(joint, method="regression", reason=(), no_energy=joint.reason, **taken)
     if joint.reason:
-        return joint, tuple(reasons.cautions_of(joint))
+        return joint, reasons.cautions_of(joint)
     torque, speed = seen.in_motion(standstill_rad_s)
     # The half width beyond which an interval says nothing, by coefficient.
     largest = {"coulomb": MOST_UNCERTAIN * torque, "viscous": MOST_UNCERTAIN * torque / speed}
     determined = _determined(joint, largest)
     if determined.reason:
-        return determined, tuple(reasons.cautions_of(determined))
+        return determined, reasons.cautions_of(determined)
     lost = tuple(
         Caution(code=f"{name}_not_determined", joint=joint.joint, numbers={"most": MOST_UNCERTAIN})
         for name in made.UNITS
