@@ -82,7 +82,7 @@ def test_the_effect_of_the_example_has_one_law_on_both_sides() -> None:
     for body, names in zip(blocks(CONTRIBUTING.read_text(), "python"), (detector, simulator), strict=True):
         exec(compile(body, str(CONTRIBUTING), "exec"), names)
     dq, fan = np.array([-2.0, 0.0, 0.5]), simulator["Fan"](push_nms2_per_rad2=0.02)
-    column = detector["FAN"].columns(SimpleNamespace(dq=dq), ())
+    column = detector["Fan"]().columns(SimpleNamespace(dq=dq), ())
     pushed = [simulator["fan_nm"].py_func(fan, speed) for speed in dq]
     assert pushed == pytest.approx(-0.02 * column[:, 0])
 

@@ -23,7 +23,7 @@ from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.problem import RegressionProblem
 from friction_audit.diagnosis.samples import least_squares as linear_fit
 from friction_audit.effects.registry import effects, same_as
-from friction_audit.effects.slow import CONTACT_EVENT as CONTACT
+from friction_audit.effects.slow import ContactEvent
 from friction_audit.joint_log import Float
 from friction_audit.simulation.scenarios import simulate
 
@@ -115,7 +115,7 @@ class _Free:
     """Least squares of effects free of the nominal model."""
 
     def __init__(self, samples: SampledJoint, truth: str) -> None:
-        asked = [one for one in effects() if one.name not in {CONTACT.name, *same_as(truth)} - {truth}]
+        asked = [one for one in effects() if one.name not in {ContactEvent.name, *same_as(truth)} - {truth}]
         nominal, zeros = samples.nominal, np.zeros(len(samples.rows.t), np.int64)
         problem = RegressionProblem(
             data=samples.data, samples=samples.rows, nominal=nominal, age=zeros, fold=zeros, curves=()

@@ -42,8 +42,8 @@ def altered(effect: Effect, *, units: Sequence[str] = (), **changes: object) -> 
 
 
 def toy(name: str, label: str, axis: str, units: Sequence[str], *grid: Nonlinear) -> Effect:
-    effect = Effect(name=name, label=label, axis=axis, coefficients=_coefficients(units))
-    return altered(effect, grid=grid or ({},), regressor=lambda data, _nominal, at: COLUMNS[name](data, at))
+    about = {"name": name, "label": label, "axis": axis, "units": units}
+    return altered(Effect(), **about, grid=grid or ({},), regressor=lambda data, _nominal, at: COLUMNS[name](data, at))
 
 
 PLACES = ({"place_rad": place, "width_rad": 0.2} for place in (-0.6, -0.3, 0.0, 0.3, 0.6))

@@ -11,7 +11,6 @@ from scipy.signal import lfilter
 
 from friction_audit.diagnosis.samples import make_samples
 from friction_audit.effects import breakaway
-from friction_audit.effects.breakaway import STICTION
 from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.registry import effect_of
@@ -241,7 +240,7 @@ def jumping() -> JointData:
     direction = np.where(data.t % 2.0 < 1.0, 1.0, -1.0)
     jump = np.where((since > -0.02) & (since < 0.0), 40.0 * (since + 0.02), 0.0) * direction
     held_by_friction = np.where(since >= 0.0, EXCESS_NM + 0.8, 0.0) * direction
-    assert STICTION.not_identifiable(data, baseline(data)) is None
+    assert effect_of("stiction").not_identifiable(data, baseline(data)) is None
     return replace(data, torque=data.torque + jump + held_by_friction)
 
 
@@ -256,20 +255,20 @@ def jumping() -> JointData:
     ids=["turns around", "too few starts", "enough", "torque that jumps"],
 )
 def test_so_many_starts_are_enough(data: JointData, lacking: str) -> None:
-    found = STICTION.not_identifiable(data, baseline(data))
+    found = effect_of("stiction").not_identifiable(data, baseline(data))
     assert lacking in (sentence_of(found) if found else "None")
 
 
 def test_an_excess_that_fades_over_a_path_is_looked_for_after_any_start() -> None:
-    shapes = STICTION.identifiable_part(jumping())
-    assert len(shapes) == len(STICTION.grid(jumping())) - len(breakaway.AGEINGS_S)
+    shapes = effect_of("stiction").identifiable_part(jumping())
+    assert len(shapes) == len(effect_of("stiction").grid(jumping())) - len(breakaway.AGEINGS_S)
     assert min(shape["renewal_rad"] for shape in shapes) > breakaway.AT_ONCE_RAD
 
 
 def test_its_factor_is_the_excess_less_what_the_torque_rises_in_a_few_milliseconds() -> None:
     data = started_and_stopped(noise_nm=0.005, starts=40)
     rows = make_samples(data)
-    column = rows.of(STICTION.regressor(data, baseline(data), AT_ONCE))
+    column = rows.of(effect_of("stiction").regressor(data, baseline(data), AT_ONCE))
     base = rows.of(np.column_stack([data.ddq, np.sign(data.dq)]))
     factors = np.linalg.lstsq(np.hstack([base, column]), rows.y, rcond=None)[0]
     assert factors[1] == pytest.approx(COULOMB_NM, abs=0.005)

@@ -9,7 +9,7 @@ from friction_audit.diagnosis.contact_events import touched
 from friction_audit.diagnosis.problem import RegressionProblem
 from friction_audit.diagnosis.procedure import State, fine_residual
 from friction_audit.diagnosis.result import ContactTrace, NamedEffect, OwnAxis, Profile, Traces
-from friction_audit.effects.slow import CONTACT_EVENT as CONTACT
+from friction_audit.effects.slow import ContactEvent as Contact
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.even_grid import filtered
@@ -152,14 +152,14 @@ def contact_effects(state: State, profiles: tuple[Profile, ...]) -> tuple[NamedE
     size = float(np.sqrt(max(before**2 - after**2, 0.0)))
     return (
         NamedEffect(
-            name=CONTACT.name,
-            label=CONTACT.label,
+            name=Contact.name,
+            label=Contact.label,
             parameters={k: Coefficient(value=v, low=float("nan"), high=float("nan")) for k, v in numbers.items()},
-            axis=CONTACT.axis,
+            axis=Contact.axis,
             gap_before_nm=before,
             gap_after_nm=after,
             torque=np.zeros(len(problem.y)),
-            curve=next((one for one in profiles if one.axis == CONTACT.axis), profiles[0]),
+            curve=next((one for one in profiles if one.axis == Contact.axis), profiles[0]),
             size_nm=size,
             residual_share=(size / before) ** 2 if before > 0 else 0.0,
             grade="major",

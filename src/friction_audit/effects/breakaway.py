@@ -165,6 +165,20 @@ FEWEST_BREAKAWAYS = 6
 
 
 class Stiction(Effect):
+    name = "stiction"
+    label = "higher torque at breakaway"
+    axis = "displacement"
+    coefficients = (Parameter("breakaway_excess_nm", "N m", "break-away minus sliding friction", lower=0.0),)
+    nonlinear = (
+        Parameter("ageing_s", "s", "time constant at rest", lower=1e-4, upper=1e3),
+        Parameter("renewal_rad", "rad", "path of the decay", lower=1e-7, upper=1.0),
+    )
+    record = "start slowly at least 15 times after rests from 0.1 to 10 s"
+    separate = {
+        "presliding": "start after rests from 0.1 to 10 s and reverse without any: only stiction needs the rest",
+        "contact_event": "start 15 times after a rest: stiction comes at every start, a contact does not",
+        "backlash": "start again in the same direction after a rest: without a reversal no gap opens",
+    }
     screened = 2
 
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
@@ -186,12 +200,12 @@ class Stiction(Effect):
         enough = _starts(data)[0] >= FEWEST_BREAKAWAYS
         return tuple(at for at in self.grid(data) if enough and at["renewal_rad"] != AT_ONCE_RAD)
 
-
-def slow_starts(data: JointData, _nominal: Nominal) -> Caution | None:
-    """The motion that is lacking for an excess that is gone at once."""
-    starts, telling = _starts(data)
-    numbers = {"starts": starts, "telling": telling, "fewest": FEWEST_BREAKAWAYS}
-    return None if telling >= FEWEST_BREAKAWAYS else Caution("few_breakaways", numbers=numbers)
+    @staticmethod
+    def requires(data: JointData, _nominal: Nominal) -> Caution | None:
+        """The motion that is lacking for an excess that is gone at once."""
+        starts, telling = _starts(data)
+        numbers = {"starts": starts, "telling": telling, "fewest": FEWEST_BREAKAWAYS}
+        return None if telling >= FEWEST_BREAKAWAYS else Caution("few_breakaways", numbers=numbers)
 
 
 def _starts(data: JointData) -> tuple[int, int]:
@@ -224,22 +238,3 @@ def since_onset(q: Float, direction: Float, moving: Bool, step_s: float) -> tupl
         else:
             still += step_s
     return rest, slid
-
-
-STICTION = Stiction(
-    name="stiction",
-    label="higher torque at breakaway",
-    axis="displacement",
-    coefficients=(Parameter("breakaway_excess_nm", "N m", "break-away minus sliding friction", lower=0.0),),
-    nonlinear=(
-        Parameter("ageing_s", "s", "time constant at rest", lower=1e-4, upper=1e3),
-        Parameter("renewal_rad", "rad", "path of the decay", lower=1e-7, upper=1.0),
-    ),
-    requires=slow_starts,
-    record="start slowly at least 15 times after rests from 0.1 to 10 s",
-    separate={
-        "presliding": "start after rests from 0.1 to 10 s and reverse without any: only stiction needs the rest",
-        "contact_event": "start 15 times after a rest: stiction comes at every start, a contact does not",
-        "backlash": "start again in the same direction after a rest: without a reversal no gap opens",
-    },
-)

@@ -30,6 +30,17 @@ class FrictionalLag(Effect):
     Tribol. 112 (1990) 147). The excess e at rest is 0 for viscous friction alone.
     """
 
+    name = "frictional_lag"
+    label = "friction follows speed late"
+    axis = "acceleration"
+    coefficients = (Parameter("lagging_share", "1", "share of friction that lags", lower=0.0, upper=LARGEST_SHARE),)
+    nonlinear = (
+        Parameter("friction_lag_s", "s", "lag of friction", lower=1e-4, upper=10.0),
+        Parameter("lagging_excess", "1", "Stribeck friction at rest over Coulomb", lower=0.0, upper=5.0),
+        Parameter("lag_speed_rad_s", "rad/s", "Stribeck velocity", lower=1e-4, upper=1e2),
+    )
+    record = "repeat motions of equal speed with different accelerations"
+    separate = {"time_delay": "repeat motions of equal speed with different accelerations, and carry a load"}
     screened = 2
     needs_nominal = True
 
@@ -52,28 +63,12 @@ class FrictionalLag(Effect):
         usual = float(np.quantile(np.abs(data.dq), 0.95)) or 1.0
         return [(lag, excess, share * usual) for (excess, share), lag in product(STRIBECK, LAGS_S.tolist())]
 
-
-def different_speeds(data: JointData, _nominal: Nominal) -> Caution | None:
-    """Peak speeds of the cycles that differ by a tenth: one sinusoid cannot separate it from delay and inertia."""
-    cycle, speed = data.cycle[data.used], np.abs(data.dq[data.used])
-    peak = np.maximum.reduceat(speed, np.flatnonzero(np.diff(cycle, prepend=-1)))
-    return Caution("equal_speeds") if peak.std() < 0.1 * peak.mean() else None
-
-
-FRICTIONAL_LAG = FrictionalLag(
-    name="frictional_lag",
-    label="friction follows speed late",
-    axis="acceleration",
-    coefficients=(Parameter("lagging_share", "1", "share of friction that lags", lower=0.0, upper=LARGEST_SHARE),),
-    nonlinear=(
-        Parameter("friction_lag_s", "s", "lag of friction", lower=1e-4, upper=10.0),
-        Parameter("lagging_excess", "1", "Stribeck friction at rest over Coulomb", lower=0.0, upper=5.0),
-        Parameter("lag_speed_rad_s", "rad/s", "Stribeck velocity", lower=1e-4, upper=1e2),
-    ),
-    requires=different_speeds,
-    record="repeat motions of equal speed with different accelerations",
-    separate={"time_delay": "repeat motions of equal speed with different accelerations, and carry a load"},
-)
+    @staticmethod
+    def requires(data: JointData, _nominal: Nominal) -> Caution | None:
+        """Peak speeds of the cycles that differ by a tenth: one sinusoid cannot separate it from delay and inertia."""
+        cycle, speed = data.cycle[data.used], np.abs(data.dq[data.used])
+        peak = np.maximum.reduceat(speed, np.flatnonzero(np.diff(cycle, prepend=-1)))
+        return Caution("equal_speeds") if peak.std() < 0.1 * peak.mean() else None
 
 
 STEPS_S = np.geomspace(1e-3, 0.1, 13).tolist()
@@ -93,6 +88,21 @@ class TimeDelay(Effect):
     early.
     """
 
+    name = "time_delay"
+    label = "torque and velocity are not simultaneous"
+    axis = "acceleration"
+    coefficients = (Parameter("delay_s", "s", "delay of the torque", lower=-1.0, upper=1.0),)
+    nonlinear = (
+        Parameter(STEP, "s", "delay for which jumps are right", lower=-1.0, upper=1.0),
+        Parameter.choice("delayed_load", "1 if the load is late too", 0.0, 1.0),
+    )
+    forward = "delay"
+    requires = staticmethod(reversals)
+    record = "reverse sharply at two or more clearly different speeds"
+    separate = {
+        "backlash": "reverse sharply with and without a load: a gap opens where the load changes its sign",
+        "joint_elasticity": "reverse sharply, slowly and fast: a spring rings, a delay shifts",
+    }
     needs_nominal = True
     recorder = (
         "a low-pass filter in the recorder or the torque's electronics does the same: filter q and dq alike, or record "
@@ -122,22 +132,3 @@ class TimeDelay(Effect):
 
     def coefficient_of(self, at: Points) -> Each:
         return at[STEP]
-
-
-TIME_DELAY = TimeDelay(
-    name="time_delay",
-    label="torque and velocity are not simultaneous",
-    axis="acceleration",
-    coefficients=(Parameter("delay_s", "s", "delay of the torque", lower=-1.0, upper=1.0),),
-    nonlinear=(
-        Parameter(STEP, "s", "delay for which jumps are right", lower=-1.0, upper=1.0),
-        Parameter.choice("delayed_load", "1 if the load is late too", 0.0, 1.0),
-    ),
-    forward="delay",
-    requires=reversals,
-    record="reverse sharply at two or more clearly different speeds",
-    separate={
-        "backlash": "reverse sharply with and without a load: a gap opens where the load changes its sign",
-        "joint_elasticity": "reverse sharply, slowly and fast: a spring rings, a delay shifts",
-    },
-)

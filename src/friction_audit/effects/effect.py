@@ -6,7 +6,6 @@ over the nonlinear parameters only. Effects whose formulas are alike share a mod
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal, TypeAlias
 
 import numpy as np
@@ -23,24 +22,21 @@ Points = Mapping[str, Any]
 Each: TypeAlias = Any  # a number or an answer of one point, or of each of k, shape (k,)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
 class Effect:
-    """One effect; a subclass has its formula, ``columns`` or ``columns_of_many``, and what else is its own."""
+    """One effect: a subclass has its words, its formula, ``columns`` or ``columns_of_many``, and what is its own."""
 
-    name: str  # from the vocabulary of the program, or ``inertia``, ``coulomb``, ``viscous``, ``offset``
-    label: str  # a few words for people
+    name: ClassVar[str]  # from the vocabulary of the program, or ``inertia``, ``coulomb``, ``viscous``, ``offset``
+    label: ClassVar[str]  # a few words for people
     # Quantity on which it shows: position, displacement, time, acceleration, load, neighbour, or speed, where its
     # torque follows from the velocity alone.
-    axis: str
+    axis: ClassVar[str]
     # Parameters in which the torque is linear, one per column; empty for an effect that no joint model can hold.
-    coefficients: tuple[Parameter, ...] = ()
-    nonlinear: tuple[Parameter, ...] = ()  # the other parameters
-    friction: bool = False  # True if it is dissipated
-    forward: Forward = "instant"  # how it takes part in a forward simulation
-    # What the log of a joint that moves lacks to show it; None if nothing.
-    requires: Callable[[JointData, Nominal], Caution | None] = lambda *_: None
-    record: str = ""  # the motion on which it shows itself best
-    separate: Mapping[str, str] = field(default_factory=dict)  # motions by easily confused effects; a pair stands once
+    coefficients: ClassVar[tuple[Parameter, ...]] = ()
+    nonlinear: ClassVar[tuple[Parameter, ...]] = ()  # the other parameters
+    friction: ClassVar[bool] = False  # True if it is dissipated
+    forward: ClassVar[Forward] = "instant"  # how it takes part in a forward simulation
+    record: ClassVar[str] = ""  # the motion on which it shows itself best
+    separate: ClassVar[Mapping[str, str]] = {}  # motions by easily confused effects; a pair stands once
 
     # What some effects have of their own.
 
@@ -51,6 +47,11 @@ class Effect:
     like_gravity: ClassVar[bool] = False
     screened: ClassVar[int] = 1  # every so many points of its grid come first, the others where these show promise
     recorder: ClassVar[str] = ""  # what in the recording makes the same torque, and what to do
+
+    @staticmethod
+    def requires(data: JointData, nominal: Nominal, /) -> Caution | None:
+        """Return what the log of a joint that moves lacks to show it; None if nothing."""
+        return None
 
     def tries(self, data: JointData) -> Iterable[Sequence[float] | Nonlinear]:
         """Return nonlinear parameters to try on a joint, in order or by name; those that are lacking have none."""
@@ -144,15 +145,14 @@ class Effect:
         return tuple(at.get(p.name, p.default) if p.optional else at[p.name] for p in self.nonlinear)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
 class SpeedFriction(Effect):
     """Friction that follows from the velocity alone, which other programs can hold."""
 
-    axis: str = "speed"
-    friction: bool = True
+    axis = "speed"
+    friction = True
     # Its torque in C++, from the parameters by their places, the velocity ``dq``, its size ``speed`` and its sign
     # ``direction``, which is smooth at standstill.
-    cpp: str = ""
+    cpp: ClassVar[str] = ""
 
     def in_cpp(self, values: Sequence[float], table: str) -> tuple[str, Float | None]:
         """Return the torque at all parameters in C++, and the array that it reads by ``between(table, place)``."""

@@ -27,6 +27,26 @@ class LoadDependentFriction(Effect):
     load.
     """
 
+    name = "load_dependent_friction"
+    label = "friction grows with load"
+    axis = "load"
+    coefficients = (
+        Parameter("load_friction_nm", "N m", "friction at a load of 1 N m, mean of both directions", lower=0.0),
+        Parameter("load_friction_by_power_nm", "N m", "half of the difference, against minus with the load"),
+    )
+    nonlinear = (
+        Parameter("load_exponent", "1", "exponent of the load", lower=0.5, upper=3.0),
+        Parameter.choice("load_directed", "1 if friction depends on the direction of power", 0.0, 1.0),
+        Parameter.choice(
+            "load_static", "1 if the load is the weight alone, without inertial torque", 0.0, 1.0, optional=True
+        ),
+    )
+    record = "pass the same places with loads that differ by a factor of 3"
+    separate = {
+        "position_dependent_friction": "pass the same places with another payload or posture",
+        "asymmetric_coulomb": "let the motor and a hand drive the joint, each in both directions",
+        "torque_crosstalk": "move one joint at a time, in both directions",
+    }
     needs_nominal = True
     misses = "directed"
 
@@ -48,41 +68,16 @@ class LoadDependentFriction(Effect):
     def possible(self, coefficients: Float, at: Points) -> Each:
         return (coefficients[0] > 0) & (abs(coefficients[1]) <= coefficients[0])  # resists, whichever way power flows
 
-
-def _changing_load(data: JointData, nominal: Nominal) -> Caution | None:
-    if lacking := both_directions(data, nominal):
-        return lacking
-    if data.load is None:
-        return Caution("unknown_load")
-    low, high = np.percentile(np.abs(data.load[data.used]), [5, 95])
-    if high - low < max(LEAST_CHANGE * high, abs(nominal.coulomb_nm)):
-        return Caution("even_load", numbers={"low": low, "high": high})
-    return None
-
-
-LOAD_DEPENDENT_FRICTION = LoadDependentFriction(
-    name="load_dependent_friction",
-    label="friction grows with load",
-    axis="load",
-    coefficients=(
-        Parameter("load_friction_nm", "N m", "friction at a load of 1 N m, mean of both directions", lower=0.0),
-        Parameter("load_friction_by_power_nm", "N m", "half of the difference, against minus with the load"),
-    ),
-    nonlinear=(
-        Parameter("load_exponent", "1", "exponent of the load", lower=0.5, upper=3.0),
-        Parameter.choice("load_directed", "1 if friction depends on the direction of power", 0.0, 1.0),
-        Parameter.choice(
-            "load_static", "1 if the load is the weight alone, without inertial torque", 0.0, 1.0, optional=True
-        ),
-    ),
-    requires=_changing_load,
-    record="pass the same places with loads that differ by a factor of 3",
-    separate={
-        "position_dependent_friction": "pass the same places with another payload or posture",
-        "asymmetric_coulomb": "let the motor and a hand drive the joint, each in both directions",
-        "torque_crosstalk": "move one joint at a time, in both directions",
-    },
-)
+    @staticmethod
+    def requires(data: JointData, nominal: Nominal) -> Caution | None:
+        if lacking := both_directions(data, nominal):
+            return lacking
+        if data.load is None:
+            return Caution("unknown_load")
+        low, high = np.percentile(np.abs(data.load[data.used]), [5, 95])
+        if high - low < max(LEAST_CHANGE * high, abs(nominal.coulomb_nm)):
+            return Caution("even_load", numbers={"low": low, "high": high})
+        return None
 
 
 OWN_ANGLE, TILT, SEVERAL = 0, -1, -2  # values of the source; from 1 on, the number of a link
@@ -101,6 +96,14 @@ AT_ONCE = 8192  # samples
 MOST_KG = 10.0  # and kg m: what columns that nearly cancel may make of a link is no body
 
 
+def _of_another(link: str) -> Iterator[Parameter]:
+    """Yield the numbers of another link, which files of earlier versions do not have."""
+    for axis in "xyz":
+        meaning = f"error of the first mass moment of the {link} link, {axis} in its joint's frame"
+        yield Parameter(f"{link}_link_moment_{axis}_kg_m", "kg m", meaning, optional=True)
+    yield Parameter(f"{link}_link_mass_kg", "kg", f"error of the mass of the {link} link", optional=True)
+
+
 class GravityError(Effect):
     """The gravity torque that was subtracted is wrong, by the joint's angle, by links, or by a tilted base.
 
@@ -109,6 +112,33 @@ class GravityError(Effect):
     columns of gravity in the arm's regressor; Atkeson, An, Hollerbach, Int. J. Robotics Research 5(3), 1986).
     """
 
+    name = "gravity_error"
+    label = "gravity not fully compensated"
+    axis = "position"
+    coefficients = (
+        Parameter("gravity_cos_nm", "N m", "cosine amplitude"),
+        Parameter("gravity_sin_nm", "N m", "sine amplitude"),
+        Parameter("link_moment_x_kg_m", "kg m", "error of the first mass moment, x in the joint's frame"),
+        Parameter("link_moment_y_kg_m", "kg m", "error of the first mass moment, y"),
+        Parameter("link_moment_z_kg_m", "kg m", "error of the first mass moment, z"),
+        Parameter("link_mass_kg", "kg", "error of the link's mass"),
+        Parameter("gravity_across_1_m_s2", "m/s^2", "horizontal gravity of a tilted base"),
+        Parameter("gravity_across_2_m_s2", "m/s^2", "horizontal gravity, at right angles"),
+        *_of_another("next"),
+        *_of_another("last"),
+    )
+    nonlinear = (Parameter.choice(SOURCE, "0 own angle, -1 base, -2 several links, else number of the link", SEVERAL),)
+    requires = staticmethod(partial(span, least_rad=0.3))
+    record = "move through at least 1.5 rad, with rests at several places"
+    separate = {
+        "torque_bias": "move through at least 1.5 rad, with rests at several places",
+        "cable_spring": "move through at least 1.5 rad: gravity is a sine of the position, a spring a line",
+        "inertia_error": "move at two frequencies: on one sinusoid gravity and inertia are the same",
+        "joint_limit_stop": "move through all of the range: a stop is there at its ends only",
+        "inertial_coupling": "hold several poses at rest: coupling needs acceleration, gravity does not",
+        "torque_crosstalk": "push against a neighbour while the arm rests: gravity stays the same",
+        "friction_step": "rest at the same place before and after the change, and move both ways",
+    }
     memoryless = False  # the model of the arm knows it at other times
 
     misses = "even"
@@ -172,42 +202,3 @@ def independent(data: JointData) -> Bool:
     adds = np.diag(factor)[:rank]
     found[order[:rank] - 1] = adds > max(LEAST_GAIN * adds.max(initial=0.0), ROUNDING)
     return found
-
-
-def _of_another(link: str) -> Iterator[Parameter]:
-    """Yield the numbers of another link, which files of earlier versions do not have."""
-    for axis in "xyz":
-        meaning = f"error of the first mass moment of the {link} link, {axis} in its joint's frame"
-        yield Parameter(f"{link}_link_moment_{axis}_kg_m", "kg m", meaning, optional=True)
-    yield Parameter(f"{link}_link_mass_kg", "kg", f"error of the mass of the {link} link", optional=True)
-
-
-GRAVITY_ERROR = GravityError(
-    name="gravity_error",
-    label="gravity not fully compensated",
-    axis="position",
-    coefficients=(
-        Parameter("gravity_cos_nm", "N m", "cosine amplitude"),
-        Parameter("gravity_sin_nm", "N m", "sine amplitude"),
-        Parameter("link_moment_x_kg_m", "kg m", "error of the first mass moment, x in the joint's frame"),
-        Parameter("link_moment_y_kg_m", "kg m", "error of the first mass moment, y"),
-        Parameter("link_moment_z_kg_m", "kg m", "error of the first mass moment, z"),
-        Parameter("link_mass_kg", "kg", "error of the link's mass"),
-        Parameter("gravity_across_1_m_s2", "m/s^2", "horizontal gravity of a tilted base"),
-        Parameter("gravity_across_2_m_s2", "m/s^2", "horizontal gravity, at right angles"),
-        *_of_another("next"),
-        *_of_another("last"),
-    ),
-    nonlinear=(Parameter.choice(SOURCE, "0 own angle, -1 base, -2 several links, else number of the link", SEVERAL),),
-    requires=partial(span, least_rad=0.3),
-    record="move through at least 1.5 rad, with rests at several places",
-    separate={
-        "torque_bias": "move through at least 1.5 rad, with rests at several places",
-        "cable_spring": "move through at least 1.5 rad: gravity is a sine of the position, a spring a line",
-        "inertia_error": "move at two frequencies: on one sinusoid gravity and inertia are the same",
-        "joint_limit_stop": "move through all of the range: a stop is there at its ends only",
-        "inertial_coupling": "hold several poses at rest: coupling needs acceleration, gravity does not",
-        "torque_crosstalk": "push against a neighbour while the arm rests: gravity stays the same",
-        "friction_step": "rest at the same place before and after the change, and move both ways",
-    },
-)

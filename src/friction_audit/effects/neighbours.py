@@ -18,6 +18,18 @@ CHANGE_PER_COULOMB = 0.5
 class TorqueCrosstalk(Effect):
     """Crosstalk: a torque sensor also feels what the sensors before and after it feel."""
 
+    name = "torque_crosstalk"
+    label = "torque of a neighbour leaks in"
+    axis = "neighbour"
+    coefficients = (
+        # A sensor feels its own load best.
+        Parameter("crosstalk_before", "1", "share of the previous joint's torque", lower=-1.0, upper=1.0),
+        Parameter("crosstalk_after", "1", "share of the next joint's torque", lower=-1.0, upper=1.0),
+    )
+    nonlinear = (Parameter.choice("crosstalk_side", "-1 previous joint, 1 next joint, 0 both", -1, 1),)
+    record = "push against a neighbour while the arm rests"
+    separate = {"inertial_coupling": "move one joint at a time, then push against a neighbour at rest"}
+
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return the readings of the joints before and after as columns, 0 where there is none or it is not meant."""
         side = round(values[0])
@@ -36,30 +48,14 @@ class TorqueCrosstalk(Effect):
         before, after = data.own_column > 0, data.own_column + 1 < data.others_torque.shape[1]
         return [(side,) for side, there in ((-1.0, before), (1.0, after), (0.0, before and after)) if there]
 
-
-def _loaded_neighbours(data: JointData, nominal: Nominal) -> Caution | None:
-    joint, joints = data.own_column, data.others_torque.shape[1]
-    neighbours = [k for k in (joint - 1, joint + 1) if 0 <= k < joints]
-    if not neighbours:
-        return Caution("one_joint")
-    change = data.others_torque[data.used][:, neighbours].std(axis=0).max()
-    return Caution("even_neighbours") if change < CHANGE_PER_COULOMB * abs(nominal.coulomb_nm) else None
-
-
-TORQUE_CROSSTALK = TorqueCrosstalk(
-    name="torque_crosstalk",
-    label="torque of a neighbour leaks in",
-    axis="neighbour",
-    coefficients=(
-        # A sensor feels its own load best.
-        Parameter("crosstalk_before", "1", "share of the previous joint's torque", lower=-1.0, upper=1.0),
-        Parameter("crosstalk_after", "1", "share of the next joint's torque", lower=-1.0, upper=1.0),
-    ),
-    nonlinear=(Parameter.choice("crosstalk_side", "-1 previous joint, 1 next joint, 0 both", -1, 1),),
-    requires=_loaded_neighbours,
-    record="push against a neighbour while the arm rests",
-    separate={"inertial_coupling": "move one joint at a time, then push against a neighbour at rest"},
-)
+    @staticmethod
+    def requires(data: JointData, nominal: Nominal) -> Caution | None:
+        joint, joints = data.own_column, data.others_torque.shape[1]
+        neighbours = [k for k in (joint - 1, joint + 1) if 0 <= k < joints]
+        if not neighbours:
+            return Caution("one_joint")
+        change = data.others_torque[data.used][:, neighbours].std(axis=0).max()
+        return Caution("even_neighbours") if change < CHANGE_PER_COULOMB * abs(nominal.coulomb_nm) else None
 
 
 BEFORE, AFTER, BOTH, ALL, MODEL, TIP = range(6)  # values of the source
@@ -80,6 +76,31 @@ class InertialCoupling(Effect):
     whose rotors turn with other joints (De Luca, Book, Robots with flexible elements, 2016), accelerations and squared
     speeds of the others, with constant coefficients.
     """
+
+    name = "inertial_coupling"
+    label = "acceleration of other joints"
+    axis = "neighbour"
+    coefficients = (
+        *(
+            Parameter(f"coupling_to_{to}{k}_kg_m2", "kg m^2", f"torque per {what} of joint {k}")
+            for to, what in (("joint", "acceleration"), ("speed", "squared speed"))
+            for k in range(1, JOINTS + 1)
+        ),
+        Parameter("inertial_torque_share", "1", "share of the model's inertial torque", lower=-SHARE, upper=SHARE),
+        Parameter("tip_mass_kg", "kg", "of the last link, mass", lower=-MASS_KG, upper=MASS_KG),
+        *(
+            Parameter(f"tip_{name}_{unit}", unit.replace("_", " "), f"of the last link, {name}")
+            for name, unit in zip(INERTIAL, UNITS, strict=True)
+        ),
+    )
+    nonlinear = (
+        Parameter.choice(
+            "coupling_source",
+            "0 previous joint, 1 next joint, 2 both, 3 all joints, 4 model of the arm, 5 with its last link",
+            *(BEFORE, TIP),
+        ),
+    )
+    record = "move the neighbours one at a time, also while this joint rests"
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return the columns of one source of the torque; those of the others are zero."""
@@ -116,37 +137,8 @@ class InertialCoupling(Effect):
         )
         return [(float(source),) for source, there in tried if there]
 
-
-def _moving_neighbours(data: JointData, _nominal: Nominal) -> Caution | None:
-    other = np.delete(data.others_dq[data.valid], data.own_column, axis=1)
-    still = other.size == 0 or np.sqrt(np.mean(other**2, axis=0)).max() < data.dead_speed_rad_s
-    return Caution("still_neighbours") if still else None
-
-
-INERTIAL_COUPLING = InertialCoupling(
-    name="inertial_coupling",
-    label="acceleration of other joints",
-    axis="neighbour",
-    coefficients=(
-        *(
-            Parameter(f"coupling_to_{to}{k}_kg_m2", "kg m^2", f"torque per {what} of joint {k}")
-            for to, what in (("joint", "acceleration"), ("speed", "squared speed"))
-            for k in range(1, JOINTS + 1)
-        ),
-        Parameter("inertial_torque_share", "1", "share of the model's inertial torque", lower=-SHARE, upper=SHARE),
-        Parameter("tip_mass_kg", "kg", "of the last link, mass", lower=-MASS_KG, upper=MASS_KG),
-        *(
-            Parameter(f"tip_{name}_{unit}", unit.replace("_", " "), f"of the last link, {name}")
-            for name, unit in zip(INERTIAL, UNITS, strict=True)
-        ),
-    ),
-    nonlinear=(
-        Parameter.choice(
-            "coupling_source",
-            "0 previous joint, 1 next joint, 2 both, 3 all joints, 4 model of the arm, 5 with its last link",
-            *(BEFORE, TIP),
-        ),
-    ),
-    requires=_moving_neighbours,
-    record="move the neighbours one at a time, also while this joint rests",
-)
+    @staticmethod
+    def requires(data: JointData, _nominal: Nominal) -> Caution | None:
+        other = np.delete(data.others_dq[data.valid], data.own_column, axis=1)
+        still = other.size == 0 or np.sqrt(np.mean(other**2, axis=0)).max() < data.dead_speed_rad_s
+        return Caution("still_neighbours") if still else None

@@ -3,11 +3,10 @@
 from collections.abc import Iterator, Sequence
 from functools import partial
 from itertools import product
-from math import cos, sin
 
 import numpy as np
+from numpy.typing import NDArray
 
-from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import Each, Effect, Nonlinear, Points
 from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, both_directions, reach, span, speeds
@@ -22,7 +21,7 @@ SAME_STEP = 1e-12  # differences of the spacing of orders that are rounding, as 
 
 
 class Wave:
-    """Cosine and sine of k q for one order k after the other: of evenly spaced ones by turning by the same angle.
+    """exp(i k q) for one order k after the other: of evenly spaced ones by turning by the same angle.
 
     That takes four products where cosine and sine take many; a turn is right to rounding, and so are a hundred.
     """
@@ -30,27 +29,16 @@ class Wave:
     def __init__(self, q: Float) -> None:
         """Begin at order 0."""
         self._q, self._order, self._step = q, 0.0, 0.0
-        self._turn = self._wave = np.stack([np.ones(len(q)), np.zeros(len(q))])
+        self._turn = self._wave = np.ones(len(q), np.complex128)
 
-    def of(self, order: float) -> Float:
-        """Cosine and sine of an order, shape (2, n)."""
+    def of(self, order: float) -> NDArray[np.complex128]:
+        """Cosine and, as imaginary part, sine of an order, shape (n,)."""
         step = order - self._order
-        if step == 0.0:
-            return self._wave
-        if abs(step - self._step) > SAME_STEP * abs(order):
-            self._step, self._turn = step, np.stack([np.cos(step * self._q), np.sin(step * self._q)])
-        self._order, self._wave = order, _turned(self._wave, self._turn)
+        if step != 0.0:
+            if abs(step - self._step) > SAME_STEP * abs(order):
+                self._step, self._turn = step, np.exp(1j * step * self._q)
+            self._order, self._wave = order, self._wave * self._turn
         return self._wave
-
-
-@compiled()
-def _turned(wave: Float, turn: Float) -> Float:
-    """Cosine and sine of the sum of two angles, shape (2, n) each."""
-    out = np.empty_like(wave)
-    for i in range(wave.shape[1]):
-        out[0, i] = wave[0, i] * turn[0, i] - wave[1, i] * turn[1, i]
-        out[1, i] = wave[0, i] * turn[1, i] + wave[1, i] * turn[0, i]
-    return out
 
 
 class PositionDependentFriction(Effect):
@@ -59,6 +47,26 @@ class PositionDependentFriction(Effect):
     B. Armstrong-Helouvry, Control of Machines with Friction, 1991, section 4.4: friction of geared joints repeats with
     the position. A wave under a bell is a patch where the bell is narrower than the wave is long.
     """
+
+    name = "position_dependent_friction"
+    label = "friction changes with position"
+    axis = "position"
+    coefficients = (
+        Parameter("position_friction_cos_nm", "N m", "cosine amplitude"),
+        Parameter("position_friction_sin_nm", "N m", "sine amplitude"),
+    )
+    nonlinear = (
+        Parameter(ORDER, "1", "waves per revolution", lower=0.0, upper=1e4, optional=True),
+        Parameter(CENTRE, "rad", "centre of the stretch", optional=True),
+        Parameter(WIDTH, "rad", "half width of the stretch", lower=1e-4, default=EVERYWHERE, optional=True),
+    )
+    friction = True
+    requires = staticmethod(lambda data, nominal: both_directions(data, nominal) or span(data, nominal, 0.5))
+    record = "pass every place four times in each direction"
+    separate = {
+        "torque_ripple": "pass every place four times in each direction",
+        "gravity_error": "pass every place four times in each direction",
+    }
 
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield sgn(dq) exp(-((q - c) / w)^2 / 2) times cos and sin of k (q - c), two columns; equal bells are one."""
@@ -73,8 +81,8 @@ class PositionDependentFriction(Effect):
                 if order == 0.0:
                     columns[0] = bell
                 else:  # neighbours under bells of one width have one order
-                    (cosine, sine), c, s = wave.of(order), cos(order * centre), sin(order * centre)
-                    columns[0], columns[1] = bell * (c * cosine + s * sine), bell * (c * sine - s * cosine)
+                    about_centre = wave.of(order) * np.exp(-1j * order * centre)
+                    columns[:] = bell * about_centre.real, bell * about_centre.imag
                 yield place, columns.T
 
     def tries(self, data: JointData) -> list[Nonlinear]:
@@ -88,29 +96,6 @@ class PositionDependentFriction(Effect):
             for k in range(int(parts / 1.5))
         ]
         return [*wide, *bells, *({ORDER: 1.0 / bell[WIDTH], **bell} for bell in bells)]
-
-
-POSITION_DEPENDENT_FRICTION = PositionDependentFriction(
-    name="position_dependent_friction",
-    label="friction changes with position",
-    axis="position",
-    coefficients=(
-        Parameter("position_friction_cos_nm", "N m", "cosine amplitude"),
-        Parameter("position_friction_sin_nm", "N m", "sine amplitude"),
-    ),
-    nonlinear=(
-        Parameter(ORDER, "1", "waves per revolution", lower=0.0, upper=1e4, optional=True),
-        Parameter(CENTRE, "rad", "centre of the stretch", optional=True),
-        Parameter(WIDTH, "rad", "half width of the stretch", lower=1e-4, default=EVERYWHERE, optional=True),
-    ),
-    friction=True,
-    requires=lambda data, nominal: both_directions(data, nominal) or span(data, nominal, 0.5),
-    record="pass every place four times in each direction",
-    separate={
-        "torque_ripple": "pass every place four times in each direction",
-        "gravity_error": "pass every place four times in each direction",
-    },
-)
 
 
 # Distance of orders times the standard deviation of the position: a phase is off by half of it, rms, at most.
@@ -130,9 +115,22 @@ class TorqueRipple(Effect):
     alternative, Biometrika 74 (1987) 33.
     """
 
+    name = "torque_ripple"
+    label = "torque periodic in position"
+    axis = "position"
+    coefficients = (
+        Parameter("ripple_cos_nm", "N m", "cosine amplitude"),
+        Parameter("ripple_sin_nm", "N m", "sine amplitude"),
+    )
+    nonlinear = (Parameter("ripple_order", "1", "waves per revolution", lower=0.0, upper=1e5),)
+    requires = staticmethod(partial(span, least_rad=0.5))
+    record = "pass slowly and steadily over five periods of the ripple"
+    separate = {"joint_elasticity": "repeat slow, steady motions at two speeds: a ripple's frequency goes with speed"}
+
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         wave = Wave(motion.q)
-        yield from ((place, wave.of(order).T) for place, (order,) in enumerate(many))
+        for place, (order,) in enumerate(many):
+            yield place, np.stack([(at := wave.of(order)).real, at.imag]).T
 
     def tries(self, data: JointData) -> list[tuple[float]]:
         """Return orders so close to each other that none between two is missed, where the time of a search allows."""
@@ -151,21 +149,6 @@ def order_range(data: JointData) -> tuple[float, float]:
     return first, max(2.0 * np.pi * CORNER_HZ / float(slow), first)
 
 
-TORQUE_RIPPLE = TorqueRipple(
-    name="torque_ripple",
-    label="torque periodic in position",
-    axis="position",
-    coefficients=(
-        Parameter("ripple_cos_nm", "N m", "cosine amplitude"),
-        Parameter("ripple_sin_nm", "N m", "sine amplitude"),
-    ),
-    nonlinear=(Parameter("ripple_order", "1", "waves per revolution", lower=0.0, upper=1e5),),
-    requires=partial(span, least_rad=0.5),
-    record="pass slowly and steadily over five periods of the ripple",
-    separate={"joint_elasticity": "repeat slow, steady motions at two speeds: a ripple's frequency goes with speed"},
-)
-
-
 PARTS = 12  # of the range, between which it may begin to pull; the first and the last for a side on which it does not
 # Free stretches are so many parts long: their middles lie closer to each other than their lengths. From no free
 # stretch there is no way downhill to a short one, which therefore has to be on the grid.
@@ -182,6 +165,25 @@ class CableSpring(Effect):
     other. A linear spring about another centre is one about this centre with a preload.
     """
 
+    name = "cable_spring"
+    label = "a cable pulls the joint back"
+    axis = "position"
+    coefficients = (
+        Parameter("cable_stiffness_nm_per_rad", "N m/rad", "stiffness", lower=0.0),
+        Parameter("cable_hardening_nm_per_rad3", "N m/rad^3", "cubic stiffness"),
+        Parameter("cable_preload_nm", "N m", "preload"),
+    )
+    nonlinear = (
+        Parameter("cable_centre_rad", "rad", "neutral position"),
+        Parameter("cable_free_rad", "rad", "slack to either side", lower=0.0),
+    )
+    requires = staticmethod(partial(span, least_rad=0.8))
+    record = "move through all of the range"
+    separate = {
+        "joint_limit_stop": "move through all of the range: a stop is there at its ends only",
+        "torque_bias": "rest at both ends of the range: a bias is the same there",
+        "inertia_error": "move at two frequencies: on one sinusoid a spring and inertia are the same",
+    }
     screened = 3
     misses = "even"
     like_gravity = True
@@ -214,29 +216,6 @@ class CableSpring(Effect):
         return (coefficients[0] > 0) & (coefficients[0] + coefficients[1] > 0)  # pulls back, also stretched by a radian
 
 
-CABLE_SPRING = CableSpring(
-    name="cable_spring",
-    label="a cable pulls the joint back",
-    axis="position",
-    coefficients=(
-        Parameter("cable_stiffness_nm_per_rad", "N m/rad", "stiffness", lower=0.0),
-        Parameter("cable_hardening_nm_per_rad3", "N m/rad^3", "cubic stiffness"),
-        Parameter("cable_preload_nm", "N m", "preload"),
-    ),
-    nonlinear=(
-        Parameter("cable_centre_rad", "rad", "neutral position"),
-        Parameter("cable_free_rad", "rad", "slack to either side", lower=0.0),
-    ),
-    requires=partial(span, least_rad=0.8),
-    record="move through all of the range",
-    separate={
-        "joint_limit_stop": "move through all of the range: a stop is there at its ends only",
-        "torque_bias": "rest at both ends of the range: a bias is the same there",
-        "inertia_error": "move at two frequencies: on one sinusoid a spring and inertia are the same",
-    },
-)
-
-
 DEPTH_RAD = 0.1  # depth at which a stop's torque is quoted, so that its unit does not depend on the exponent
 DEPTHS = (0.02, 0.05, 0.08, 0.12, 0.2)  # how deep the joint goes into a stop, as shares of the range
 EXPONENTS = (1.0, 2.0)
@@ -249,6 +228,23 @@ class JointLimitStop(Effect):
     Mechanics 42 (1975) 440: the torque grows with a power of the depth, and so does the damping; a plain damper too.
     """
 
+    name = "joint_limit_stop"
+    label = "a stop near the end of the range"
+    axis = "position"
+    coefficients = (
+        Parameter("stop_upper_nm", "N m", "torque 0.1 rad into the upper stop", lower=0.0),
+        Parameter("stop_lower_nm", "N m", "torque 0.1 rad into the lower stop", lower=0.0),
+        Parameter("stop_damping_nms_per_rad", "N m s/rad", "damping in contact"),
+        Parameter("stop_deep_damping_nms_per_rad", "N m s/rad", "damping 0.1 rad into a stop"),
+    )
+    nonlinear = (
+        Parameter("stop_upper_rad", "rad", "position of the upper stop"),
+        Parameter("stop_lower_rad", "rad", "position of the lower stop"),
+        Parameter("stop_exponent", "1", "exponent of the depth", lower=0.5, upper=5.0),
+    )
+    requires = staticmethod(partial(span, least_rad=0.5))
+    record = "move through all of the range"
+    separate = {"contact_event": "go to the same place again: a stop is still there"}
     screened = 3
     misses = "even"
     like_gravity = True
@@ -272,24 +268,3 @@ class JointLimitStop(Effect):
 
     def possible(self, coefficients: Float, at: Points) -> Each:
         return np.all(coefficients[:2] >= 0, axis=0) & (coefficients[0] + coefficients[1] > 0)  # stops push back
-
-
-JOINT_LIMIT_STOP = JointLimitStop(
-    name="joint_limit_stop",
-    label="a stop near the end of the range",
-    axis="position",
-    coefficients=(
-        Parameter("stop_upper_nm", "N m", "torque 0.1 rad into the upper stop", lower=0.0),
-        Parameter("stop_lower_nm", "N m", "torque 0.1 rad into the lower stop", lower=0.0),
-        Parameter("stop_damping_nms_per_rad", "N m s/rad", "damping in contact"),
-        Parameter("stop_deep_damping_nms_per_rad", "N m s/rad", "damping 0.1 rad into a stop"),
-    ),
-    nonlinear=(
-        Parameter("stop_upper_rad", "rad", "position of the upper stop"),
-        Parameter("stop_lower_rad", "rad", "position of the lower stop"),
-        Parameter("stop_exponent", "1", "exponent of the depth", lower=0.5, upper=5.0),
-    ),
-    requires=partial(span, least_rad=0.5),
-    record="move through all of the range",
-    separate={"contact_event": "go to the same place again: a stop is still there"},
-)

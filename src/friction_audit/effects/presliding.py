@@ -35,23 +35,37 @@ KINDS = ((0.02, 1e-4), (0.5, 1e-4), (1.0, 1e-4), (2.0, 1e-4), (1.0, 0.01))
 
 
 class Presliding(Effect):
+    name = "presliding"
+    label = "friction builds up after a reversal"
+    axis = "displacement"
+    coefficients = (Parameter("bristle_nm", "N m", "Coulomb friction of the bristles", lower=0.0),)
+    nonlinear = (
+        Parameter("reach_rad", "rad", "Coulomb friction over stiffness at rest", lower=1e-6, upper=1.0),
+        Parameter("yielding_exponent", "1", "exponent of yielding", lower=0.0, upper=3.0),
+        Parameter("bristle_damping_s", "s", "damping over stiffness", lower=0.0, upper=1.0),
+    )
+    forward = "bristle"
+    requires = staticmethod(reversals)
+    record = "reverse at least 20 times, over short and long ways"
+    separate = {
+        "backlash": "reverse slowly with hardly any load: a gap gives no torque at all, then an impact",
+        "frictional_lag": "reverse at different accelerations: presliding goes by the path, a lag by the time",
+        "time_delay": "reverse at different accelerations: presliding goes by the path, a delay by the time",
+        "joint_elasticity": "reverse fast and slowly: a spring rings after a fast reversal",
+    }
     screened = 3
 
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield what bristles in the place of Coulomb friction add, z + T dz/dt - sgn(dq); equal bristles are one."""
-        sign, steps = motion.direction, np.diff(motion.t)
+        steps = np.diff(motion.t)
         # The step of even times, of which a derivative takes a tenth of the work, or the times themselves.
         even = len(steps) > 1 and np.ptp(steps) <= EVEN * np.mean(steps)
-        for reach, exponent in dict.fromkeys((reach, exponent) for reach, exponent, _ in many):
-            alike = [place for place, one in enumerate(many) if tuple(one[:2]) == (reach, exponent)]
-            z = bristle(motion.q, reach, exponent)
-            for place in alike:
-                damping = many[place][2]
-                if even:
-                    yield place, _damped(z, sign, damping / float(np.mean(steps)))[:, None]
-                else:
-                    rate = np.gradient(z, motion.t) if damping > 0.0 else np.zeros(len(z))
-                    yield place, (z + damping * rate - sign)[:, None]
+        spacing = float(np.mean(steps)) if even else motion.t
+        for bend in dict.fromkeys((reach, exponent) for reach, exponent, _ in many):
+            z = bristle(motion.q, *bend)
+            rate = np.gradient(z, spacing) if len(z) > 1 else np.zeros(len(z))
+            alike = (place for place, (*own, _) in enumerate(many) if tuple(own) == bend)
+            yield from ((place, (z + many[place][2] * rate - motion.direction)[:, None]) for place in alike)
 
     def tries(self, data: JointData) -> Iterable[Sequence[float]]:
         return ((reach, *kind) for kind, reach in product(KINDS, shares_of_span(data, SPAN_SHARES)))
@@ -91,17 +105,6 @@ def _stops(path: Float, slips: Float, stiffness: Float) -> Float:
 
 
 @compiled()
-def _damped(z: Float, sign: Float, steps: float) -> Float:
-    """Return z - sgn(dq) and the change of z, by central differences, over so many even steps, shape (n,)."""
-    out, last = np.empty_like(z), len(z) - 1
-    for i in range(1, last):
-        out[i] = z[i] - sign[i] + 0.5 * steps * (z[i + 1] - z[i - 1])
-    out[0] = z[0] - sign[0] + steps * (z[1] - z[0])
-    out[last] = z[last] - sign[last] + steps * (z[last] - z[last - 1])
-    return out
-
-
-@compiled()
 def _dahl(path: Float, exponent: float) -> Float:
     z = np.zeros(len(path))
     missing, sign, bend = 1.0, 1.0, exponent - 1.0
@@ -118,25 +121,3 @@ def _dahl(path: Float, exponent: float) -> Float:
             missing *= (1.0 + bend * abs(step) * missing**bend) ** (-1.0 / bend)
         z[i] = sign * (1.0 - missing)
     return z
-
-
-PRESLIDING = Presliding(
-    name="presliding",
-    label="friction builds up after a reversal",
-    axis="displacement",
-    coefficients=(Parameter("bristle_nm", "N m", "Coulomb friction of the bristles", lower=0.0),),
-    nonlinear=(
-        Parameter("reach_rad", "rad", "Coulomb friction over stiffness at rest", lower=1e-6, upper=1.0),
-        Parameter("yielding_exponent", "1", "exponent of yielding", lower=0.0, upper=3.0),
-        Parameter("bristle_damping_s", "s", "damping over stiffness", lower=0.0, upper=1.0),
-    ),
-    forward="bristle",
-    requires=reversals,
-    record="reverse at least 20 times, over short and long ways",
-    separate={
-        "backlash": "reverse slowly with hardly any load: a gap gives no torque at all, then an impact",
-        "frictional_lag": "reverse at different accelerations: presliding goes by the path, a lag by the time",
-        "time_delay": "reverse at different accelerations: presliding goes by the path, a delay by the time",
-        "joint_elasticity": "reverse fast and slowly: a spring rings after a fast reversal",
-    },
-)

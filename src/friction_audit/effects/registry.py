@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from friction_audit.effects.effect import Effect
 
 # Family -> its effects -> the module of each, in the order of the documentation, of help and of the search. The module
-# defines the effect under its name in capital letters.
+# defines the effect as a class of its name.
 FAMILIES = {
     "velocity": {
         "stribeck": "speed",
@@ -67,7 +67,7 @@ FAMILY_OF = {name: family for family, members in FAMILIES.items() for name in me
 def effects() -> tuple["Effect", ...]:
     """Return the effects that a diagnosis may name, in the order of ``NAMES``."""
     found = {name: import_module(f"friction_audit.effects.{module}") for name, module in MODULES.items()}
-    return tuple(getattr(module, name.upper()) for name, module in found.items())
+    return tuple(getattr(module, name.title().replace("_", ""))() for name, module in found.items())
 
 
 @cache

@@ -39,6 +39,28 @@ class TorqueDrift(Effect):
     others catch more of one with as many numbers, and a ramp or a settling needs only the first of them.
     """
 
+    name = "torque_drift"
+    label = "the torque drifts slowly"
+    axis = "time"
+    coefficients = tuple(
+        Parameter(f"drift_{i}_nm", "N m", f"wave of {i - 0.5:g} half turns over the recording")
+        for i in range(1, WAVES + 1)
+    )
+    nonlinear = (
+        # Files of earlier versions have all waves and do not say so.
+        Parameter.choice(
+            "drift_waves",
+            "0 all waves, 1 the slowest wave alone, else number of the slowest waves",
+            0.0,
+            WAVES,
+            optional=True,
+        ),
+    )
+    record = "let the joint rest unloaded for 2 s early and late"
+    separate = {
+        "warm_up": "pass the same places in both directions early and late, with rests",
+        "friction_step": "pass the same places in both directions before and after the change, with rests",
+    }
     misses = "even"
     like_gravity = True  # as the other joints' poses change
 
@@ -53,39 +75,13 @@ class TorqueDrift(Effect):
     def tries(self, data: JointData) -> list[tuple[float]]:
         return [(float(waves),) for waves in range(1, WAVES + 1)]
 
-
-def _many_cycles(data: JointData, nominal: Nominal) -> Caution | None:
-    length, found = float(np.ptp(data.t)), len(np.unique(data.cycle[data.used]))
-    needed = CYCLES_PER_HALF_TURN * WAVES
-    numbers = {"cycles": found, "length": length, "fewest": needed, "shortest": SHORTEST_S}
-    short = length < SHORTEST_S or found < needed
-    return Caution("too_short_for_drift", numbers=numbers) if short else both_directions(data, nominal)
-
-
-TORQUE_DRIFT = TorqueDrift(
-    name="torque_drift",
-    label="the torque drifts slowly",
-    axis="time",
-    coefficients=tuple(
-        Parameter(f"drift_{i}_nm", "N m", f"wave of {i - 0.5:g} half turns over the recording")
-        for i in range(1, WAVES + 1)
-    ),
-    nonlinear=(
-        # Files of earlier versions have all waves and do not say so.
-        Parameter.choice(
-            "drift_waves",
-            "0 all waves, 1 the slowest wave alone, else number of the slowest waves",
-            *(0.0, WAVES),
-            optional=True,
-        ),
-    ),
-    requires=_many_cycles,
-    record="let the joint rest unloaded for 2 s early and late",
-    separate={
-        "warm_up": "pass the same places in both directions early and late, with rests",
-        "friction_step": "pass the same places in both directions before and after the change, with rests",
-    },
-)
+    @staticmethod
+    def requires(data: JointData, nominal: Nominal) -> Caution | None:
+        length, found = float(np.ptp(data.t)), len(np.unique(data.cycle[data.used]))
+        needed = CYCLES_PER_HALF_TURN * WAVES
+        numbers = {"cycles": found, "length": length, "fewest": needed, "shortest": SHORTEST_S}
+        short = length < SHORTEST_S or found < needed
+        return Caution("too_short_for_drift", numbers=numbers) if short else both_directions(data, nominal)
 
 
 class WarmUp(Effect):
@@ -94,6 +90,24 @@ class WarmUp(Effect):
     A body that is heated evenly approaches its temperature exponentially (Newton's law of cooling), and a lubricant's
     viscosity falls exponentially with the temperature (O. Reynolds, Philosophical Transactions 177 (1886) 157).
     """
+
+    name = "warm_up"
+    label = "friction falls as the joint warms"
+    axis = "time"
+    coefficients = (
+        Parameter("cold_coulomb_nm", "N m", "extra Coulomb friction when cold"),
+        Parameter("cold_viscous_nms_per_rad", "N m s/rad", "extra viscous friction when cold"),
+    )
+    nonlinear = (
+        Parameter("warm_up_time_s", "s", "time constant", lower=1e-2, upper=1e9),
+        Parameter("warm_up_per_k", "1/K", "share lost per kelvin", lower=0.0, upper=100.0),
+    )
+    friction = True
+    record = "record from a cold start, slow and fast motions early and late"
+    separate = {
+        "friction_step": "record on for one and a half times as long: warming slows down, a step is over",
+        "unlogged_compensation": "log the commanded torque, and repeat the same motions early and late",
+    }
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return sgn(dq) and dq times exp(-t / T - k (temperature - 25 degC)) as columns, t from the start."""
@@ -113,37 +127,30 @@ class WarmUp(Effect):
     def possible(self, coefficients: Float, at: Points) -> Each:
         return np.any(coefficients > 0, axis=0)  # a cold joint has more friction of one kind at least
 
-
-def _long_enough(data: JointData, nominal: Nominal) -> Caution | None:
-    length = float(np.ptp(data.t))
-    short = Caution("too_short_to_warm_up", numbers={"length": length, "shortest": SHORTEST_S})
-    return short if length < SHORTEST_S else both_directions(data, nominal)
-
-
-WARM_UP = WarmUp(
-    name="warm_up",
-    label="friction falls as the joint warms",
-    axis="time",
-    coefficients=(
-        Parameter("cold_coulomb_nm", "N m", "extra Coulomb friction when cold"),
-        Parameter("cold_viscous_nms_per_rad", "N m s/rad", "extra viscous friction when cold"),
-    ),
-    nonlinear=(
-        Parameter("warm_up_time_s", "s", "time constant", lower=1e-2, upper=1e9),
-        Parameter("warm_up_per_k", "1/K", "share lost per kelvin", lower=0.0, upper=100.0),
-    ),
-    friction=True,
-    requires=_long_enough,
-    record="record from a cold start, slow and fast motions early and late",
-    separate={
-        "friction_step": "record on for one and a half times as long: warming slows down, a step is over",
-        "unlogged_compensation": "log the commanded torque, and repeat the same motions early and late",
-    },
-)
+    @staticmethod
+    def requires(data: JointData, nominal: Nominal) -> Caution | None:
+        length = float(np.ptp(data.t))
+        short = Caution("too_short_to_warm_up", numbers={"length": length, "shortest": SHORTEST_S})
+        return short if length < SHORTEST_S else both_directions(data, nominal)
 
 
 class FrictionStep(Effect):
     """Friction that changes once, at a moment of the recording, at once or within some seconds."""
+
+    name = "friction_step"
+    label = "friction changes at one moment"
+    axis = "time"
+    coefficients = (
+        Parameter("step_coulomb_nm", "N m", "change of Coulomb friction"),
+        Parameter("step_viscous_nms_per_rad", "N m s/rad", "change of viscous friction"),
+    )
+    nonlinear = (
+        Parameter("step_time_s", "s", "time of the change"),
+        Parameter("step_length_s", "s", "duration of the change", lower=0.0),
+    )
+    friction = True
+    record = "record at least 4 cycles before and after the change"
+    separate = {"contact_event": "record at least 4 cycles before and after the moment: a contact passes"}
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return sgn(dq) and dq times a ramp from 0 to 1 about a time, as columns; a step where its length is 0."""
@@ -162,37 +169,18 @@ class FrictionStep(Effect):
         ramps = [(k / RAMPS, LENGTH) for k in range(1, RAMPS)]
         return [(start + share * length, part * length) for share, part in (*steps, *ramps)]
 
-
-def _cycles_around(data: JointData, nominal: Nominal) -> Caution | None:
-    found = len(np.unique(data.cycle[data.used]))
-    few = Caution("few_cycles_around", numbers={"cycles": found, "fewest": FEWEST_CYCLES})
-    return few if found < FEWEST_CYCLES else both_directions(data, nominal)
-
-
-FRICTION_STEP = FrictionStep(
-    name="friction_step",
-    label="friction changes at one moment",
-    axis="time",
-    coefficients=(
-        Parameter("step_coulomb_nm", "N m", "change of Coulomb friction"),
-        Parameter("step_viscous_nms_per_rad", "N m s/rad", "change of viscous friction"),
-    ),
-    nonlinear=(
-        Parameter("step_time_s", "s", "time of the change"),
-        Parameter("step_length_s", "s", "duration of the change", lower=0.0),
-    ),
-    friction=True,
-    requires=_cycles_around,
-    record="record at least 4 cycles before and after the change",
-    separate={"contact_event": "record at least 4 cycles before and after the moment: a contact passes"},
-)
+    @staticmethod
+    def requires(data: JointData, nominal: Nominal) -> Caution | None:
+        found = len(np.unique(data.cycle[data.used]))
+        few = Caution("few_cycles_around", numbers={"cycles": found, "fewest": FEWEST_CYCLES})
+        return few if found < FEWEST_CYCLES else both_directions(data, nominal)
 
 
-# Found by a detector of its own, which leaves out its samples: it has no columns.
-CONTACT_EVENT = Effect(
-    name="contact_event",
-    label="short contact with the arm",
-    axis="time",
-    requires=lambda data, _: Caution("unknown_gravity") if data.unknown_gravity else None,
-    record="record again with no person and no object near the arm",
-)
+class ContactEvent(Effect):
+    """A contact, found by a detector of its own, which leaves out its samples: it has no columns."""
+
+    name = "contact_event"
+    label = "short contact with the arm"
+    axis = "time"
+    requires = staticmethod(lambda data, _: Caution("unknown_gravity") if data.unknown_gravity else None)
+    record = "record again with no person and no object near the arm"

@@ -43,6 +43,24 @@ class Stribeck(SpeedFriction):
     exp(-|dq / v_s|^delta).
     """
 
+    name = "stribeck"
+    label = "more friction at low speed"
+    coefficients = (Parameter("stribeck_excess_nm", "N m", "static minus Coulomb friction", lower=0.0),)
+    nonlinear = (
+        Parameter("stribeck_speed_rad_s", "rad/s", "Stribeck velocity", lower=SLOWEST, upper=FASTEST),
+        Parameter("stribeck_exponent", "1", "Stribeck exponent", lower=0.2, upper=5.0),
+    )
+    cpp = "{0!r} * direction * std::exp(-std::pow(speed / {1!r}, {2!r}))"
+    requires = staticmethod(partial(speed_range, ratio=8.0))
+    record = "move steadily at speeds that differ by a factor of 8, very slow to fast"
+    separate = {
+        "nonlinear_viscous": "move steadily at speeds that differ by a factor of 8 and more, very slow to fast",
+        "presliding": "reverse slowly and fast at the same places: presliding goes by the path, not the speed",
+        "stiction": "start slowly and go on slowly for some seconds: stiction is over once the joint moves",
+        "frictional_lag": "move slowly at constant speed: without acceleration there is no lag",
+        "unlogged_compensation": "log the commanded torque, or record again without compensation",
+        "torque_ripple": "pass slowly and steadily over five periods of the ripple in both directions",
+    }
     screened = 2
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
@@ -51,28 +69,6 @@ class Stribeck(SpeedFriction):
 
     def tries(self, data: JointData) -> Iterable[Sequence[float]]:
         return product(low_speeds(data, 8, SLOWEST), EXPONENTS)
-
-
-STRIBECK = Stribeck(
-    name="stribeck",
-    label="more friction at low speed",
-    coefficients=(Parameter("stribeck_excess_nm", "N m", "static minus Coulomb friction", lower=0.0),),
-    nonlinear=(
-        Parameter("stribeck_speed_rad_s", "rad/s", "Stribeck velocity", lower=SLOWEST, upper=FASTEST),
-        Parameter("stribeck_exponent", "1", "Stribeck exponent", lower=0.2, upper=5.0),
-    ),
-    cpp="{0!r} * direction * std::exp(-std::pow(speed / {1!r}, {2!r}))",
-    requires=partial(speed_range, ratio=8.0),
-    record="move steadily at speeds that differ by a factor of 8, very slow to fast",
-    separate={
-        "nonlinear_viscous": "move steadily at speeds that differ by a factor of 8 and more, very slow to fast",
-        "presliding": "reverse slowly and fast at the same places: presliding goes by the path, not the speed",
-        "stiction": "start slowly and go on slowly for some seconds: stiction is over once the joint moves",
-        "frictional_lag": "move slowly at constant speed: without acceleration there is no lag",
-        "unlogged_compensation": "log the commanded torque, or record again without compensation",
-        "torque_ripple": "pass slowly and steadily over five periods of the ripple in both directions",
-    },
-)
 
 
 class NonlinearViscous(SpeedFriction):
@@ -87,6 +83,29 @@ class NonlinearViscous(SpeedFriction):
     Mudholkar, E. O. George, A remark on the shape of the logistic distribution, Biometrika 65 (1978) 667), with many
     the error function: all by which a sign is usually smoothed.
     """
+
+    name = "nonlinear_viscous"
+    label = "friction curved in speed"
+    coefficients = (Parameter("curved_viscous_nm", "N m", "curved friction at 1 rad/s"),)
+    nonlinear = (
+        Parameter("curved_viscous_exponent", "1", "exponent at high speed", lower=-1.0, upper=5.0),
+        Parameter("curved_viscous_speed_rad_s", "rad/s", "velocity of the bend", lower=1e-6, upper=1e3),
+        Parameter(
+            "curved_viscous_sharpness",
+            "1",
+            "sharpness of the bend: -0.7 as arctan, 0 as a root, 1.5 as tanh",
+            lower=-0.7,
+            upper=4.0,
+            optional=True,
+        ),
+    )
+    requires = staticmethod(partial(speed_range, ratio=5.0))
+    record = "move at speeds that differ by a factor of 5 and more"
+    separate = {
+        "time_delay": "repeat motions of equal speed with different accelerations",
+        "warm_up": "repeat the same slow and fast motions early and late",
+        "unlogged_compensation": "log the commanded torque, or record again without compensation",
+    }
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return sgn(dq) S(|dq| / v_0) (v_0^2 + dq^2)^(n / 2), S the bend, over its value at 1 rad/s."""
@@ -133,38 +152,23 @@ def bend_table(freedom: float) -> Float:
     return np.asarray(betainc(0.5, freedom / 2.0, np.sin(np.linspace(0.0, np.pi / 2.0, TABLE)) ** 2))
 
 
-NONLINEAR_VISCOUS = NonlinearViscous(
-    name="nonlinear_viscous",
-    label="friction curved in speed",
-    coefficients=(Parameter("curved_viscous_nm", "N m", "curved friction at 1 rad/s"),),
-    nonlinear=(
-        Parameter("curved_viscous_exponent", "1", "exponent at high speed", lower=-1.0, upper=5.0),
-        Parameter("curved_viscous_speed_rad_s", "rad/s", "velocity of the bend", lower=1e-6, upper=1e3),
-        Parameter(
-            "curved_viscous_sharpness",
-            "1",
-            "sharpness of the bend: -0.7 as arctan, 0 as a root, 1.5 as tanh",
-            lower=-0.7,
-            upper=4.0,
-            optional=True,
-        ),
-    ),
-    requires=partial(speed_range, ratio=5.0),
-    record="move at speeds that differ by a factor of 5 and more",
-    separate={
-        "time_delay": "repeat motions of equal speed with different accelerations",
-        "warm_up": "repeat the same slow and fast motions early and late",
-        "unlogged_compensation": "log the commanded torque, or record again without compensation",
-    },
-)
-
-
 class UnloggedCompensation(Effect):
     """A friction compensator that is not in the log helps the motion, less at low speed.
 
     Smooth compensators hold back below a speed w, as tanh(dq / w), others have a dead band; that of C. Gaz et al.,
     Dynamic identification of the Franka Emika Panda robot, RA-L 4 (2019) 4147, is a sigmoid shifted through the origin.
     """
+
+    name = "unlogged_compensation"
+    label = "less friction than stated: an unlogged compensator"
+    axis = "speed"
+    coefficients = (Parameter("unlogged_nm", "N m", "compensator torque at high speed", lower=0.0),)
+    nonlinear = (
+        Parameter("unlogged_width_rad_s", "rad/s", "velocity scale near zero", lower=NARROW, upper=FASTEST, jumps=True),
+        Parameter("unlogged_skew", "1", "shift of its sigmoid", lower=-2.0, upper=2.0),
+        Parameter.choice("unlogged_form", "0 smooth, 1 dead band", 0.0, 1.0),
+    )
+    record = "log the commanded torque"
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return what the joint then takes less, -tanh(dq / w + k) + tanh(k) or -sgn(dq) beyond a dead band."""
@@ -177,22 +181,7 @@ class UnloggedCompensation(Effect):
     def tries(self, data: JointData) -> Iterable[Sequence[float]]:
         return ((width, *form) for width, form in product(low_speeds(data, 6, NARROW), FORMS))
 
-
-def stated_friction(data: JointData, nominal: Nominal) -> Caution | None:
-    """The numbers or the motion that are lacking: less of a fitted friction is all that a compensator leaves."""
-    return both_directions(data, nominal) if "coulomb_nm" in nominal.declared else Caution("fitted_friction")
-
-
-UNLOGGED_COMPENSATION = UnloggedCompensation(
-    name="unlogged_compensation",
-    label="less friction than stated: an unlogged compensator",
-    axis="speed",
-    coefficients=(Parameter("unlogged_nm", "N m", "compensator torque at high speed", lower=0.0),),
-    nonlinear=(
-        Parameter("unlogged_width_rad_s", "rad/s", "velocity scale near zero", lower=NARROW, upper=FASTEST, jumps=True),
-        Parameter("unlogged_skew", "1", "shift of its sigmoid", lower=-2.0, upper=2.0),
-        Parameter.choice("unlogged_form", "0 smooth, 1 dead band", 0.0, 1.0),
-    ),
-    requires=stated_friction,
-    record="log the commanded torque",
-)
+    @staticmethod
+    def requires(data: JointData, nominal: Nominal) -> Caution | None:
+        """The numbers or the motion that are lacking: less of a fitted friction is all that a compensator leaves."""
+        return both_directions(data, nominal) if "coulomb_nm" in nominal.declared else Caution("fitted_friction")

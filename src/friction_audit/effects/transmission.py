@@ -49,11 +49,6 @@ MEANING = "part of the inertia on the link side, the rest on the measured side"
 FAR_SHARE = Parameter("far_share", "1", MEANING, lower=0.0, upper=1.0, optional=True, default=1.0)
 
 
-def jumps_and_inertia(data: JointData, nominal: Nominal) -> Caution | None:
-    """Jumps of friction, which show a link, and an inertia that rings."""
-    return reversals(data, nominal) or (None if nominal.inertia_kg_m2 > 0.0 else Caution("no_inertia"))
-
-
 class Link(Effect):
     """A spring or a gap: those of many parameters are followed side by side."""
 
@@ -113,6 +108,11 @@ class Link(Effect):
                 rows = rows * np.array([[many[place][0]] for place in places])
             yield places, rows
 
+    @staticmethod
+    def requires(data: JointData, nominal: Nominal) -> Caution | None:
+        """Jumps of friction, which show a link, and an inertia that rings."""
+        return reversals(data, nominal) or (None if nominal.inertia_kg_m2 > 0.0 else Caution("no_inertia"))
+
 
 def motion_below(data: JointData, below_hz: float) -> Motion:
     """Return the motion below a frequency, without a torque."""
@@ -150,6 +150,31 @@ class JointElasticity(Link):
     compliance as long as the joint rings faster than it is moved, and no longer does where it rings with the motion.
     """
 
+    name = "joint_elasticity"
+    label = "a spring between motor and link"
+    axis = "acceleration"
+    coefficients = (Parameter("compliance_rad_per_nm", "rad/(N m)", "twist per torque", lower=0.0, upper=1.0),)
+    nonlinear = (
+        Parameter("spring_nm_per_rad", "N m/rad", "stiffness of the assumed resonance", lower=1.0, upper=1e6),
+        Parameter(
+            "soft_nm",
+            "N m",
+            "torque up to which the gear stiffens, from half the stiffness at zero",
+            lower=0.0,
+            upper=1e3,
+            optional=True,
+        ),
+        Parameter(
+            "damping_ratio", "1", "damping ratio of the ringing, the measured side held", default=DAMPING_RATIO, **RATIO
+        ),
+        FAR_SHARE,
+    )
+    forward = "spring"
+    record = "repeat the motions at two or more clearly different speeds"
+    separate = {
+        "backlash": "reverse slowly with hardly any load: a gap gives no torque at all, a spring does",
+        "inertia_error": "repeat the motions slowly and fast: what a spring adds grows with frequency",
+    }
     least = LEAST_OF_SPRING
 
     def link(self, far: FarSide, usual_nm: float, values: Sequence[float]) -> Transmission:
@@ -188,36 +213,6 @@ class JointElasticity(Link):
         return 1.0 / at["spring_nm_per_rad"]
 
 
-JOINT_ELASTICITY = JointElasticity(
-    name="joint_elasticity",
-    label="a spring between motor and link",
-    axis="acceleration",
-    coefficients=(Parameter("compliance_rad_per_nm", "rad/(N m)", "twist per torque", lower=0.0, upper=1.0),),
-    nonlinear=(
-        Parameter("spring_nm_per_rad", "N m/rad", "stiffness of the assumed resonance", lower=1.0, upper=1e6),
-        Parameter(
-            "soft_nm",
-            "N m",
-            "torque up to which the gear stiffens, from half the stiffness at zero",
-            lower=0.0,
-            upper=1e3,
-            optional=True,
-        ),
-        Parameter(
-            "damping_ratio", "1", "damping ratio of the ringing, the measured side held", default=DAMPING_RATIO, **RATIO
-        ),
-        FAR_SHARE,
-    ),
-    forward="spring",
-    requires=jumps_and_inertia,
-    record="repeat the motions at two or more clearly different speeds",
-    separate={
-        "backlash": "reverse slowly with hardly any load: a gap gives no torque at all, a spring does",
-        "inertia_error": "repeat the motions slowly and fast: what a spring adds grows with frequency",
-    },
-)
-
-
 CONTACT_DAMPING_RATIO = 0.2  # of metal on lubricated metal: half of the speed is left after an impact
 SPAN_SHARES = np.geomspace(3e-5, 0.02, 24)  # widths of the gap as shares of the span of the motion
 # Flanks by frequency and damping. Noise of the position shifts impacts after a bounce: damped flanks suit those better.
@@ -234,6 +229,21 @@ class Backlash(Link):
     gap and strikes it on the other flank.
     """
 
+    name = "backlash"
+    label = "free play at a reversal"
+    axis = "displacement"
+    coefficients = (
+        Parameter("backlash_share", "1", "share of inertia and friction on the link side", lower=0.0, upper=1.5),
+    )
+    nonlinear = (
+        Parameter("gap_rad", "rad", "full width of the gap", lower=1e-7, upper=1.0),
+        Parameter("contact_hz", "Hz", "frequency in contact", lower=1.0, upper=1e3),
+        Parameter("flank_damping_ratio", "1", "damping ratio in contact", default=CONTACT_DAMPING_RATIO, **RATIO),
+        FAR_SHARE,
+    )
+    forward = "gap"
+    record = "reverse slowly at least 20 times with hardly any load"
+    separate = {"contact_event": "reverse again at the same places: a gap opens at every reversal"}
     least = LEAST_OF_GAP
 
     def link(self, far: FarSide, usual_nm: float, values: Sequence[float]) -> Transmission:
@@ -254,23 +264,3 @@ class Backlash(Link):
             *({"gap_rad": width, **kind} for kind in kinds for width in widths),
             *({"gap_rad": width, **SOFT, "far_share": share} for share in FAR_SHARES for width in widths[::2]),
         ]
-
-
-BACKLASH = Backlash(
-    name="backlash",
-    label="free play at a reversal",
-    axis="displacement",
-    coefficients=(
-        Parameter("backlash_share", "1", "share of inertia and friction on the link side", lower=0.0, upper=1.5),
-    ),
-    nonlinear=(
-        Parameter("gap_rad", "rad", "full width of the gap", lower=1e-7, upper=1.0),
-        Parameter("contact_hz", "Hz", "frequency in contact", lower=1.0, upper=1e3),
-        Parameter("flank_damping_ratio", "1", "damping ratio in contact", default=CONTACT_DAMPING_RATIO, **RATIO),
-        FAR_SHARE,
-    ),
-    forward="gap",
-    requires=jumps_and_inertia,
-    record="reverse slowly at least 20 times with hardly any load",
-    separate={"contact_event": "reverse again at the same places: a gap opens at every reversal"},
-)

@@ -63,50 +63,44 @@ def friction_of(
     dead_torque: frozenset[int],
 ) -> made.FrictionHistory:
     """Estimate the friction of every joint (0-based) from what was gathered of it and its own cycles."""
-    found = per_joint(lambda k: _estimate_joint(port, k, every, cycles_of(k), settings, dead_torque), len(every))
+    rows = {number: one.rows for number, one in zip(port.joint_numbers, every, strict=True)}
+
+    def estimated(column: int) -> tuple[made.JointFriction, tuple[Caution, ...]]:
+        number, seen, own = port.joint_numbers[column], every[column].seen, cycles_of(column)
+        kept = own if (own.reason == KEPT).all() else own.rows(own.reason == KEPT)
+        dead = reasons.dead_channel(seen, dead_torque=number in dead_torque)
+        reason = dead or reasons.missing_motion(own, settings, seen)
+        alone = bool(reason) and not dead and settings.estimator == "weighted" and settings.model == "combined"
+        if not reason and settings.model == "combined":
+            reason = reasons.one_speed(kept)
+        standstill, regression = own.standstill_rad_s, None
+        if settings.compare and (alone or not reason):
+            others = {other: one for other, one in rows.items() if other != number}
+            regression = regress_torque(rows[number], standstill, others if alone else None)
+        many = len(kept.start)
+        window = settings.window or max(min(many // PARTS, settings.cycles_per_point), settings.fewest_cycles)
+        joint = made.JointFriction(
+            joint=number,
+            name=port.joint_names[column],
+            model=settings.model,
+            window=window,
+            cycles=many,
+            rejected_cycles=len(own.start) - many,
+            moving_s=own.moving_s,
+            regression=regression,
+            reason=reason,
+        )
+        if not reason:
+            solve = _solve_weighted if settings.estimator == "weighted" else _solve_paper
+            joint = replace(joint, **solve(own, kept, settings.model, window))
+        return _conclude(joint, seen, kept, standstill)
+
+    found = per_joint(estimated, len(every))
     return made.FrictionHistory(
         estimator=settings.estimator,
         joints=tuple(joint for joint, _ in found),
         warnings=tuple(caution for _, cautions in found for caution in cautions),
     )
-
-
-def _estimate_joint(
-    port: Interaction,
-    column: int,
-    every: Sequence[Gathered],
-    own: EnergyCycles,
-    settings: FrictionSettings,
-    dead_torque: frozenset[int],
-) -> tuple[made.JointFriction, tuple[Caution, ...]]:
-    number, seen, rows = port.joint_numbers[column], every[column].seen, [one.rows for one in every]
-    kept = own if (own.reason == KEPT).all() else own.rows(own.reason == KEPT)
-    dead = reasons.dead_channel(seen, dead_torque=number in dead_torque)
-    reason = dead or reasons.missing_motion(own, settings, seen)
-    alone = bool(reason) and not dead and settings.estimator == "weighted" and settings.model == "combined"
-    if not reason and settings.model == "combined":
-        reason = reasons.one_speed(kept)
-    standstill, regression = own.standstill_rad_s, None
-    if settings.compare and (alone or not reason):
-        others = {other: rows[k] for k, other in enumerate(port.joint_numbers) if k != column}
-        regression = regress_torque(rows[column], standstill, others if alone else None)
-    many = len(kept.start)
-    window = settings.window or max(min(many // PARTS, settings.cycles_per_point), settings.fewest_cycles)
-    joint = made.JointFriction(
-        joint=number,
-        name=port.joint_names[column],
-        model=settings.model,
-        window=window,
-        cycles=many,
-        rejected_cycles=len(own.start) - many,
-        moving_s=own.moving_s,
-        regression=regression,
-        reason=reason,
-    )
-    if not reason:
-        solve = _solve_weighted if settings.estimator == "weighted" else _solve_paper
-        joint = replace(joint, **solve(own, kept, settings.model, window))
-    return _conclude(joint, seen, kept, standstill)
 
 
 def _solve_weighted(own: EnergyCycles, kept: EnergyCycles, model: str, window: int) -> dict[str, Any]:
@@ -183,13 +177,13 @@ def _conclude(
         taken = {name: getattr(found, name) for name in same}
         joint = replace(joint, method="regression", reason=(), no_energy=joint.reason, **taken)
     if joint.reason:
-        return joint, tuple(reasons.cautions_of(joint))
+        return joint, reasons.cautions_of(joint)
     torque, speed = seen.in_motion(standstill_rad_s)
     # The half width beyond which an interval says nothing, by coefficient.
     largest = {"coulomb": MOST_UNCERTAIN * torque, "viscous": MOST_UNCERTAIN * torque / speed}
     determined = _determined(joint, largest)
     if determined.reason:
-        return determined, tuple(reasons.cautions_of(determined))
+        return determined, reasons.cautions_of(determined)
     lost = tuple(
         Caution(code=f"{name}_not_determined", joint=joint.joint, numbers={"most": MOST_UNCERTAIN})
         for name in made.UNITS

@@ -23,13 +23,6 @@ ENOUGH = 1 << 16  # samples of a root mean square: it is right to a percent, eno
 STANDSTILL = 0.1  # share of the initiation threshold below which a joint stands still
 
 
-def cautions_of(joint: JointFriction) -> Iterator[Caution]:
-    """Yield the cautions about one joint's estimate."""
-    found = [("not_determined", {"reason": joint.reason})] if joint.reason else [*_weaknesses(joint)]
-    for code, numbers in found:
-        yield Caution(code=code, joint=joint.joint, numbers=numbers)
-
-
 def not_simultaneous(joint: JointFriction) -> Iterator[Caution]:
     """Yield a caution where the torque is certainly late after the motion, or early, or slow at reversals."""
     if joint.regression is None:
@@ -57,22 +50,28 @@ def repeated(joint: JointFriction, kept: EnergyCycles) -> Iterator[Caution]:
         yield Caution(code="cycles_repeated", joint=joint.joint, numbers={"count": count})
 
 
-def _weaknesses(joint: JointFriction) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Compare also the two methods, and the first full window of the history with the last, if they share no cycle."""
-    yield from ((f"negative_{name}", {}) for name in UNITS if getattr(joint, name).value < 0)
+def cautions_of(joint: JointFriction) -> tuple[Caution, ...]:
+    """Return the cautions about one joint's estimate, or why there is none.
+
+    Compare also the two methods, and the first full window of the history with the last, if they share no cycle.
+    """
+    if joint.reason:
+        return (Caution("not_determined", joint=joint.joint, numbers={"reason": joint.reason}),)
+    found: dict[str, dict[str, Any]] = {f"negative_{name}": {} for name in UNITS if getattr(joint, name).value < 0}
     if abs(joint.correlation) > HIGHEST_CORRELATION:
-        yield "hardly_separable", {"most": HIGHEST_CORRELATION}
+        found["hardly_separable"] = {"most": HIGHEST_CORRELATION}
     if joint.cycles < FEW_CYCLES:
-        yield "few_cycles", {"fewest": FEW_CYCLES}
+        found["few_cycles"] = {"fewest": FEW_CYCLES}
     for name in UNITS if joint.regression is not None else ():
         if _disagree(getattr(joint, name), getattr(joint.regression, name)):
-            yield f"{name}_disagrees", {}
+            found[f"{name}_disagrees"] = {}
     first = joint.window - 1 - (joint.cycles - len(joint.history.cycle))
     for name in UNITS if joint.cycles >= 2 * joint.window else ():
         ends = np.column_stack(joint.history.of(name))[[first, -1]].tolist()
         early, late = (Coefficient(value=value, low=low, high=high) for value, low, high in ends)
         if _disagree(early, late):
-            yield f"{name}_changes", {"early": early.value, "late": late.value, "cycles": joint.window}
+            found[f"{name}_changes"] = {"early": early.value, "late": late.value, "cycles": joint.window}
+    return tuple(Caution(code=code, joint=joint.joint, numbers=numbers) for code, numbers in found.items())
 
 
 def _disagree(a: Coefficient, b: Coefficient) -> bool:

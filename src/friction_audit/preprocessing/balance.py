@@ -155,13 +155,12 @@ def gravity_cautions(
     if gravity == "in-torque" or mixed or log.source.torque_unit != "N m":
         return ()
     torque, dead = balance.driving(log, coarse), log.source.dead_torque
-
-    def left(place: int) -> tuple[float, float, float, float, bool] | None:
-        column, across = columns[place], None if direction is None else direction[:, place]
-        return None if column + 1 in dead else _left(coarse, torque[:, column], across, column)
-
-    every = zip(columns, per_joint(left, len(columns)), strict=True)
-    found = [(column, *one) for column, one in every if one is not None]
+    left = per_joint(
+        lambda place: _left(coarse, torque[:, columns[place]], direction, columns[place], place), len(columns)
+    )
+    found = [
+        (column, *one) for column, one in zip(columns, left, strict=True) if one is not None and column + 1 not in dead
+    ]
     several = sum(rms > friction for _, _, rms, _, friction, _ in found) > 1
     return tuple(
         Caution(
@@ -174,7 +173,7 @@ def gravity_cautions(
 
 
 def _left(
-    coarse: CoarseLog, torque: Float, direction: Float | None, column: int
+    coarse: CoarseLog, torque: Float, direction: Float | None, column: int, place: int
 ) -> tuple[float, float, float, float, bool] | None:
     """Return mean and rms of what is left, range moved, Coulomb friction, and whether gravity shows; None if little."""
     moving, sign, stroke = strokes_of(coarse, column)
@@ -185,7 +184,7 @@ def _left(
     rows, sign = rows[thin], sign[thin]
     q, dq = coarse.q[rows, column], coarse.dq[rows, column]
     ddq = np.gradient(coarse.dq[:, column], coarse.t)[rows]
-    across = np.column_stack([np.sin(q), np.cos(q)]) if direction is None else direction[rows]
+    across = np.column_stack([np.sin(q), np.cos(q)]) if direction is None else direction[rows, place]
     plain = np.column_stack([sign, dq, ddq, np.ones(len(q))])
     coefficients, square, square_plain = _fit(plain, across, torque[rows])
     at_rest = coefficients[3] + across @ coefficients[4:]

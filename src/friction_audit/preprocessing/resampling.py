@@ -28,7 +28,7 @@ SPLINE_REACH = 20  # knots beyond a block that its spline takes along: their inf
 class Grid(NamedTuple):
     """A uniform grid of times over one stretch of a log without a hole."""
 
-    rows: slice  # the stretch's samples in the log
+    samples: int  # of the log in the stretch
     t: Float  # times, from the first sample of the stretch to its last, shape (k,) [s]
     rate_hz: float  # rate asked for; the spacing is a little less than its inverse [Hz]
 
@@ -64,17 +64,18 @@ def grids_of(log: JointLog, rate_hz: float) -> tuple[Grid, ...]:
         # A stretch of one sample has a grid of two times all the same, so that nothing else needs to know.
         stop = stop if end - first > 1 else start + 1 / rate_hz  # noqa: PLW2901
         t = np.linspace(start, stop, int(np.ceil((stop - start) * rate_hz)) + 1)
-        grids.append(Grid(rows=slice(first, end), t=t, rate_hz=rate_hz))
+        grids.append(Grid(samples=end - first, t=t, rate_hz=rate_hz))
     return tuple(grids)
 
 
 def motion_on(grids: Sequence[Grid], log: JointLog) -> list[tuple[Float, Float, Float]]:
     """Return position [rad], low-pass filtered velocity [rad/s] and acceleration [rad/s^2] on each grid, (k, j)."""
     # Means over the cell of each grid time keep the integral, and are the anti-alias filter.
-    own, fine = [grid.t for grid in grids], [grid.rows.stop - grid.rows.start >= 2 * len(grid.t) for grid in grids]
+    own = [grid.t if grid.samples > 1 else np.full(len(grid.t), grid.t[0]) for grid in grids]
+    fine = [grid.samples >= 2 * len(grid.t) for grid in grids]
     edges = (np.concatenate([t[:1], (t[1:] + t[:-1]) / 2, t[-1:]]) for t in own)
     times = [edge if one else t for edge, one, t in zip(edges, fine, own, strict=True)]
-    positions, found = _along(log, grids, "q", own), _along(log, grids, "dq", times, fine)
+    positions, found = _along(log, "q", own, [False] * len(own)), _along(log, "dq", times, fine)
     means = (
         np.diff(a, axis=0) / np.diff(t)[:, None] if one else a for a, t, one in zip(found, times, fine, strict=True)
     )
@@ -94,34 +95,21 @@ def _smooth(grid: Grid, mean: Float) -> tuple[Float, Float]:
     return velocity, slope
 
 
-def _along(
-    log: JointLog, grids: Sequence[Grid], channel: str, times: Sequence[Float], integrate: Sequence[bool] | None = None
-) -> list[Float]:
-    """Interpolate a channel, or its integral from the beginning of each grid, at times along each grid: (k, j) each."""
-    joints = len(log.joint_names)
-    found, done = [np.empty((len(t), joints)) for t in times], [0] * len(grids)
-    gone = np.zeros(joints)
-    before: tuple[Float, Float] | None = None
+def _along(log: JointLog, channel: str, times: Sequence[Float], integrate: Sequence[bool]) -> list[Float]:
+    """Interpolate a channel, or its integral from the beginning of the log, at times along each grid: (k, j) each."""
+    found, gone = [np.empty((len(t), len(log.joint_names))) for t in times], np.zeros(len(log.joint_names))
+    t, signal = np.empty(0), np.empty((0, len(gone)))
     for part in log.blocks((channel,)):
-        first, t, signal = part.first, part.t, getattr(part, channel)
-        if before is not None:  # the last sample of the block before comes along, or there were no motion from it on
-            first, t, signal = first - 1, np.append(before[0], t), np.concatenate([before[1], signal])
-        for number, (grid, wanted) in enumerate(zip(grids, times, strict=True)):
-            rows = slice(max(grid.rows.start - first, 0), min(grid.rows.stop - first, len(t)))
-            if rows.start >= rows.stop:
-                continue
-            own, here = t[rows], signal[rows]
-            if rows.start + first == grid.rows.start:
-                gone = np.zeros(joints)
-            is_last = rows.stop + first == grid.rows.stop
-            stop = len(wanted) if is_last else int(np.searchsorted(wanted, own[-1], side="right"))
-            places = slice(done[number], stop)
-            for joint, column in enumerate(here.T):
-                if integrate is not None and integrate[number]:
-                    area = np.append(0.0, (column[1:] + column[:-1]) * (np.diff(own) / 2))
-                    column = gone[joint] + np.cumsum(area)  # noqa: PLW2901 - the integral of the signal
-                    gone[joint] = column[-1]
-                found[number][places, joint] = np.interp(wanted[places], own, column)
-            done[number] = stop
-        before = t[-1:], signal[-1:]
+        # The last sample of the block before comes along, or there were no motion from it on.
+        t, signal = np.append(t[-1:], part.t), np.concatenate([signal[-1:], getattr(part, channel)])
+        ends = t[0], np.inf if part.first + len(part.t) == log.samples else t[-1]
+        places = [slice(*np.searchsorted(wanted, ends).tolist()) for wanted in times]
+        for joint, column in enumerate(signal.T):
+            integral = column
+            if any(integrate):
+                area = (column[1:] + column[:-1]) * (np.diff(t) / 2)
+                integral = np.cumsum(np.append(gone[joint], area))
+                gone[joint] = integral[-1]
+            for out, wanted, own, one in zip(found, times, places, integrate, strict=True):
+                out[own, joint] = np.interp(wanted[own], t, integral if one else column)
     return found
