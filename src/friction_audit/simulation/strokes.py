@@ -163,7 +163,8 @@ def _excursions(settings: SlowSweep, rng: np.random.Generator) -> Iterator[list[
     sides = cycle(settings.range_rad)
     while True:
         if settings.reversals:  # to and fro about 0; a stroke, but for the first and the last, is within the limits
-            half = np.exp(rng.uniform(*np.log(settings.reversal_rad), settings.reversals)) / 2
+            smallest, largest = np.log(settings.reversal_rad)
+            half = np.exp(rng.uniform(smallest, largest, settings.reversals)) / 2
             positions = np.append(half * (-1.0) ** np.arange(settings.reversals), 0.0)
             lengths = np.abs(np.diff(positions, prepend=0.0))
             yield list(zip(positions.tolist(), (lengths / settings.reversal_s).tolist(), strict=True))
