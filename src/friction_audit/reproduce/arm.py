@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -37,14 +38,14 @@ def check_12(simulations: Simulations) -> tuple[Claim, ...]:
     ]
     negative = np.mean([((one < 0.0) | (other < 0.0))[np.isfinite(one)].mean() for one, other in estimated])
     inside, worst = leaves < BAND, own_slopes.max()
-    arm = {"slopes": spread(slopes, ""), "bound": SLOPE_BOUND, "stopped": share(slopes < SLOPE_BOUND)}
-    joints = {"stopped": int(stopped.sum()), "joints": stopped.size, "worst": worst, "joint": joint + 1}
-    kept = {"band": BAND, "inside": share(inside), "leaves": spread(leaves, "of it"), "negative": negative}
+    arm: dict[str, Any] = {"slopes": spread(slopes, ""), "stopped": share(slopes < SLOPE_BOUND)}
+    joints: dict[str, Any] = {"stopped": stopped.sum(), "joints": stopped.size, "worst": worst, "joint": joint + 1}
+    kept: dict[str, Any] = {"inside": share(inside), "leaves": spread(leaves, "of it"), "negative": negative}
     return (
         claim("same_instants", alone, alone == 0, alone=alone),
-        claim("arm_stops_rising", slopes.max(), (slopes < SLOPE_BOUND).all(), **arm),
+        claim("arm_stops_rising", slopes.max(), (slopes < SLOPE_BOUND).all(), bound=SLOPE_BOUND, **arm),
         claim("joints_stop_rising", worst, stopped.all(), **joints),
-        claim("arm_keeps", leaves.max(), inside.all(), **kept),
+        claim("arm_keeps", leaves.max(), inside.all(), band=BAND, **kept),
     )
 
 
@@ -100,8 +101,8 @@ def peaks(comparison: Comparison) -> Claim:
     rows = rows_of(comparison, PAPER)[:-1]
     drawn, raw = ([row.interval(name).value for row in rows] for name in ("drawn_peak_nm", "peak_torque_nm"))
     falls = np.diff(drawn) < 0.0
-    words = {name: in_words(rows, found, 1.0, "N m") for name, found in (("drawn", drawn), ("raw", raw))}
-    return claim("peaks", falls.sum(), falls.all(), **words)
+    as_drawn, as_read = (in_words(rows, found, 1.0, "N m") for found in (drawn, raw))
+    return claim("peaks", falls.sum(), falls.all(), drawn=as_drawn, raw=as_read)
 
 
 def plateaus(comparison: Comparison, role: str) -> Claim:

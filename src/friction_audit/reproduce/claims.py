@@ -71,7 +71,7 @@ def claim(name: str, value: float, holds: object, *, own: bool = False, **number
     return Claim(**words, value=float(value), holds=bool(holds), own=own)
 
 
-def within(name: str, error: float, bound: float, **numbers: object) -> Claim:
+def within(name: str, error: float, bound: float, **numbers: Any) -> Claim:  # noqa: ANN401 - for texts
     """Return a claim that holds where an error is below a bound, both shares."""
     found = claim(name, error, error < bound, error=relative(error), **numbers)
     return replace(found, ours=f"{found.ours} (bound {relative(bound)})")

@@ -220,10 +220,10 @@ def check_11(simulations: Simulations) -> tuple[Claim, ...]:
         for courses in (after, before)
     )
     left = np.abs(still) / without
-    low, held_nm = peaks < LOW_PEAK_NM, simulations["fig10"][0].truth.settings.joints[0].coulomb_nm
-    words = {"peaks": spread(peaks, "N m"), "low": share(low)}
+    high, low = spread(peaks, "N m"), peaks < LOW_PEAK_NM
+    held_nm = simulations["fig10"][0].truth.settings.joints[0].coulomb_nm
     return (
-        claim("low_peak", peaks.max(), low.all(), **words, bound=LOW_PEAK_NM, held=held_nm),
+        claim("low_peak", peaks.max(), low.all(), peaks=high, low=share(low), bound=LOW_PEAK_NM, held=held_nm),
         claim("inertia_left", left.max(), (left < REMAINS).all(), left=spread(left, ""), fast=FAST, bound=REMAINS),
     )
 
