@@ -1,8 +1,8 @@
 """What the paper says, and what we got."""
 
+import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -57,17 +57,13 @@ def relative(share: float) -> str:
     return f"{float(f'{percent:.2g}'):.6f}".rstrip("0").rstrip(".") + " %"
 
 
-@cache
-def texts() -> dict[str, dict[str, str]]:
-    """Return the texts of the claims by name."""
-    import tomllib
-
-    return tomllib.loads(Path(__file__).with_name("claims.toml").read_text(encoding="utf-8"))
+# Texts of the claims by name.
+TEXTS = tomllib.loads(Path(__file__).with_name("claims.toml").read_text(encoding="utf-8"))
 
 
 def claim(name: str, value: float, holds: object, *, own: bool = False, **numbers: object) -> Claim:
     """Return a claim by its name in the table, with the number that decides, and numbers for its texts."""
-    words: dict[str, Any] = {field: text.format(**numbers) for field, text in texts()[name].items()}
+    words: dict[str, Any] = {field: text.format(**numbers) for field, text in TEXTS[name].items()}
     return Claim(**words, value=float(value), holds=bool(holds), own=own)
 
 

@@ -36,11 +36,13 @@ def settle(joints: Record, body: Record, load_nm: Float) -> None:
 
 
 @compiled()
-def advance(mechanism: Record, t: float, since: float) -> None:
+def advance(
+    joints: Record, states: Record, events: Float, body: Record, dt: float, substeps: int, t: float, since: float
+) -> None:
     """Move on by half a tick."""
-    h = 0.5 * mechanism.dt / mechanism.substeps
-    for i in range(mechanism.substeps):
-        slide(mechanism.joints, mechanism.states, mechanism.events, mechanism.body, since + i * h, t + i * h, h)
+    h = 0.5 * dt / substeps
+    for i in range(substeps):
+        slide(joints, states, events, body, since + i * h, t + i * h, h)
 
 
 @compiled(inline=True)
@@ -179,13 +181,13 @@ def run(mechanism: Record, push: Float, gravity: Float, jacobian: Float, cycle: 
     gravity torque; without a push, the drive is in the body. Where the hand ends the cycles of all joints, ``cycle`` is
     its state and ``jacobian`` that of the hand; else the cycle is empty.
     """
-    joints, states, events, body, loop, dt, _, out, traced = mechanism
+    joints, states, events, body, loop, dt, substeps, out, traced = mechanism
     for k in range(first, last):
         t = k * dt
         if len(push) > 0:
             push_bench(mechanism, push, gravity, k)
         if k > 0:
-            advance(mechanism, t - 0.5 * dt, -0.5 * dt)
+            advance(joints, states, events, body, dt, substeps, t - 0.5 * dt, -0.5 * dt)
         evaluate(joints, states, events, body, t)
         keep(states, body, out[k])
         cut = hand_cut(body, loop, jacobian, cycle, k, dt) if len(cycle) > 0 else controller.FIND
@@ -194,4 +196,4 @@ def run(mechanism: Record, push: Float, gravity: Float, jacobian: Float, cycle: 
             for field in range(traced.shape[2]):
                 traced[k, j, field] = loop.words[j, field]
         if k + 1 < len(out):
-            advance(mechanism, t, 0.0)
+            advance(joints, states, events, body, dt, substeps, t, 0.0)
