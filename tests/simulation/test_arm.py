@@ -175,7 +175,8 @@ def test_friction_of_a_guided_arm_is_found_with_default_settings() -> None:
 # Every hidden effect in joints 2 and 5 of an arm.
 
 EFFECTS_SHORT = ArmSettings(duration_s=2.0)
-NOTHING_YET = Hidden().holding(*(replace(effect.make({}), **{effect.strength_name: 0.0}) for effect in EFFECTS))
+OFF: list[tuple[Any, dict[str, Any]]] = [(effect.make({}), {effect.strength_name: 0.0}) for effect in EFFECTS]
+NOTHING_YET = Hidden().holding(*(replace(group, **off) for group, off in OFF))
 EFFECTS_SEED = 1
 
 

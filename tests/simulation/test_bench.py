@@ -117,7 +117,7 @@ READING = ("gravity_error", "torque_bias", "torque_drift", "time_delay")  # chan
 ELSEWHERE = ("cable_spring", "joint_limit_stop", "contact_event", "torque_ripple")  # torques that are no friction
 
 
-def hide(effect: type[HiddenEffect], form: str, **numbers: float) -> Hidden:
+def hide(effect: type[HiddenEffect], form: str, **numbers: Any) -> Hidden:
     group = effect.make({"form": form} if form else {})
     return Hidden().holding(replace(group, **numbers))
 

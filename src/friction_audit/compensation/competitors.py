@@ -24,8 +24,9 @@ import numpy as np
 
 from friction_audit.compensation.law import FINITE, EnergyCompensator, Law, positive, soft_sign, within
 from friction_audit.compiled import Record, compiled
+from friction_audit.dynamics.bristles import bend_on, bristle_damping, bristle_nm
 from friction_audit.dynamics.motion import Motion, Term
-from friction_audit.dynamics.torque_tables import Tables, bend_on, bristle_damping, bristle_nm, tabulate, taken
+from friction_audit.dynamics.torque_tables import Tables, tabulate, taken
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.joint_log import Float
@@ -288,12 +289,13 @@ def feed_of(terms: Sequence[FittedTerm], motion: Motion) -> Feed:
 @compiled()
 def feed_friction(memory: Record, feed: Feed, q: float, v: float, i: int) -> None:
     """Give a compensator what friction takes at sample i; nothing later than that is read."""
+    bristles, bent = feed.tables.bristles, feed.bent
     if memory.ticks > 0:
-        bend_on(feed.bent, q - memory.q_rad, feed.tables)
+        bend_on(bent, q - memory.q_rad, bristles)
     memory.q_rad = q
     sign = 1.0 if v >= 0.0 else -1.0
     memory.modelled_nm = sign * taken(sign, q, abs(v), float(i), feed.tables)
-    memory.bristle_nm = bristle_nm(feed.bent, 0.0, feed.tables) + bristle_damping(feed.bent, sign, feed.tables) * v
+    memory.bristle_nm = bristle_nm(bent, 0.0, bristles) + bristle_damping(bent, sign, bristles) * v
 
 
 def refuse(terms: Sequence[FittedTerm], past: Sequence[Term] = ()) -> None:

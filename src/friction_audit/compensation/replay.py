@@ -133,9 +133,8 @@ class _JointRun:
             self._joint = replace(self._joint, reason=reason_of(reason))
             return
         recorded = scene.recorded
-        add_torque(self._recorded, recorded.t, recorded.dq, recorded.torque)
-        if len(recorded.logged):
-            add_torque(self._total, recorded.t, recorded.dq, recorded.total)
+        for sums, torque in ((self._recorded, recorded.torque), (self._total, recorded.total)):
+            add_torque(sums, recorded.t, recorded.dq, torque)
         self._changes = {"replayed": found if self._kept else self._joint.without}
         if scene.loop is not None:
             without = self._idle.take(scene)
@@ -161,8 +160,7 @@ class _JointRun:
             reason = (Caution("diverges_at_once"),)
         if reason:
             return replace(joint, reason=reason)
-        total = self._total if self._total["samples"] else self._recorded
-        without = self._idle.felt if "without" in self._changes else total
+        without = self._idle.felt if "without" in self._changes else self._total
         numbers, passivity = result.measure(self._recorded, without, run.felt, run.tally, history)
         return replace(
             joint,
@@ -177,10 +175,10 @@ class _JointRun:
 
 def tune(competitor: Competitor, friction: JointFriction, robot: str, model: JointModel | None) -> Compensator:
     """Return a compensator for one joint."""
-    if competitor.name == MODEL:
-        return _modelled(model)
     if competitor.name in FEED_BACK:
         return _feed_back(competitor, friction)
+    if competitor.name == MODEL:
+        return _modelled(model)
     if competitor.name == "sigmoid" and robot in FRANKA and friction.joint <= len(competitors.PUBLISHED):
         return competitors.PUBLISHED[friction.joint - 1]
     coulomb, viscous = friction.coulomb.value, friction.viscous.value

@@ -39,7 +39,7 @@ class Bristles(NamedTuple):
 
     def states_along(self, q: Float) -> Float:
         """State along a motion that begins unbent: torque of the curve, deflections of springs, shape (n, 1 + m)."""
-        return np.asarray(_follow(read_only(q), self.path, self.torque, self.reach))
+        return np.asarray(_follow(read_only(q), self))
 
     def along(self, q: Float) -> Float:
         """Torque along a motion that begins unbent, without damping, shape (n,). [N m]"""
@@ -91,15 +91,16 @@ def _reversal(term: Term, speed: float) -> tuple[float, Float]:
 
 
 @compiled()
-def bend(held: float, displacement: float, path: Float, torque: Float) -> float:
-    """Return the torque of bristles of a curve, shape (k,), after a signed displacement. [N m]"""
+def bend(held: float, displacement: float, bristles: Bristles) -> float:
+    """Return the torque of bristles of a curve after a signed displacement. [N m]"""
+    path, torque = bristles.path, bristles.torque
     if len(path) == 0 or displacement == 0.0:
         return held
     sign = -1.0 if displacement > 0.0 else 1.0
-    low, high = _around(sign * held, torque)
-    drop = torque[low] - torque[high]
+    low = _before(sign * held, torque)
+    drop = torque[low] - torque[low + 1]
     share = min(1.0, max(0.0, (torque[low] - sign * held) / drop)) if drop > 0.0 else 1.0
-    on = path[low] + share * (path[high] - path[low]) + abs(displacement)
+    on = path[low] + share * (path[low + 1] - path[low]) + abs(displacement)
     if on <= path[0] or on >= path[-1]:
         return float(sign * (torque[0] if on <= path[0] else torque[-1]))
     low = np.searchsorted(path, on) - 1
@@ -108,12 +109,10 @@ def bend(held: float, displacement: float, path: Float, torque: Float) -> float:
 
 
 @compiled(inline=True)
-def slope(held: float, sign: float, path: Float, torque: Float) -> float:
-    """Return the stiffness of bristles of a curve that bend on in a direction. [N m/rad]"""
-    if len(path) == 0:
-        return 0.0
-    low, high = _around(-sign * held, torque)
-    return float((torque[low] - torque[high]) / (path[high] - path[low]))
+def _before(value: float, torque: Float) -> int:
+    """Return the point of a falling curve before a torque."""
+    low = len(torque) - 1 - int(np.searchsorted(torque[::-1], value))
+    return min(max(low, 0), len(torque) - 2)
 
 
 @compiled(inline=True)
@@ -123,19 +122,41 @@ def stretch(deflection: float, displacement: float, reach: float) -> float:
 
 
 @compiled(inline=True)
-def _around(value: float, torque: Float) -> tuple[int, int]:
-    """Return the points of a falling curve around a torque."""
-    low = len(torque) - 1 - int(np.searchsorted(torque[::-1], value))
-    low = min(max(low, 0), len(torque) - 2)
-    return low, low + 1
+def bristle_nm(bent: Float, displacement: float, bristles: Bristles) -> float:
+    """Return the torque of the bristles a displacement ahead, without damping. [N m]"""
+    torque = bend(bent[0], displacement, bristles)
+    for k in range(len(bristles.reach)):
+        torque += bristles.stiffness[k] * stretch(bent[1 + k], displacement, bristles.reach[k])
+    return torque
+
+
+@compiled(inline=True)
+def bend_on(bent: Float, displacement: float, bristles: Bristles) -> None:
+    """Let the bristles follow a displacement, in place."""
+    bent[0] = bend(bent[0], displacement, bristles)
+    for k in range(len(bristles.reach)):
+        bent[1 + k] = stretch(bent[1 + k], displacement, bristles.reach[k])
+
+
+@compiled(inline=True)
+def bristle_damping(bent: Float, sign: float, bristles: Bristles) -> float:
+    """Return the damping of the bristles that bend on in a direction. [N m s/rad]"""
+    if bristles.damping_s == 0.0:
+        return 0.0
+    stiffness, path, torque = 0.0, bristles.path, bristles.torque
+    if len(path) > 0:
+        low = _before(-sign * bent[0], torque)
+        stiffness = (torque[low] - torque[low + 1]) / (path[low + 1] - path[low])
+    for k in range(len(bristles.reach)):
+        if bent[1 + k] * sign < bristles.reach[k]:
+            stiffness += bristles.stiffness[k]
+    return float(bristles.damping_s * stiffness)
 
 
 @compiled()
-def _follow(q: Float, path: Float, torque: Float, reach: Float) -> Float:
-    out = np.zeros((len(q), 1 + len(reach)))
+def _follow(q: Float, bristles: Bristles) -> Float:
+    out = np.zeros((len(q), 1 + len(bristles.reach)))
     for i in range(1, len(q)):
-        displacement = q[i] - q[i - 1]
-        out[i, 0] = bend(out[i - 1, 0], displacement, path, torque)
-        for k in range(len(reach)):
-            out[i, 1 + k] = stretch(out[i - 1, 1 + k], displacement, reach[k])
+        out[i] = out[i - 1]
+        bend_on(out[i], q[i] - q[i - 1], bristles)
     return out

@@ -21,16 +21,8 @@ from typing import NamedTuple
 import numpy as np
 
 from friction_audit.compiled import compiled
-from friction_audit.dynamics.torque_tables import (
-    MOST_STEPS,
-    SHARE_OF_SWING,
-    Tables,
-    bend_on,
-    bristle_damping,
-    bristle_nm,
-    steps_per_sample,
-    taken,
-)
+from friction_audit.dynamics.bristles import bend_on, bristle_damping, bristle_nm
+from friction_audit.dynamics.torque_tables import MOST_STEPS, SHARE_OF_SWING, Tables, steps_per_sample, taken
 from friction_audit.dynamics.transmission import Transmission, amid, bend_of, between_samples, pushed, twisted
 from friction_audit.joint_log import Float, Int
 
@@ -62,12 +54,12 @@ def rest_of(step: Step, share: float) -> Step:
 @compiled(inline=True)
 def slide(q: float, v: float, sign: float, step: Step, bent: Float, tables: Tables) -> float:
     """Return the velocity of a joint with tables after sliding through a step in one direction."""
-    damping = bristle_damping(bent, sign, tables)
-    torque = taken(sign, q, abs(v), step.begin, tables) + bristle_nm(bent, 0.0, tables) + damping * v
+    bristles, damping = tables.bristles, bristle_damping(bent, sign, tables.bristles)
+    torque = taken(sign, q, abs(v), step.begin, tables) + bristle_nm(bent, 0.0, bristles) + damping * v
     middle = v + 0.5 * step.h * (step.drive0 - torque) / tables.inertia_kg_m2
     speed, ahead = max(0.0, middle * sign), 0.5 * step.h * v
     sample, drive = 0.5 * (step.begin + step.end), 0.5 * (step.drive0 + step.drive1)
-    torque = taken(sign, q + ahead, speed, sample, tables) + bristle_nm(bent, ahead, tables) + damping * speed * sign
+    torque = taken(sign, q + ahead, speed, sample, tables) + bristle_nm(bent, ahead, bristles) + damping * speed * sign
     return v + step.h * (drive - torque) / tables.inertia_kg_m2
 
 
@@ -76,7 +68,7 @@ def advance(q: float, v: float, sign: float, step: Step, bent: Float, tables: Ta
     """Move a joint and its bristles on by a step; return position, velocity and direction, 0 where it is held."""
     for _ in range(EVENTS):
         if sign == 0.0:
-            held = bristle_nm(bent, 0.0, tables)
+            held = bristle_nm(bent, 0.0, tables.bristles)
             forwards, backwards = taken(1.0, q, 0.0, step.begin, tables), taken(-1.0, q, 0.0, step.begin, tables)
             if forwards < backwards:
                 # Bristles bear all the friction: nothing dry is left that could hold the joint.
@@ -94,11 +86,11 @@ def advance(q: float, v: float, sign: float, step: Step, bent: Float, tables: Ta
         after = slide(q, v, sign, step, bent, tables)
         if after * sign >= 0.0:
             displacement = 0.5 * step.h * (v + after)
-            bend_on(bent, displacement, tables)
+            bend_on(bent, displacement, tables.bristles)
             return q + displacement, after, sign
         share = v / (v - after)
         displacement = 0.5 * share * step.h * v
-        bend_on(bent, displacement, tables)
+        bend_on(bent, displacement, tables.bristles)
         q, v, sign = q + displacement, 0.0, 0.0
         step = rest_of(step, share)
     return q, 0.0, 0.0

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from friction_audit.compiled import compiled
-from friction_audit.dynamics.bristles import NO_BRISTLES, Bristles, bend, bristles_of, slope, stretch
+from friction_audit.dynamics.bristles import NO_BRISTLES, Bristles, bristles_of
 from friction_audit.dynamics.motion import Motion, Term
 from friction_audit.joint_log import Float, read_only
 
@@ -152,35 +152,6 @@ def taken_along(q: Float, dq: Float, tables: Tables) -> Float:
     for i in range(len(q)):
         out[i] = taken(-1.0 if dq[i] < 0.0 else 1.0, q[i], abs(dq[i]), float(i), tables)
     return out
-
-
-@compiled(inline=True)
-def bristle_nm(bent: Float, displacement: float, tables: Tables) -> float:
-    """Return the torque of the bristles a displacement ahead, without damping. [N m]"""
-    torque = bend(bent[0], displacement, tables.bristles.path, tables.bristles.torque)
-    for k in range(len(tables.bristles.reach)):
-        torque += tables.bristles.stiffness[k] * stretch(bent[1 + k], displacement, tables.bristles.reach[k])
-    return torque
-
-
-@compiled(inline=True)
-def bend_on(bent: Float, displacement: float, tables: Tables) -> None:
-    """Let the bristles follow a displacement, in place."""
-    bent[0] = bend(bent[0], displacement, tables.bristles.path, tables.bristles.torque)
-    for k in range(len(tables.bristles.reach)):
-        bent[1 + k] = stretch(bent[1 + k], displacement, tables.bristles.reach[k])
-
-
-@compiled(inline=True)
-def bristle_damping(bent: Float, sign: float, tables: Tables) -> float:
-    """Return the damping of the bristles that bend on in a direction. [N m s/rad]"""
-    if tables.bristles.damping_s == 0.0:
-        return 0.0
-    stiffness = slope(bent[0], sign, tables.bristles.path, tables.bristles.torque)
-    for k in range(len(tables.bristles.reach)):
-        if bent[1 + k] * sign < tables.bristles.reach[k]:
-            stiffness += tables.bristles.stiffness[k]
-    return float(tables.bristles.damping_s * stiffness)
 
 
 def steps_per_sample(step_s: float, tables: Tables) -> int:

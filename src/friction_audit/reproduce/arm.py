@@ -2,13 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from friction_audit.compensation.comparison.experiment import compare
 from friction_audit.compensation.comparison.methods import FULL, METHODS, PAPER, SCENES
 from friction_audit.compensation.comparison.result import Comparison, Row
-from friction_audit.reproduce.claims import SECOND, Claim, Simulations, share, spread
+from friction_audit.reproduce.claims import SECOND, Claim, Simulations, claim, share, spread
 from friction_audit.reproduce.one_joint import BAND
 from friction_audit.simulation.bench import Progress
 
@@ -36,35 +37,20 @@ def check_12(simulations: Simulations) -> tuple[Claim, ...]:
         for arm, own in zip(arms, ends, strict=True)
     ]
     negative = np.mean([((one < 0.0) | (other < 0.0))[np.isfinite(one)].mean() for one, other in estimated])
+    inside, worst = leaves < BAND, own_slopes.max()
+    arm: dict[str, Any] = {"slopes": spread(slopes, ""), "stopped": share(slopes < SLOPE_BOUND)}
+    joints: dict[str, Any] = {"stopped": stopped.sum(), "joints": stopped.size, "worst": worst, "joint": joint + 1}
+    kept: dict[str, Any] = {"inside": share(inside), "leaves": spread(leaves, "of it"), "negative": negative}
     return (
-        Claim(
-            "12", "the coefficients of all joints are updated at the same instants", "synchronously",
-            f"{alone} cycles end in some joints only", float(alone), alone == 0,
-        ),
-        Claim(
-            "12b", "after two cycles the net energy of the arm stops rising", "cyclic energies stop increasing",
-            f"slope over that of the first two cycles: {spread(slopes, '')}; below {SLOPE_BOUND:g} in "
-            f"{share(slopes < SLOPE_BOUND)}",
-            float(slopes.max()), bool((slopes < SLOPE_BOUND).all()),
-        ),
-        Claim(
-            "12b", "and so does that of every single joint", "cyclic energies of the joints stop increasing",
-            f"{int(stopped.sum())} of {stopped.size} joints; worst {own_slopes.max():.2f}, joint {joint + 1}",
-            float(own_slopes.max()), bool(stopped.all()),
-            "a joint need not rest when the hand does, and two cycles may be too alike to separate its coefficients",
-        ),
-        Claim(
-            "12b", "and keeps its value for the remaining cycles", "maintained their values",
-            f"within {BAND:.0%} of that of cycle 2 in {share(leaves < BAND)}: {spread(leaves, 'of it')}",
-            float(leaves.max()), bool((leaves < BAND).all()),
-            f"{negative:.0%} of the pairs of cycles give a joint one negative coefficient, which is not applied",
-        ),
-    )  # fmt: skip
+        claim("same_instants", alone, alone == 0, alone=alone),
+        claim("arm_stops_rising", slopes.max(), (slopes < SLOPE_BOUND).all(), bound=SLOPE_BOUND, **arm),
+        claim("joints_stop_rising", worst, stopped.all(), **joints),
+        claim("arm_keeps", leaves.max(), inside.all(), band=BAND, **kept),
+    )
 
 
 # The paper's methods, from the steepest to the flattest net energy.
 ORDER = ("none", "sigmoid", "disturbance_observer", "torque_regulation", "energy")
-NOTE = "friction-audit compare --arm panda has more persons, intervals and sweeps"
 KEPT = 0.1  # slope, over that without compensation, up to which the net energy counts as kept
 
 
@@ -98,13 +84,8 @@ def order(comparison: Comparison, role: str) -> Claim:
     rows = rows_of(comparison, role)
     slopes = [row.interval("energy_slope_w").value for row in rows]
     falls = np.diff(slopes) < 0.0
-    claim = "the net energy rises most without compensation, then model-based, disturbance observer, torque regulation"
-    return Claim(
-        "13", f"{OWN[role]}{claim}, proposed", "none > model > DOB > torque regulation > proposed",
-        in_words(rows, slopes, 1000.0, "mW"), float(falls.sum()), bool(falls.all()),
-        f"{NOTE}; an observer at full share leaves as little as the proposed method, from the first cycle on",
-        role == FULL,
-    )  # fmt: skip
+    words = in_words(rows, slopes, 1000.0, "mW")
+    return claim("order", falls.sum(), falls.all(), own=role == FULL, before=OWN[role], order=words)
 
 
 def keeps(comparison: Comparison) -> Claim:
@@ -112,11 +93,7 @@ def keeps(comparison: Comparison) -> Claim:
     none, *_, proposed = rows_of(comparison, PAPER)
     slope, alone = (row.interval("energy_slope_w").value for row in (proposed, none))
     kept, stable = slope / alone, proposed.stable_share
-    return Claim(
-        "13", "the proposed method keeps the net energy after two cycles", "maintains the energy value",
-        f"{kept:.3f} of the slope without compensation (bound {KEPT:g}); stable in {stable:.0%} of seeds",
-        kept, abs(kept) < KEPT and stable == 1.0, NOTE,
-    )  # fmt: skip
+    return claim("keeps", kept, abs(kept) < KEPT and stable == 1.0, kept=kept, bound=KEPT, stable=stable)
 
 
 def peaks(comparison: Comparison) -> Claim:
@@ -124,23 +101,13 @@ def peaks(comparison: Comparison) -> Claim:
     rows = rows_of(comparison, PAPER)[:-1]
     drawn, raw = ([row.interval(name).value for row in rows] for name in ("drawn_peak_nm", "peak_torque_nm"))
     falls = np.diff(drawn) < 0.0
-    return Claim(
-        "14", "the largest torque falls from none to model-based, disturbance observer, torque regulation",
-        "none > model > DOB > torque regulation",
-        f"as drawn: {in_words(rows, drawn, 1.0, 'N m')}; raw, of all joints: {in_words(rows, raw, 1.0, 'N m')}",
-        float(falls.sum()), bool(falls.all()),
-        "drawn: one joint, low-passed at 10 Hz; the peak of the proposed method, which no claim names, is inertia",
-    )  # fmt: skip
+    as_drawn, as_read = (in_words(rows, found, 1.0, "N m") for found in (drawn, raw))
+    return claim("peaks", falls.sum(), falls.all(), drawn=as_drawn, raw=as_read)
 
 
 def plateaus(comparison: Comparison, role: str) -> Claim:
     """Check which method leaves least of the plateaus of Coulomb friction."""
     rows = rows_of(comparison, role)
     left = [abs(row.interval("coulomb_left").value) for row in rows]
-    return Claim(
-        "14", f"{OWN[role]}the proposed method leaves least of the plateaus of Coulomb friction",
-        "significantly reduced, outperforms the others", in_words(rows, left, 1.0, "of it left"),
-        left[-1], left[-1] == min(left) and rows[-1].stable_share == 1.0,
-        "an observer at full share that knows the motor's inertia within 20 % leaves as little or less",
-        role == FULL,
-    )  # fmt: skip
+    holds, words = left[-1] == min(left) and rows[-1].stable_share == 1.0, in_words(rows, left, 1.0, "of it left")
+    return claim("least_plateaus", left[-1], holds, own=role == FULL, before=OWN[role], left=words)

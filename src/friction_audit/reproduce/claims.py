@@ -1,7 +1,9 @@
 """What the paper says, and what we got."""
 
+import tomllib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -55,10 +57,20 @@ def relative(share: float) -> str:
     return f"{float(f'{percent:.2g}'):.6f}".rstrip("0").rstrip(".") + " %"
 
 
-def within(figure: str, claim: str, paper: str, ours: str, error: float, bound: float, note: str = "") -> Claim:
-    """Return a claim that holds where an error is below a bound; ``ours`` has a * for the error."""
-    words = f"{ours.replace('*', relative(error))} (bound {relative(bound)})"
-    return Claim(figure, claim, paper, words, error, error < bound, note)
+# Texts of the claims by name.
+TEXTS = tomllib.loads(Path(__file__).with_name("claims.toml").read_text(encoding="utf-8"))
+
+
+def claim(name: str, value: float, holds: object, *, own: bool = False, **numbers: object) -> Claim:
+    """Return a claim by its name in the table, with the number that decides, and numbers for its texts."""
+    words: dict[str, Any] = {field: text.format(**numbers) for field, text in TEXTS[name].items()}
+    return Claim(**words, value=float(value), holds=bool(holds), own=own)
+
+
+def within(name: str, error: float, bound: float, **numbers: Any) -> Claim:  # noqa: ANN401 - for texts
+    """Return a claim that holds where an error is below a bound, both shares."""
+    found = claim(name, error, error < bound, error=relative(error), **numbers)
+    return replace(found, ours=f"{found.ours} (bound {relative(bound)})")
 
 
 Simulations = Mapping[str, Any]  # by name of the scenario, one simulation per seed; "fig13": the comparison

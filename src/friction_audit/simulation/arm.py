@@ -98,7 +98,7 @@ class ArmSettings(shared.RecordingSettings):
         settle(mechanism.joints, mechanism.body, load)
         for k in range(ticks + 1):
             # Position and velocity at tick k, half a tick after the mechanism's state except at the start.
-            ahead, (y, v, a) = 0.5 * mechanism.clock.dt * (k > 0), (of[arm.link] for of in arm.states)
+            ahead, (y, v, a) = 0.5 * mechanism.dt * (k > 0), (of[arm.link] for of in arm.states)
             q, dq = y + ahead * (v + 0.5 * ahead * a), v + ahead * a
             gravity[k] = arm.support(q)
             arm.pull(k, q, *arm.compute(q, dq), gravity[k])
@@ -127,7 +127,7 @@ class RigidBody:
         self._flange = self._model.body(known.flange).id
         by_hand = settings.compensator is not None and settings.hand_cycles
         self.cycle = np.zeros(CYCLE_STATE if by_hand else 0)
-        self._ticks, self._dt = len(mechanism.out) - 1, mechanism.clock.dt
+        self._ticks, self._dt = len(mechanism.out) - 1, mechanism.dt
         self._joints = n = len(settings.joints)
         self._mass, self._bias, self._held, self.jacobian = (np.zeros(s) for s in ((n, n), n, n, (6, n)))
         # Views, taken once: to ask a record for a field takes longer than the arithmetic of a tick.

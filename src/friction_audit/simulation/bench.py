@@ -18,7 +18,7 @@ from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.sensors import torque_drift_nm
 from friction_audit.simulation.effects.slow_and_events import draw_events
 from friction_audit.simulation.effects.structure import coupled_mass
-from friction_audit.simulation.mechanics.records import KEPT, ROWS, STATE, Clock, Loop, Mechanism, make_body, pack
+from friction_audit.simulation.mechanics.records import KEPT, ROWS, STATE, Loop, Mechanism, make_body, pack
 from friction_audit.simulation.mechanics.tick import run, settle
 from friction_audit.simulation.periodic import MotionSettings
 from friction_audit.simulation.sensors import draw_noise
@@ -104,7 +104,7 @@ def moved_by(mechanism: Mechanism, path: str, gravity: Float | None = None) -> s
     q, dq = row.pop("outer_q"), row.pop("outer_dq")
     if mechanism.states[0]["driven"]:
         q, dq = row["inner_q"], row["inner_dq"]
-    t = np.arange(len(mechanism.out), dtype=np.float64) * mechanism.clock.dt
+    t = np.arange(len(mechanism.out), dtype=np.float64) * mechanism.dt
     motion = shared.TrueMotion(t=t, q=q, dq=dq, interaction_nm=row["port_nm"] + row["support_nm"], **row)
     names = (TRACE.names or ()) if mechanism.traced.shape[2] else ()
     traces = {name: mechanism.traced.view(TRACE)[:, :, 0][name] for name in names}
@@ -148,14 +148,15 @@ def assemble(settings: shared.SomeSettings, ticks: int, start: Float, streams: s
     two_sided = [h.joint_elasticity.compliance_rad_per_nm != 0.0 or h.backlash.gap_rad != 0.0 for h in hidden]
     free = [row.hidden.presliding.displacement_rad != 0.0 and row.coulomb_nm > 0.0 for row in rows]
     states = np.zeros(n, STATE)
-    states["start_rad"], states["driven"] = start, driven
+    states["start_rad"], states["driven"], states["duration_s"] = start, driven, settings.duration_s
     return Mechanism(
         joints=pack(rows),
         states=states,
         events=events,
         body=make_body(np.array(two_sided), np.array(free), start),
         loop=make_loop(settings, ticks, streams),
-        clock=Clock(dt=1.0 / shared.CONTROL_RATE_HZ, substeps=HALF_SUBSTEPS, duration=settings.duration_s),
+        dt=1.0 / shared.CONTROL_RATE_HZ,
+        substeps=HALF_SUBSTEPS,
         out=np.zeros((ticks + 1, ROWS, n)),
         traced=np.zeros((ticks + 1, n, FIELDS if settings.compensator is not None else 0), np.int64),
     )

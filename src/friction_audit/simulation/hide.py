@@ -118,7 +118,7 @@ def _groups(joint: JointModel, setting: Setting, where: str) -> dict[str, Hidden
 def near_of(term: FittedTerm) -> HiddenEffect:
     """Return the hidden effect next to a term: numbers that mean the same are taken over, the others are as usual."""
     effect, values = EQUALS[term.name], term.numbers
-    likes = {one.name: values.get(one.metadata["like"]) for one in fields(effect) if one.name != FORM}
+    likes = {one.name: values.get(one.metadata["like"]) for one in fields(effect)[1:]}
     near: Given = {
         own.name: min(max(value, own.lower), own.upper)
         for own in effect.parameters()

@@ -162,20 +162,15 @@ def _excursions(settings: SlowSweep, rng: np.random.Generator) -> Iterator[list[
     speeds = np.geomspace(*settings.speeds_rad_s, settings.steps)
     sides = cycle(settings.range_rad)
     while True:
-        if settings.reversals:
-            yield _reversals(settings, rng)
+        if settings.reversals:  # to and fro about 0; a stroke, but for the first and the last, is within the limits
+            smallest, largest = np.log(settings.reversal_rad)
+            half = np.exp(rng.uniform(smallest, largest, settings.reversals)) / 2
+            positions = np.append(half * (-1.0) ** np.arange(settings.reversals), 0.0)
+            lengths = np.abs(np.diff(positions, prepend=0.0))
+            yield list(zip(positions.tolist(), (lengths / settings.reversal_s).tolist(), strict=True))
         for speed in rng.permutation(speeds):
             far = float(speed) * settings.longest_s
             yield [(float(np.clip(next(sides), -far, far)), float(speed)), (0.0, float(speed))]
-
-
-def _reversals(settings: SlowSweep, rng: np.random.Generator) -> list[Target]:
-    """Draw small reversals to and fro about 0; a stroke, but for the first and the last, is within the limits."""
-    smallest, largest = np.log(settings.reversal_rad)
-    half = np.exp(rng.uniform(smallest, largest, settings.reversals)) / 2
-    positions = [*(half * (-1.0) ** np.arange(settings.reversals)), 0.0]
-    lengths = np.abs(np.diff(positions, prepend=0.0))
-    return [(float(q), float(length / settings.reversal_s)) for q, length in zip(positions, lengths, strict=True)]
 
 
 TOO_SHORT = 1e-9  # rounding of a stroke that is all rise and fall

@@ -21,9 +21,9 @@ CLASSES = {effect.name: effect for effect in EFFECTS}
 E1 = math.exp(-1.0)
 
 
-def made(name: str, form: str = "", **numbers: float) -> HiddenEffect:
+def made(name: str, form: str = "", **numbers: Any) -> HiddenEffect:
     cls = CLASSES[name]
-    return cls(**numbers, **({"form": cls.forms.index(form)} if form else {}))
+    return cls(form=cls.forms.index(form) if form else 0, **numbers)
 
 
 def value(name: str, function: str, form: str, numbers: dict[str, float], *args: float) -> float:

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from friction_audit.joint_log import Float
 from friction_audit.simulation.bench import BenchSettings, Operator, assemble, moved_by, rotor_mass
 from friction_audit.simulation.effects import Hidden, velocity
-from friction_audit.simulation.mechanics.records import Body, Clock, make_body
+from friction_audit.simulation.mechanics.records import Body, make_body
 from friction_audit.simulation.mechanics.step import accelerate
 from friction_audit.simulation.mechanics.tick import run
 from friction_audit.simulation.settings import IDEAL_SENSORS, JointParameters, TrueMotion, make_streams
@@ -52,9 +52,9 @@ def release(
     body.y[inner], body.v[inner], body.y[0], body.v[0] = q[1], dq[1], q[0], dq[0]
     if dq[1] != 0.0 and body.mode[inner] == 0.0:
         body.mode[inner] = np.sign(dq[1])
-    clock = Clock(dt=tick_s, substeps=round(0.5 * tick_s / step_s), duration=duration_s)
+    mechanism = mechanism._replace(dt=tick_s, substeps=round(0.5 * tick_s / step_s))
     push = np.zeros(ticks + 1) if push is None else push
-    run(mechanism._replace(clock=clock), push, np.zeros(2), np.zeros((6, 1)), np.zeros(0), 0, ticks + 1)
+    run(mechanism, push, np.zeros(2), np.zeros((6, 1)), np.zeros(0), 0, ticks + 1)
     return replace(moved_by(mechanism, "any step").motion, t=np.arange(ticks + 1, dtype=np.float64) * tick_s)
 
 

@@ -66,6 +66,8 @@ class Outcome:
 
 def find_reference(simulation: Simulation) -> Reference:
     """Return what the trials of a seed are held against, from one whose compensator does nothing but count cycles."""
+    from scipy.ndimage import find_objects, label
+
     motion, cycle = simulation.truth.motion, simulation.truth.compensators["cycle"][:, 0]
     ends = np.flatnonzero(np.diff(cycle)) + 1
     if len(ends) < FEWEST:
@@ -75,10 +77,9 @@ def find_reference(simulation: Simulation) -> Reference:
         )
     resting = np.zeros(motion.inner_dq.shape, dtype=np.bool_)
     for joint, at_rest in enumerate((motion.inner_dq == 0.0).T):
-        edges = np.diff(np.concatenate([[0], at_rest.view(np.int8), [0]]))
-        for start, stop in zip(np.flatnonzero(edges == 1), np.flatnonzero(edges == -1), strict=True):
-            if stop - start >= REST_S * CONTROL_RATE_HZ:
-                resting[stop - int(SETTLED_S * CONTROL_RATE_HZ) : stop, joint] = True
+        for (rest,) in find_objects(label(at_rest)[0]):
+            if rest.stop - rest.start >= REST_S * CONTROL_RATE_HZ:
+                resting[rest.stop - int(SETTLED_S * CONTROL_RATE_HZ) : rest.stop, joint] = True
     return Reference(ends=ends, resting=resting, rms_torque_nm=_rms(motion.interaction_nm[ends[SECOND] :]))
 
 

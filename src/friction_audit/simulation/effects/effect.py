@@ -63,7 +63,7 @@ class HiddenEffect:
     """
 
     summary: ClassVar[str] = ""  # one line
-    forms: ClassVar[tuple[str, ...]] = ()  # functional forms in the literature; ``form`` is an index into them
+    forms: ClassVar[tuple[str, ...]] = ()  # functional forms in the literature, the usual one first
     needs_neighbours: ClassVar[bool] = False  # if True, it takes an arm of several joints
     felt_at_rest: ClassVar[bool] = False  # if True, it shows in a joint that stands still, its neighbours too
     # the form whose formula equals that of the effect in a joint model; None where none does
@@ -73,17 +73,19 @@ class HiddenEffect:
     strength_name: ClassVar[str]  # of the parameter that switches it off at zero
     family: ClassVar[str] = ""  # ``velocity``, ``load and place``, ``sensors``, ``structure`` or ``slow and events``
 
+    form: int = 0  # index into ``forms``
+
     def __init_subclass__(cls) -> None:
         cls.name = kind_name(cls)
         cls.family = FAMILY_OF.get(cls.name, "")
         dataclass(frozen=True, kw_only=True)(cls)
-        cls.strength_name = fields(cls)[0].name
+        cls.strength_name = fields(cls)[1].name
 
     @classmethod
     def parameters(cls) -> tuple[Parameter, ...]:
         """Return all parameters, in the order of the documentation, the strength first."""
         alike, found = {one.name: one for one in effect_of(cls.name).parameters}, []
-        for item in (item for item in fields(cls) if item.name != FORM):
+        for item in fields(cls)[1:]:
             about = dict(item.metadata)
             if like := alike.get(about.pop("like")):
                 # The strength may be zero: then there is no effect.
@@ -123,13 +125,13 @@ class HiddenEffect:
         """Return the parameters, form among them, that equal a term of a joint model, or raise NoEqualError."""
         if cls.same_law is None:
             raise NoEqualError("its own formulas differ")
-        given: Given = dict(zip((item.name for item in fields(cls) if item.name != FORM), values.values(), strict=True))
+        given: Given = dict(zip((item.name for item in fields(cls)[1:]), values.values(), strict=True))
         return given | ({FORM: cls.same_law} if cls.same_law else {})
 
     def values(self) -> dict[str, Any]:
         """Return its parameters by name, the form as its word."""
-        numbers = {item.name: getattr(self, item.name) for item in fields(self)}
-        return numbers | ({FORM: self.forms[numbers[FORM]]} if self.forms else {})
+        numbers = {item.name: getattr(self, item.name) for item in fields(self)[1:]}
+        return numbers | ({FORM: self.forms[self.form]} if self.forms else {})
 
 
 def described(parameter: Parameter) -> str:

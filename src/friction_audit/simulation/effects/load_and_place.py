@@ -30,7 +30,6 @@ class LoadDependentFriction(HiddenEffect):
     forms = ("linear", "quadratic", "backdrive")
 
     share: float = strength(0.06, "share of the transmitted torque that is lost", upper=1.0)
-    form: int = LINEAR_LOAD
 
     @classmethod
     def from_parameters(cls, values: Values, setting: Setting) -> Given:
@@ -74,7 +73,6 @@ class PositionDependentFriction(HiddenEffect):
     share: float = strength(0.4, "largest change relative to the Coulomb level", lower=-1.0, upper=3.0)
     cycles_per_rev: float = number(3.0, "cycles per revolution of the joint", like="position_friction_order")
     phase_rad: float = number(0.5, "phase of the cycle at q = 0", "rad", lower=-inf)
-    form: int = SINUSOID
 
     @classmethod
     def from_parameters(cls, values: Values, setting: Setting) -> Given:
@@ -115,7 +113,6 @@ class TorqueRipple(HiddenEffect):
     torque_nm: float = strength(0.1, "amplitude of the first harmonic", "N m", lower=-inf)
     cycles_per_rev: float = number(200.0, "its cycles per revolution of the joint", like="ripple_order")
     second_share: float = number(0.3, "second harmonic relative to the first", lower=-inf)
-    form: int = COGGING
 
     @classmethod
     def from_parameters(cls, values: Values, setting: Setting) -> Given:
@@ -182,7 +179,6 @@ class CableSpring(HiddenEffect):
     stiffness_nm_per_rad: float = strength(0.4, "stiffness where it pulls", "N m/rad", upper=2000.0)
     centre_rad: float = number(0.0, "position where it does not pull", like="cable_centre_rad")
     free_rad: float = number(0.3, "free play of a slack cable or a tether", like="cable_free_rad")
-    form: int = LINEAR_CABLE
 
     @classmethod
     def from_parameters(cls, values: Values, setting: Setting) -> Given:
@@ -222,7 +218,6 @@ class JointLimitStop(HiddenEffect):
     stiffness_nm_per_rad: float = strength(20.0, "stiffness of the walls", "N m/rad", upper=2000.0)
     at_rad: float = number(0.5, "where they stand, on both sides of the start pose", "rad")
     damping_s: float = number(0.02, "damping relative to the stiffness", "s", upper=0.2)
-    form: int = SPRING_DAMPER
 
 
 @compiled(inline=True)

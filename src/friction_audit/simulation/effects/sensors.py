@@ -30,7 +30,6 @@ class TorqueDrift(HiddenEffect):
 
     torque_nm: float = strength(0.3, "error at the end of the recording", "N m", lower=-inf)
     settling_s: float = number(20.0, "time constant of the thermal form", "s", lower=0.001)
-    form: int = RAMP
 
 
 def torque_drift_nm(group: TorqueDrift, t: Float, rng: np.random.Generator) -> Float:
@@ -56,7 +55,6 @@ class TimeDelay(HiddenEffect):
     forms = ("torque_late", "velocity_late")
 
     delay_s: float = strength(0.004, "how late", "s", upper=0.1)
-    form: int = TORQUE_LATE
 
     @classmethod
     def from_parameters(cls, values: Values, setting: Setting) -> Given:
@@ -82,7 +80,6 @@ class TorqueCrosstalk(HiddenEffect):
     needs_neighbours = True
 
     share: float = strength(0.08, "share of the neighbour's torque that is read", lower=-1.0, upper=1.0)
-    form: int = NEXT
 
     @classmethod
     def from_parameters(cls, values: Values, setting: Setting) -> Given:

@@ -23,7 +23,6 @@ class WarmUp(HiddenEffect):
     power_w: float = number(0.2, "friction power that keeps it warm, self-heating", "W", lower=1e-06)
     cold_c: float = number(25.0, "temperature when cold", "degC", lower=-50.0, upper=100.0)
     rise_k: float = number(15.0, "rise of the temperature when warm", "K", upper=100.0)
-    form: int = AMBIENT
 
 
 @compiled(inline=True)
@@ -57,7 +56,6 @@ class FrictionStep(HiddenEffect):
     viscous_ratio: float = number(1.0, "change of viscous friction, as a share of that", upper=1.0)
     at_share: float = number(0.5, "when, as a share of the recording", upper=1.0)
     length_s: float = number(5.0, "length of the ramp, time constant of settling", "s", lower=0.001)
-    form: int = ABRUPT
 
     @classmethod
     def from_parameters(cls, values: Values, setting: Setting) -> Given:
@@ -102,7 +100,6 @@ class ContactEvent(HiddenEffect):
     torque_nm: float = strength(1.0, "median size of an event", "N m")
     per_minute: float = number(6.0, "events in a minute", upper=600.0)
     length_s: float = number(0.2, "median length", "s", lower=0.05, upper=0.5)
-    form: int = KNOCK
 
 
 def draw_events(group: ContactEvent, duration_s: float, rng: np.random.Generator) -> Float:
@@ -156,7 +153,6 @@ class UnloggedCompensation(HiddenEffect):
     coulomb_nm: float = number(0.2, "Coulomb friction it believes in", "N m")
     viscous_nms_per_rad: float = number(0.05, "viscous coefficient it believes in", "N m s/rad")
     width_rad_s: float = number(0.05, "speed up to which it holds back", like="unlogged_width_rad_s")
-    form: int = SMOOTH
 
     @classmethod
     def from_parameters(cls, values: Values, setting: Setting) -> Given:

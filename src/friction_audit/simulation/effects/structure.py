@@ -25,7 +25,6 @@ class JointElasticity(HiddenEffect):
 
     compliance_rad_per_nm: float = strength(0.001, "twist per torque", "rad/(N m)", upper=0.1)
     damping_ratio: float = number(0.03, "damping ratio of the ringing", like="damping_ratio")
-    form: int = LINEAR
 
     def __post_init__(self) -> None:
         if 0.0 < self.compliance_rad_per_nm < LEAST_COMPLIANCE:

@@ -17,7 +17,6 @@ class Stribeck(HiddenEffect):
     excess_nm: float = strength(0.15, "friction at rest above the Coulomb level", like="stribeck_excess_nm")
     speed_rad_s: float = number(0.1, "speed over which it falls", like="stribeck_speed_rad_s")
     exponent: float = number(2.0, "exponent of the exponential form", like="stribeck_exponent")
-    form: int = EXPONENTIAL
 
 
 @compiled(inline=True)
@@ -43,7 +42,6 @@ class Stiction(HiddenEffect):
         0.2, "break-away above sliding after a long rest (logarithmic: 10 s)", like="breakaway_excess_nm"
     )
     dwell_s: float = number(0.5, "rest over which it grows", like="ageing_s")
-    form: int = SATURATING
 
 
 @compiled(inline=True)
@@ -74,7 +72,6 @@ class NonlinearViscous(HiddenEffect):
     torque_nm: float = strength(0.15, "extra friction at the reference speed", "N m")
     exponent: float = number(2.0, "exponent of the power form", lower=0.2, upper=4.0)
     speed_rad_s: float = number(1.0, "reference speed", "rad/s", lower=0.001)
-    form: int = POWER
 
     @classmethod
     def from_parameters(cls, values: Values, setting: Setting) -> Given:
@@ -136,7 +133,6 @@ class Presliding(HiddenEffect):
     displacement_rad: float = strength(0.005, "Coulomb friction over the stiffness at rest", "rad", upper=0.1)
     damping_s: float = number(0.005, "micro-damping over stiffness, LuGre form", "s", upper=0.1)
     exponent: float = number(1.5, "exponent of the Dahl form", lower=0.2, upper=3.0)
-    form: int = LUGRE
 
     @classmethod
     def from_parameters(cls, values: Values, setting: Setting) -> Given:
@@ -233,7 +229,6 @@ class FrictionalLag(HiddenEffect):
     forms = ("relaxing", "delayed")
 
     lag_s: float = strength(0.03, "time by which friction lags the speed", "s", upper=LONGEST_LAG_S)
-    form: int = RELAXING
 
 
 @compiled(inline=True)

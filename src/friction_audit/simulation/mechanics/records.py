@@ -22,6 +22,7 @@ STATE = np.dtype(
     [
         ("driven", "?"),  # the motor is on the outer side of the sensor
         ("start_rad", "f8"),  # where the joint was at the start
+        ("duration_s", "f8"),  # length of the recording
         ("rest_s", "f8"),  # time since the joint came to rest
         ("speed_seen", "f8"),  # speed that the velocity-dependent part of friction sees
         ("warmth", "f8"),  # 0 cold, 1 warm
@@ -121,14 +122,6 @@ KEPT = (
 ROWS = len(KEPT)
 
 
-class Clock(NamedTuple):
-    """The controller's clock."""
-
-    dt: float  # time from tick to tick [s]
-    substeps: int  # steps of the integration in half a tick
-    duration: float  # length of the recording [s]
-
-
 class Loop(NamedTuple):
     """The compensator in the loop and what it sees."""
 
@@ -143,13 +136,14 @@ class Loop(NamedTuple):
 
 
 class Mechanism(NamedTuple):
-    """Everything that moves, and where it is written down; n joints. All but the joints and the clock is changed."""
+    """Everything that moves, and where it is written down; n joints. All but the joints and the steps is changed."""
 
     joints: Any  # records of the joints, shape (n,)
     states: Any  # their states, shape (n,)
     events: Float  # contact events, shape (n, m, 3)
     body: Any  # coordinates and matrices
     loop: Loop  # compensators and what they see
-    clock: Clock
+    dt: float  # time from tick to tick of the controller [s]
+    substeps: int  # steps of the integration in half a tick
     out: Float  # truth of every tick, shape (ticks + 1, ROWS, n)
     traced: NDArray[np.int64]  # TRACE of the compensators, shape (ticks + 1, n, fields); no fields without one

@@ -11,19 +11,19 @@ LEAST_LEVEL_NM = 1e-9  # bristles divide by the level
 
 
 @compiled()
-def viscous_now(joint: Record, state: Record, t: float, duration: float) -> float:
+def viscous_now(joint: Record, state: Record, t: float) -> float:
     """Return the viscous coefficient at a time. [N m s/rad]"""
     hidden, coefficient = joint.hidden, joint.viscous_nms_per_rad
     if hidden.warm_up.reduction != 0.0:
         coefficient *= slow_and_events.warm_up_viscous_factor(hidden.warm_up, state.warmth)
     step = hidden.friction_step
     if step.change != 0.0:
-        coefficient *= slow_and_events.friction_step_factor(step, step.viscous_ratio, t, duration)
+        coefficient *= slow_and_events.friction_step_factor(step, step.viscous_ratio, t, state.duration_s)
     return float(coefficient)
 
 
 @compiled()
-def coulomb_factor(joint: Record, state: Record, q: float, t: float, duration: float) -> float:
+def coulomb_factor(joint: Record, state: Record, q: float, t: float) -> float:
     """Return what position, warmth and time make of the Coulomb level."""
     hidden, factor = joint.hidden, 1.0
     if hidden.position_dependent_friction.share != 0.0:
@@ -31,21 +31,19 @@ def coulomb_factor(joint: Record, state: Record, q: float, t: float, duration: f
     if hidden.warm_up.reduction != 0.0:
         factor *= slow_and_events.warm_up_coulomb_factor(hidden.warm_up, state.warmth)
     if hidden.friction_step.change != 0.0:
-        factor *= slow_and_events.friction_step_factor(hidden.friction_step, 1.0, t, duration)
+        factor *= slow_and_events.friction_step_factor(hidden.friction_step, 1.0, t, state.duration_s)
     return factor
 
 
 @compiled()
-def sliding_level(
-    joint: Record, state: Record, q: float, speed: float, sign: float, t: float, duration: float
-) -> float:
+def sliding_level(joint: Record, state: Record, q: float, speed: float, sign: float, t: float) -> float:
     """Return the friction of sliding in a direction; only with a frictional lag its viscous part is in it. [N m]"""
     hidden, level = joint.hidden, joint.coulomb_nm
     lagging = hidden.frictional_lag.lag_s != 0.0
     seen = state.speed_seen if lagging else speed
     if hidden.stribeck.excess_nm != 0.0:
         level += velocity.stribeck_nm(hidden.stribeck, seen)
-    level *= coulomb_factor(joint, state, q, t, duration)
+    level *= coulomb_factor(joint, state, q, t)
     if hidden.load_dependent_friction.share != 0.0:
         power = state.port_nm * sign * speed * (-1.0 if state.driven else 1.0)
         level += load_and_place.load_friction_nm(hidden.load_dependent_friction, state.port_nm, power)
@@ -54,17 +52,17 @@ def sliding_level(
     level += hidden.asymmetric_coulomb.half_difference_nm * sign
     level += hidden.asymmetric_viscous.half_difference_nms_per_rad * sign * seen
     if lagging:
-        return max(0.0, float(level + viscous_now(joint, state, t, duration) * seen))
+        return max(0.0, float(level + viscous_now(joint, state, t) * seen))
     if level < 0.0:
         # What asymmetric viscous friction takes off in one direction is taken off the linear viscous part.
-        level = max(level, -viscous_now(joint, state, t, duration) * speed)
+        level = max(level, -viscous_now(joint, state, t) * speed)
     return float(level)
 
 
 @compiled(inline=True)
-def bristle_level(joint: Record, state: Record, q: float, dq: float, t: float, duration: float) -> float:
+def bristle_level(joint: Record, state: Record, q: float, dq: float, t: float) -> float:
     """Return the friction of a joint on bristles that slides steadily. [N m]"""
-    return max(LEAST_LEVEL_NM, sliding_level(joint, state, q, abs(dq), 1.0 if dq >= 0.0 else -1.0, t, duration))
+    return max(LEAST_LEVEL_NM, sliding_level(joint, state, q, abs(dq), 1.0 if dq >= 0.0 else -1.0, t))
 
 
 @compiled(inline=True)
@@ -97,9 +95,7 @@ def load_drive(body: Record, since: float, ahead: float) -> None:
 
 
 @compiled()
-def load_joint(
-    joint: Record, state: Record, events: Float, body: Record, j: int, ahead: float, t: float, duration: float
-) -> None:
+def load_joint(joint: Record, state: Record, events: Float, body: Record, j: int, ahead: float, t: float) -> None:
     """Add what acts inside one joint: transmission, friction, the other torques on the inner side."""
     c, hidden = body.inner[j], joint.hidden
     if c != j:
@@ -118,26 +114,26 @@ def load_joint(
     else:
         body.inner_torque[j] += load_and_place.cogging_nm(hidden.torque_ripple, q)
     body.force[c] += body.inner_torque[j]
-    body.viscous[j] = 0.0 if hidden.frictional_lag.lag_s != 0.0 else viscous_now(joint, state, t, duration)
+    body.viscous[j] = 0.0 if hidden.frictional_lag.lag_s != 0.0 else viscous_now(joint, state, t)
     body.damping[c, c] += body.viscous[j]
-    load_friction(joint, state, body, j, ahead, t, duration)
+    load_friction(joint, state, body, j, ahead, t)
 
 
 @compiled()
-def load_friction(joint: Record, state: Record, body: Record, j: int, ahead: float, t: float, duration: float) -> None:
+def load_friction(joint: Record, state: Record, body: Record, j: int, ahead: float, t: float) -> None:
     """Set what friction does to one joint, sliding, stuck or free."""
     c = body.inner[j]
     q, dq, mode, bent = body.y[c] + ahead * body.v[c], body.v[c] + ahead * body.a[c], body.mode[c], state.bristles
     if mode == FREE:
-        level = bristle_level(joint, state, q, dq, t, duration)
+        level = bristle_level(joint, state, q, dq, t)
         body.level[c] = velocity.presliding_force_nm(joint.hidden.presliding, bent, joint.coulomb_nm, level, dq)
     elif mode == 0.0:
-        extra = velocity.stiction_nm(joint.hidden.stiction, state.rest_s) * coulomb_factor(joint, state, q, t, duration)
+        extra = velocity.stiction_nm(joint.hidden.stiction, state.rest_s) * coulomb_factor(joint, state, q, t)
         for row in range(2):
-            body.slip[c, row] = sliding_level(joint, state, q, 0.0, 2.0 * row - 1.0, t, duration)
+            body.slip[c, row] = sliding_level(joint, state, q, 0.0, 2.0 * row - 1.0, t)
             body.hold[c, row] = body.slip[c, row] + extra
     else:
-        body.level[c] = sliding_level(joint, state, q, max(0.0, dq * mode), mode, t, duration)
+        body.level[c] = sliding_level(joint, state, q, max(0.0, dq * mode), mode, t)
 
 
 @compiled(inline=True)
@@ -306,29 +302,27 @@ def _drift(states: Record, body: Record, h: float) -> None:
 
 
 @compiled()
-def _remember(joint: Record, state: Record, body: Record, j: int, t: float, h: float, duration: float) -> None:
+def _remember(joint: Record, state: Record, body: Record, j: int, t: float, h: float) -> None:
     q, dq = body.y[body.inner[j]], body.v[body.inner[j]]
     if joint.hidden.presliding.displacement_rad != 0.0:
-        level = bristle_level(joint, state, q, dq, t, duration)
+        level = bristle_level(joint, state, q, dq, t)
         velocity.presliding_advance(joint.hidden.presliding, state.bristles, joint.coulomb_nm, level, dq, h)
 
 
 @compiled()
-def slide(
-    joints: Record, states: Record, events: Float, body: Record, since: float, t: float, h: float, duration: float
-) -> None:
+def slide(joints: Record, states: Record, events: Float, body: Record, since: float, t: float, h: float) -> None:
     """Move on by h, stopping and turning every coordinate exactly where its velocity is zero.
 
     Position forces are taken at the middle of the step (drift, kick, drift), damping is implicit.
     States and body change. ``since`` counts from the tick that the drive's torque refers to. [s]
     """
     for j in range(len(joints)):
-        _remember(joints[j], states[j], body, j, t, 0.5 * h, duration)
+        _remember(joints[j], states[j], body, j, t, 0.5 * h)
         if joints[j].torque_loop.gain != 0.0 or joints[j].torque_loop.damping_s != 0.0:
             regulate_torque(joints[j], states[j], body, j, h)
     load_drive(body, since + 0.5 * h, 0.5 * h)
     for j in range(len(joints)):
-        load_joint(joints[j], states[j], events[j], body, j, 0.5 * h, t + 0.5 * h, duration)
+        load_joint(joints[j], states[j], events[j], body, j, 0.5 * h, t + 0.5 * h)
     left = h
     for _ in range(EVENTS):
         accelerate(body, left)
@@ -338,12 +332,12 @@ def slide(
         time = _stop_time(body, c, left, share)
         _drift(states, body, time)
         body.v[c], body.mode[c] = 0.0, 0.0
-        load_friction(joints[body.joint[c]], states[body.joint[c]], body, body.joint[c], 0.0, t + h, duration)
+        load_friction(joints[body.joint[c]], states[body.joint[c]], body, body.joint[c], 0.0, t + h)
         left -= time
     else:
         accelerate(body, left)
     _drift(states, body, left)
     for j in range(len(joints)):
-        _remember(joints[j], states[j], body, j, t + h, 0.5 * h, duration)
+        _remember(joints[j], states[j], body, j, t + h, 0.5 * h)
         speed = abs(body.v[body.inner[j]])
         states[j].speed_seen = velocity.frictional_lag_speed(joints[j].hidden.frictional_lag, states[j].lag, speed, h)

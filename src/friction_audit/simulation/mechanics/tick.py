@@ -36,19 +36,21 @@ def settle(joints: Record, body: Record, load_nm: Float) -> None:
 
 
 @compiled()
-def advance(joints: Record, states: Record, events: Float, body: Record, clock: Record, t: float, since: float) -> None:
+def advance(
+    joints: Record, states: Record, events: Float, body: Record, dt: float, substeps: int, t: float, since: float
+) -> None:
     """Move on by half a tick."""
-    h = 0.5 * clock.dt / clock.substeps
-    for i in range(clock.substeps):
-        slide(joints, states, events, body, since + i * h, t + i * h, h, clock.duration)
+    h = 0.5 * dt / substeps
+    for i in range(substeps):
+        slide(joints, states, events, body, since + i * h, t + i * h, h)
 
 
 @compiled(inline=True)
-def evaluate(joints: Record, states: Record, events: Float, body: Record, clock: Record, t: float) -> None:
+def evaluate(joints: Record, states: Record, events: Float, body: Record, t: float) -> None:
     """Find accelerations, friction and the torques at the sensors at an instant."""
     load_drive(body, 0.0, 0.0)
     for j in range(len(joints)):
-        load_joint(joints[j], states[j], events[j], body, j, 0.0, t, clock.duration)
+        load_joint(joints[j], states[j], events[j], body, j, 0.0, t)
     accelerate(body, 0.0)
     for j in range(len(joints)):
         c = body.inner[j]
@@ -78,18 +80,18 @@ def keep(states: Record, body: Record, out: Float) -> None:
 
 
 @compiled(inline=True)
-def control(joints: Record, states: Record, body: Record, loop: Record, clock: Record, k: int, cut: int) -> None:
+def control(joints: Record, states: Record, body: Record, loop: Record, dt: float, k: int, cut: int) -> None:
     """Read the sensors at tick k and set the compensators' torques for the time up to the next tick."""
     for j in range(len(joints)):
         state, hidden = states[j], joints[j].hidden
         power = body.friction[j] * body.v[body.inner[j]]
         state.port_nm = body.port[j]
-        state.warmth = slow_and_events.warm_up_advance(hidden.warm_up, state.warmth, power, clock.dt)
+        state.warmth = slow_and_events.warm_up_advance(hidden.warm_up, state.warmth, power, dt)
         velocity = rounded(loop.velocity_step[j], body.v[j] + loop.velocity_noise[k, j])
         state.unlogged_nm = slow_and_events.unlogged_nm(hidden.unlogged_compensation, velocity)
         read = rounded(loop.torque_step[j], -body.port[j] - loop.torque_noise[k, j])
         interaction = body.support[j] - read
-        state.compensation_nm = controller.step(loop.settings[j], loop.memory[j], velocity, interaction, clock.dt, cut)
+        state.compensation_nm = controller.step(loop.settings[j], loop.memory[j], velocity, interaction, dt, cut)
         state.passivity_nm = loop.memory[j].passivity_nm
 
 
@@ -159,7 +161,7 @@ def hand_cut(body: Record, loop: Record, jacobian: Float, cycle: Float, k: int, 
 @compiled(inline=True)
 def push_bench(mechanism: Record, push: Float, gravity: Float, k: int) -> None:
     """Set what drives the one joint of a bench at tick k, and the weight of its load."""
-    body, dt, driven = mechanism.body, mechanism.clock.dt, mechanism.states[0].driven
+    body, dt, driven = mechanism.body, mechanism.dt, mechanism.states[0].driven
     link = body.inner[0] if driven else 0
     position = body.y[link] + (0.5 * dt * body.v[link] if k > 0 else 0.0)
     weight = gravity[0] * np.sin(position + gravity[1])
@@ -179,20 +181,19 @@ def run(mechanism: Record, push: Float, gravity: Float, jacobian: Float, cycle: 
     gravity torque; without a push, the drive is in the body. Where the hand ends the cycles of all joints, ``cycle`` is
     its state and ``jacobian`` that of the hand; else the cycle is empty.
     """
-    joints, states, events, body, loop, clock, out, traced = mechanism
-    half = 0.5 * clock.dt
+    joints, states, events, body, loop, dt, substeps, out, traced = mechanism
     for k in range(first, last):
-        t = k * clock.dt
+        t = k * dt
         if len(push) > 0:
             push_bench(mechanism, push, gravity, k)
         if k > 0:
-            advance(joints, states, events, body, clock, t - half, -half)
-        evaluate(joints, states, events, body, clock, t)
+            advance(joints, states, events, body, dt, substeps, t - 0.5 * dt, -0.5 * dt)
+        evaluate(joints, states, events, body, t)
         keep(states, body, out[k])
-        cut = hand_cut(body, loop, jacobian, cycle, k, clock.dt) if len(cycle) > 0 else controller.FIND
-        control(joints, states, body, loop, clock, k, cut)
+        cut = hand_cut(body, loop, jacobian, cycle, k, dt) if len(cycle) > 0 else controller.FIND
+        control(joints, states, body, loop, dt, k, cut)
         for j in range(len(joints)):
             for field in range(traced.shape[2]):
                 traced[k, j, field] = loop.words[j, field]
         if k + 1 < len(out):
-            advance(joints, states, events, body, clock, t, 0.0)
+            advance(joints, states, events, body, dt, substeps, t, 0.0)
