@@ -51,7 +51,9 @@ def _pictures(arms: tuple[ArmDrift, ...], drawn: Mapping[str, html.Figure]) -> d
     found: dict[int, tuple[html.Figure, ...]] = {}
     left = MOST_BYTES
     for k in sorted(range(len(arms)), key=lambda k: not arms[k].drift):
-        figures = tuple(figure for anchor, figure in drawn.items() if anchor.startswith(f"arm-{k + 1}-"))
+        sheets = range(1, len(arms[k].joints) + 1, html.ON_A_SHEET)
+        anchors = (f"arm-{k + 1}-{kind.name}-{first}" for kind in figures_of("drift") for first in sheets)
+        figures = tuple(drawn[anchor] for anchor in anchors if anchor in drawn)
         left -= sum(len(figure.svg) for figure in figures)
         if left < 0 and found:
             break
