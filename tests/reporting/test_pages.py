@@ -51,6 +51,8 @@ def test_the_same_result_gives_the_same_page(monkeypatch: pytest.MonkeyPatch) ->
     one = log_report_by_hand.cut(report(), 1)
     assert of_log(one) == of_log(one)
     assert of_batch(SMALL) == page("batch small")
+    drawn = blank_figures(1, letters=7)  # processes finish in any order
+    assert write_page(SMALL, dict(reversed(drawn.items()))) == write_page(SMALL, drawn)
 
 
 @pytest.mark.parametrize("place", ["text", "cell", "title", "command", "caption"])

@@ -6,16 +6,11 @@ from typing import Any
 
 from friction_audit.compensation.comparison.result import Row
 from friction_audit.reporting.documents import HIDDEN
+from friction_audit.reporting.notices import sentences
 from friction_audit.reporting.table import INTERVAL, Column, Document, Record
 from friction_audit.reporting.words import NOTHING
 
 ROLES = {"paper": "*", "full": "=", "best": "+", "other": " "}
-LEGEND = (
-    "* the setting in which the paper's order comes out; = the same with an observer that compensates all it observes",
-    "+ the best stable tuning of the sweeps, chosen for other persons",
-    "slope, peak and rms: means over the persons with whom the loop was stable, with 95 % intervals",
-)
-MARGIN = "margin: factor by which the gain may grow before the loop is unstable, 0 if it is unstable as it is;"
 ENDLESS = ">32"  # margin above what is searched
 CI95 = Column("ci95", INTERVAL, "95 % interval", lambda one: (one.low, one.high))
 VALUE = Record(Column("value", float, "mean, or median"), CI95)
@@ -122,8 +117,9 @@ def compare_lines(rows: Sequence[Row], seeds: int, tuning_seeds: int) -> list[st
     persons = max((len(row.margins) for row in rows), default=0)
     those = f"the median of {persons} persons" if persons > 1 else "one person"
     known = any(not isnan(row.margin.low) for row in rows)
-    margins = (MARGIN, f"{'95 % interval of ' if known else 'of '}{those}") if persons else ()
-    return [*METHOD.people(headed, "t").lines(), *LEGEND, *margins, *notes]
+    texts = sentences()["lines"]
+    margins = (texts["margin"], f"{'95 % interval of ' if known else 'of '}{those}") if persons else ()
+    return [*METHOD.people(headed, "t").lines(), *texts["compared"].splitlines(), *margins, *notes]
 
 
 def _losses(row: Row, seeds: int, tuning_seeds: int) -> Iterator[str]:

@@ -18,7 +18,7 @@ from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.preprocessing.interaction import Caution
 from friction_audit.reporting import drift_words as phrases, words
 from friction_audit.reporting.drift_sessions import SESSION, SessionRow
-from friction_audit.reporting.notices import ODD_TORQUE, sentence_of, text_of
+from friction_audit.reporting.notices import ODD_TORQUE, sentence_of, sentences, text_of
 from friction_audit.reporting.table import INTERVAL, Column, Document, Record, joint_column
 
 RARE = 0.25  # share of the sessions
@@ -286,7 +286,7 @@ def batch_lines(summary: BatchSummary, *, verbose: bool = False) -> list[str]:
     last = phrases.limit_lines(summary.exceeded, summary.cannot_tell)
     last += [f"failed: {path}: {message}" for path, message in summary.failed]
     by_arm = (line for arm in summary.arms for line in ("", *_arm_lines(arm, verbose=verbose)))
-    advice = ["", phrases.TO_DO] if any(arm.drift for arm in summary.arms) else []
+    advice = ["", sentences()["lines"]["drifts"]] if any(arm.drift for arm in summary.arms) else []
     several = ["", phrases.batch_sentence(summary.arms)] if len(summary.arms) > 1 else []
     return [f"{sessions} of {arms}: {done}", *several, *by_arm, *advice, *([""] if last else []), *last]
 

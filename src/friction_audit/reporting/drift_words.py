@@ -36,10 +36,6 @@ LARGEST_DETECTABLE = 10.0  # times the level; a larger detectable change is no i
 WEEK_S = 7 * 86400.0
 MOST_NAMES = 3  # sessions that a sentence names
 NEEDED = f"at least {drift.FEWEST_SESSIONS} are needed to separate drift from scatter"
-TO_DO = (
-    "Where friction drifts: check lubrication, load and cables of the joint, and record it once more; "
-    "the option --diagnose names the effect that came with it, the command diff compares two recordings."
-)
 
 
 def drift_verdict(*found: drift.CoefficientDrift) -> str:

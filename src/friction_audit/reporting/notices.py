@@ -75,24 +75,12 @@ WORDS: Mapping[str, Callable[[Mapping[str, Any]], dict[str, str]]] = {
         lambda one: {name: sentences()["assumed"][one[name]] for name in ("person", "joint")},
     ),
 }
-# Codes of what is about the recording: no number that stands means anything else by it.
-RECORDING = (
-    "dropped_samples", "gap", "jitter", "low_rate", "stale_samples", "slow_state", "unordered", "batched_stamps",
-    "duplicate_stamps", "clock_stopped", "clock_disagreement", "robot_time_unit", "time_unit", "incomplete_rows",
-    "incomplete_messages", "degrees", "degrees_suspected", "velocity_unit", "velocity_dead", "velocity_derived",
-    "position_mismatch",
-    "torque_dead", "torque_ambiguous", "wild_samples", "non_finite", "no_numbers", "damaged_numbers", "truncated",
-    "missing_messages", "undecodable_messages", "file_grew", "empty_channel", "sparse_channel", "channel_empty",
-    "incomplete_channel", "empty_joint", "first_row", "first_part", "topic_chosen", "suffix_mismatch", "few_cycles",
-    "model_not_used", "cycles", "speed_spread", "reversals", "standstill", "holes",
-    "channels_left_out", "log_left_out", "joint_on_one_side", "not_compared", "same_recording", "joined",
-    "not_joined", "wrong_shape",
-)  # fmt: skip
 AS_ASKED = ("torque_converted",)  # codes about the physics that only repeat what the user asked for
 # Detected and taken into account, as the table shows.
 CORRECTED = ("dq_late", "held_values", "sign_turned", "joints_left_out")
 TABLED = ("not_determined", "from_regression", "not_replayed")  # a table or the lines below it say so in any case
-NO_PHYSICS = (*TABLED, *CORRECTED, *RECORDING)  # all others change what a number of a result means
+# All other codes change what a number of a result means.
+NO_PHYSICS = (*TABLED, *CORRECTED, *sentences()["kinds"]["recording"].split())
 # A number in a sentence, no digit of a name.
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*\w)")
 OTHER = re.compile(r"\bjoint \d+")

@@ -18,11 +18,6 @@ from friction_audit.reporting.words import count_of, joint_label, joints_label
 MOST_BYTES = 1_600_000
 ACROSS = 7  # joints side by side in a table of coefficients; more make another table
 MOST_CELLS = 12_000  # coefficients that a page lists; all of them are in the file of sessions
-WITHIN = (
-    "Kept apart from drift: the change from the first to the last third of a session, and in how many sessions it is "
-    "significant; the change with temperature that was taken out, and the temperature of the comparison; the scatter "
-    "between sessions"
-)
 
 
 def write_page(summary: tables.BatchSummary, drawn: Mapping[str, html.Figure]) -> str:
@@ -33,7 +28,7 @@ def write_page(summary: tables.BatchSummary, drawn: Mapping[str, html.Figure]) -
     lead = html.Text(("These files gave no session. They do not affect the others.",))
     files = tables.FAILED.people(summary.failed, caption="Files that gave no session")
     failed = html.Section("failed", "Files that failed", (lead, files))
-    noted = [*summary.warnings, *([phrases.TO_DO] if any(arm.drift for arm in arms) else [])]
+    noted = [*summary.warnings, *([sentences()["lines"]["drifts"]] if any(arm.drift for arm in arms) else [])]
     advice = html.Text(noted, listed=True, tone="unsure")
     exceeded = html.Text(limits, listed=True, tone="alert")
     pictures = _pictures(arms, drawn)
@@ -56,7 +51,9 @@ def _pictures(arms: tuple[ArmDrift, ...], drawn: Mapping[str, html.Figure]) -> d
     found: dict[int, tuple[html.Figure, ...]] = {}
     left = MOST_BYTES
     for k in sorted(range(len(arms)), key=lambda k: not arms[k].drift):
-        figures = tuple(figure for anchor, figure in drawn.items() if anchor.startswith(f"arm-{k + 1}-"))
+        sheets = range(1, len(arms[k].joints) + 1, html.ON_A_SHEET)
+        anchors = (f"arm-{k + 1}-{kind.name}-{first}" for kind in figures_of("drift") for first in sheets)
+        figures = tuple(drawn[anchor] for anchor in anchors if anchor in drawn)
         left -= sum(len(figure.svg) for figure in figures)
         if left < 0 and found:
             break
@@ -74,7 +71,7 @@ def _arm_section(arm: ArmDrift, anchor: str, figures: tuple[html.Figure, ...], m
         tables.STEPS.people(steps, caption=f"Steps: {after}, and the levels"),
         tables.COEFFICIENT.people(rows, "n", caption="Levels, trends and control charts in numbers", folded=True),
     )
-    within = tables.COEFFICIENT.people(rows, "w", caption=WITHIN).filled()
+    within = tables.COEFFICIENT.people(rows, "w", caption=sentences()["lines"]["within"]).filled()
     sections = (
         html.Section(f"{anchor}-joints", "Joints", joints),
         html.Section(f"{anchor}-figures", "Figures", figures or (html.Text((no_room,)),)),

@@ -29,11 +29,6 @@ CLOUD = 60  # dots in a panel from which on they are an image: text would be lar
 COARSE_PT = 0.5  # invisible deviation of a drawn line
 
 Drawn = Mapping[str, list[html.Figure]]  # the figures of a page by section, in order
-RECORD = (
-    "To record: move one joint at a time, back and forth over most of its range, at least twelve times, at three or "
-    "more speeds, with a rest at each end; then several joints together. Log q, dq and the joint torque at 100 Hz or "
-    "more, with nothing touching the arm where it moves by itself."
-)
 CHANNEL = Record(
     Column("channel", str, get="0", on="p"), Column("name", str, get="1", title="name in the log", code=True, on="p")
 )
@@ -91,7 +86,7 @@ def _answer(report: reports.LogReport, answered: list[reports.JointReport], draw
     without = [f"No estimate on {in_unit(line, report.unit)}." for line in notices.reason_lines(joints)]
     yield html.Text(without, tone="off" if answered else "unsure")
     if all(one.reason for one in joints):
-        yield html.Text((RECORD,))
+        yield html.Text((notices.sentences()["lines"]["record"],))
     yield from drawn.get("verdicts", ())
 
 

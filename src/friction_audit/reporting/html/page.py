@@ -18,6 +18,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 from friction_audit import __version__
 from friction_audit.errors import UsageError, printable
 from friction_audit.reporting.figures.style import figure_style
+from friction_audit.reporting.notices import sentences
 from friction_audit.reporting.table import Column, Record, Table, Tone
 
 if TYPE_CHECKING:
@@ -80,10 +81,6 @@ class Page(NamedTuple):
     sections: Sequence[Section] = ()
 
 
-METHOD = (
-    "H. T. Dinc, J.-K. Lee, J.-H. Ryu, Model-Free Energy-Based Friction Compensation for Industrial Collaborative "
-    "Robots as Haptic Displays, IEEE/ASME Transactions on Mechatronics, 2024, doi 10.1109/TMECH.2024.3410330."
-)
 PROGRAM = f"friction-audit {__version__}. The program is not by the authors of the method."
 UNSET = "not set"
 ON_A_SHEET = 8  # joints of one figure
@@ -107,7 +104,8 @@ def closing_sections(
     again = (Text(("This command makes the page again:",)), Command(command)) if command else ()
     yield Section("settings", "Settings", (*again, table), folded=True)
     lead = "Friction is estimated from the energy balance between two moments of rest. When you publish, cite"
-    yield Section("cite", "How to cite", (Text((lead,)), Text((METHOD, PROGRAM), listed=True)), folded=True)
+    cited = Text((sentences()["lines"]["method"], PROGRAM), listed=True)
+    yield Section("cite", "How to cite", (Text((lead,)), cited), folded=True)
 
 
 def flattened(settings: Mapping[str, object], before: str = "") -> Iterator[tuple[str, str]]:
