@@ -11,6 +11,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextvars import copy_context
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
@@ -20,9 +21,22 @@ from threadpoolctl import threadpool_info, threadpool_limits
 from friction_audit.compiled import compiled
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float, read_only
-from friction_audit.parallel import WORKERS, in_processes, one_joint_at_a_time, own_process, per_joint, workers_for
+from friction_audit.parallel import (
+    WORKERS,
+    aside,
+    in_processes,
+    one_joint_at_a_time,
+    own_process,
+    per_joint,
+    workers_for,
+)
 
 forked = pytest.mark.skipif(sys.platform != "linux", reason="no process is forked there")
+
+
+@pytest.fixture
+def two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1})
 
 
 def is_child() -> bool:
@@ -117,8 +131,8 @@ def test_what_a_killed_process_was_to_do_is_done_here(number: int) -> None:
 
 
 @forked
+@pytest.mark.usefixtures("two_cores")
 def test_only_a_process_that_is_known_all_through_is_forked(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1})
     assert workers_for(7) == 1
     with own_process():
         assert [workers_for(pieces) for pieces in (0, 1, 2, 7)] == [1, 1, min(WORKERS, 2), min(WORKERS, 2)]
@@ -129,6 +143,43 @@ def test_only_a_process_that_is_known_all_through_is_forked(monkeypatch: pytest.
         assert list(in_processes(lambda _: workers_for(7), 4, 2)) == [1] * 4
         monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0})
         assert workers_for(7) == 1
+
+
+@forked
+@pytest.mark.usefixtures("two_cores")
+@pytest.mark.parametrize("number", [0, signal.SIGKILL])
+def test_work_aside_gives_arrays_back_and_is_done_here_if_it_is_killed(number: int) -> None:
+    def work() -> tuple[bool, list[Float]]:
+        if number and is_child():
+            os.kill(os.getpid(), number)
+        return is_child(), [np.arange(n, dtype=np.float64) for n in (0, 1, 500_000)]
+
+    with own_process(), aside(work) as result:
+        child, arrays = result()
+    assert child == (not number)
+    assert [(len(one), float(one.sum())) for one in arrays] == [(0, 0.0), (1, 0.0), (500_000, 124_999_750_000.0)]
+
+
+@forked
+@pytest.mark.usefixtures("two_cores")
+def test_work_aside_raises_here_and_removes_its_files_where_this_process_fails(tmp_path: Path) -> None:
+    def refuse() -> None:
+        raise AnalysisError("joint 4: no cycle")
+
+    def unpack() -> None:
+        with TemporaryDirectory(dir=tmp_path) as folder:
+            until(lambda: not Path(folder).exists())
+
+    def fail() -> None:
+        until(lambda: bool([*tmp_path.iterdir()]))
+        raise InterruptedError
+
+    with own_process(), pytest.raises(AnalysisError, match="joint 4: no cycle"), aside(refuse) as result:
+        result()
+    with own_process(), pytest.raises(InterruptedError), aside(unpack):
+        fail()
+    assert not [*tmp_path.iterdir()]
+    assert multiprocessing.active_children() == []
 
 
 SLEEPING = """
