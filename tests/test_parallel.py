@@ -106,6 +106,7 @@ def test_one_worker_is_this_process_and_does_a_piece_when_it_is_asked_for() -> N
 
 
 @forked
+@pytest.mark.usefixtures("two_cores")
 def test_an_error_anywhere_is_raised_here_when_its_turn_comes() -> None:
     def work(piece: int) -> int:
         if piece > 0:
@@ -116,9 +117,12 @@ def test_an_error_anywhere_is_raised_here_when_its_turn_comes() -> None:
     assert next(results) == 0
     with pytest.raises(AnalysisError, match="joint 1: no cycle"):
         next(results)
+    with own_process(), pytest.raises(AnalysisError, match="joint 2: no cycle"), aside(lambda: work(2)) as result:
+        result()
 
 
 @forked
+@pytest.mark.usefixtures("two_cores")
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
 def test_what_a_killed_process_was_to_do_is_done_here(number: int) -> None:
     def work(piece: int) -> tuple[int, bool]:
@@ -128,6 +132,8 @@ def test_what_a_killed_process_was_to_do_is_done_here(number: int) -> None:
         return piece, is_child()
 
     assert list(in_processes(work, 5, 2)) == [(piece, False) for piece in range(5)]
+    with own_process(), aside(lambda: work(3)) as result:
+        assert result() == (3, False)
 
 
 @forked
@@ -147,39 +153,24 @@ def test_only_a_process_that_is_known_all_through_is_forked(monkeypatch: pytest.
 
 @forked
 @pytest.mark.usefixtures("two_cores")
-@pytest.mark.parametrize("number", [0, signal.SIGKILL])
-def test_work_aside_gives_arrays_back_and_is_done_here_if_it_is_killed(number: int) -> None:
+def test_arrays_come_from_work_aside_whose_files_are_removed_where_this_process_fails(tmp_path: Path) -> None:
     def work() -> tuple[bool, list[Float]]:
-        if number and is_child():
-            os.kill(os.getpid(), number)
         return is_child(), [np.arange(n, dtype=np.float64) for n in (0, 1, 500_000)]
 
-    with own_process(), aside(work) as result:
-        child, arrays = result()
-    assert child == (not number)
-    assert [(len(one), float(one.sum())) for one in arrays] == [(0, 0.0), (1, 0.0), (500_000, 124_999_750_000.0)]
-
-
-@forked
-@pytest.mark.usefixtures("two_cores")
-def test_work_aside_raises_here_and_removes_its_files_where_this_process_fails(tmp_path: Path) -> None:
-    def refuse() -> None:
-        raise AnalysisError("joint 4: no cycle")
-
     def unpack() -> None:
-        with TemporaryDirectory(dir=tmp_path) as folder:
-            until(lambda: not Path(folder).exists())
+        with TemporaryDirectory(dir=tmp_path):
+            time.sleep(60.0)
 
     def fail() -> None:
         until(lambda: bool([*tmp_path.iterdir()]))
         raise InterruptedError
 
-    with own_process(), pytest.raises(AnalysisError, match="joint 4: no cycle"), aside(refuse) as result:
-        result()
+    with own_process(), aside(work) as result:
+        child, arrays = result()
+    assert (child, [float(one.sum()) for one in arrays]) == (True, [0.0, 0.0, 124_999_750_000.0])
     with own_process(), pytest.raises(InterruptedError), aside(unpack):
         fail()
     assert not [*tmp_path.iterdir()]
-    assert multiprocessing.active_children() == []
 
 
 SLEEPING = """

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor, wait as wait_for
 from contextlib import contextmanager, nullcontext, suppress
 from contextvars import ContextVar
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
@@ -161,12 +161,15 @@ def in_processes(work: Callable[[int], Result], pieces: int, workers: int) -> It
     with _one_blas_thread(), processes(workers, "fork", work) as pool:
         futures = {piece: _submit(pool, piece) for piece in range(pieces)}
         for piece in range(pieces):
-            future = futures.pop(piece)
-            try:
-                result = work(piece) if future is None else future.result()
-            except BrokenExecutor:
-                result = work(piece)
-            yield result
+            yield _result(futures.pop(piece), partial(work, piece))
+
+
+def _result(future: "Future[Any] | None", work: Callable[[], Result]) -> Result:
+    """Return what a process has done, or do it here where there is none, or it was ended."""
+    try:
+        return work() if future is None else cast("Result", future.result())
+    except (BrokenExecutor, SystemExit):
+        return work()
 
 
 def _submit(pool: "ProcessPoolExecutor", piece: int) -> "Future[Any] | None":
@@ -191,18 +194,15 @@ def aside(work: Callable[[], Result]) -> Iterator[Callable[[], Result]]:
         return
     memory = os.memfd_create("arrays")
 
-    def share(_: int) -> tuple[bytes, list[int]]:
+    def share(_: int) -> Callable[[], Result]:
         signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
         arrays: list[pickle.PickleBuffer] = []
         rest = pickle.dumps(work(), protocol=5, buffer_callback=arrays.append)
         with os.fdopen(memory, "wb", closefd=False) as file:
-            return rest, [file.write(array.raw()) for array in arrays]
+            return partial(_unpickled, memory, rest, [file.write(array.raw()) for array in arrays])
 
     def wait() -> Result:
-        try:
-            return cast("Result", _unpickled(memory, *future.result())) if future else work()
-        except BrokenExecutor:
-            return work()
+        return _result(future, lambda: work)()
 
     with os.fdopen(memory, "rb"), processes(1, "fork", share) as pool:
         future = _submit(pool, 0)
