@@ -11,6 +11,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextvars import copy_context
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
@@ -20,9 +21,22 @@ from threadpoolctl import threadpool_info, threadpool_limits
 from friction_audit.compiled import compiled
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float, read_only
-from friction_audit.parallel import WORKERS, in_processes, one_joint_at_a_time, own_process, per_joint, workers_for
+from friction_audit.parallel import (
+    WORKERS,
+    aside,
+    in_processes,
+    one_joint_at_a_time,
+    own_process,
+    per_joint,
+    workers_for,
+)
 
 forked = pytest.mark.skipif(sys.platform != "linux", reason="no process is forked there")
+
+
+@pytest.fixture
+def two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1})
 
 
 def is_child() -> bool:
@@ -92,6 +106,7 @@ def test_one_worker_is_this_process_and_does_a_piece_when_it_is_asked_for() -> N
 
 
 @forked
+@pytest.mark.usefixtures("two_cores")
 def test_an_error_anywhere_is_raised_here_when_its_turn_comes() -> None:
     def work(piece: int) -> int:
         if piece > 0:
@@ -102,9 +117,12 @@ def test_an_error_anywhere_is_raised_here_when_its_turn_comes() -> None:
     assert next(results) == 0
     with pytest.raises(AnalysisError, match="joint 1: no cycle"):
         next(results)
+    with own_process(), pytest.raises(AnalysisError, match="joint 2: no cycle"), aside(lambda: work(2)) as result:
+        result()
 
 
 @forked
+@pytest.mark.usefixtures("two_cores")
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
 def test_what_a_killed_process_was_to_do_is_done_here(number: int) -> None:
     def work(piece: int) -> tuple[int, bool]:
@@ -114,11 +132,13 @@ def test_what_a_killed_process_was_to_do_is_done_here(number: int) -> None:
         return piece, is_child()
 
     assert list(in_processes(work, 5, 2)) == [(piece, False) for piece in range(5)]
+    with own_process(), aside(lambda: work(3)) as result:
+        assert result() == (3, False)
 
 
 @forked
+@pytest.mark.usefixtures("two_cores")
 def test_only_a_process_that_is_known_all_through_is_forked(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1})
     assert workers_for(7) == 1
     with own_process():
         assert [workers_for(pieces) for pieces in (0, 1, 2, 7)] == [1, 1, min(WORKERS, 2), min(WORKERS, 2)]
@@ -129,6 +149,28 @@ def test_only_a_process_that_is_known_all_through_is_forked(monkeypatch: pytest.
         assert list(in_processes(lambda _: workers_for(7), 4, 2)) == [1] * 4
         monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0})
         assert workers_for(7) == 1
+
+
+@forked
+@pytest.mark.usefixtures("two_cores")
+def test_arrays_come_from_work_aside_whose_files_are_removed_where_this_process_fails(tmp_path: Path) -> None:
+    def work() -> tuple[bool, list[Float]]:
+        return is_child(), [np.arange(n, dtype=np.float64) for n in (0, 1, 500_000)]
+
+    def unpack() -> None:
+        with TemporaryDirectory(dir=tmp_path):
+            time.sleep(60.0)
+
+    def fail() -> None:
+        until(lambda: bool([*tmp_path.iterdir()]))
+        raise InterruptedError
+
+    with own_process(), aside(work) as result:
+        child, arrays = result()
+    assert (child, [float(one.sum()) for one in arrays]) == (True, [0.0, 0.0, 124_999_750_000.0])
+    with own_process(), pytest.raises(InterruptedError), aside(unpack):
+        fail()
+    assert not [*tmp_path.iterdir()]
 
 
 SLEEPING = """

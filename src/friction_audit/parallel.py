@@ -3,6 +3,7 @@
 import ctypes
 import gc
 import os
+import pickle
 import signal
 import sys
 import threading
@@ -11,9 +12,9 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor, wait as wait_for
 from contextlib import contextmanager, nullcontext, suppress
 from contextvars import ContextVar
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 if TYPE_CHECKING:
     from concurrent.futures import ProcessPoolExecutor
@@ -24,6 +25,7 @@ Result = TypeVar("Result")
 M_TRIM_THRESHOLD, M_MMAP_THRESHOLD, M_ARENA_MAX = -1, -3, -8  # of mallopt(3)
 LARGE, KEPT = 1 << 25, 1 << 26  # bytes: to map the arrays of every block anew takes a tenth of the time
 BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")  # read by the library when numpy loads it
+ENDS_S = 1.0  # in which interrupted work removes what it has written
 WORKERS = min(4, os.cpu_count() or 1)  # each one needs working memory for a joint of its own
 
 _OWN = ContextVar("_OWN", default=False)
@@ -159,12 +161,15 @@ def in_processes(work: Callable[[int], Result], pieces: int, workers: int) -> It
     with _one_blas_thread(), processes(workers, "fork", work) as pool:
         futures = {piece: _submit(pool, piece) for piece in range(pieces)}
         for piece in range(pieces):
-            future = futures.pop(piece)
-            try:
-                result = work(piece) if future is None else future.result()
-            except BrokenExecutor:
-                result = work(piece)
-            yield result
+            yield _result(futures.pop(piece), partial(work, piece))
+
+
+def _result(future: "Future[Any] | None", work: Callable[[], Result]) -> Result:
+    """Return what a process has done, or do it here where there is none, or it was ended."""
+    try:
+        return work() if future is None else cast("Result", future.result())
+    except (BrokenExecutor, SystemExit):
+        return work()
 
 
 def _submit(pool: "ProcessPoolExecutor", piece: int) -> "Future[Any] | None":
@@ -176,6 +181,48 @@ def _submit(pool: "ProcessPoolExecutor", piece: int) -> "Future[Any] | None":
             return pool.submit(_do, piece)
         except (BrokenExecutor, OSError):  # killed already, or there is no room for processes
             return None
+
+
+@contextmanager
+def aside(work: Callable[[], Result]) -> Iterator[Callable[[], Result]]:
+    """Begin work in a forked process and yield what waits for its result; without forks, what does the work.
+
+    Result and errors can be pickled, arrays come through memory. Of work that is not waited for, files are removed.
+    """
+    if workers_for(2) == 1:
+        yield work
+        return
+    memory = os.memfd_create("arrays")
+
+    def share(_: int) -> Callable[[], Result]:
+        signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
+        arrays: list[pickle.PickleBuffer] = []
+        rest = pickle.dumps(work(), protocol=5, buffer_callback=arrays.append)
+        with os.fdopen(memory, "wb", closefd=False) as file:
+            return partial(_unpickled, memory, rest, [file.write(array.raw()) for array in arrays])
+
+    def wait() -> Result:
+        return _result(future, lambda: work)()
+
+    with os.fdopen(memory, "rb"), processes(1, "fork", share) as pool:
+        future = _submit(pool, 0)
+        try:
+            yield wait
+        except BaseException:
+            for process in team_of(pool):
+                process.terminate()
+            wait_for([future] if future else [], timeout=ENDS_S)
+            raise
+
+
+def _unpickled(memory: int, rest: bytes, sizes: Sequence[int]) -> Any:  # noqa: ANN401
+    """Return what was pickled, but for arrays of some sizes that stand in a file one after the other: they leave it."""
+    arrays = [bytearray(size) for size in sizes]
+    for array in reversed(arrays):  # the last one first, so that each is freed as soon as it is read
+        begin = os.fstat(memory).st_size - len(array)
+        os.preadv(memory, [array], begin)
+        os.ftruncate(memory, begin)
+    return pickle.loads(rest, buffers=arrays)  # noqa: S301 - a process of this program has written it
 
 
 @contextmanager

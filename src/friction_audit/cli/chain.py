@@ -3,7 +3,7 @@
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,6 +17,7 @@ from friction_audit.errors import AnalysisError, UsageError, few
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.io.files import check_place, keep_input
 from friction_audit.joint_numbers import parse_joint_numbers
+from friction_audit.parallel import aside
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 
 if TYPE_CHECKING:
@@ -43,12 +44,23 @@ def loading(*modules: str) -> Iterator[None]:
         yield
 
 
-def read(path: Path, options: "ReadOptions", voice: Voice, listen: "Listen" = lambda _: None) -> "JointLog":
-    """Read a log and, if asked to, say how its columns were understood."""
+def read(
+    path: Path, options: "ReadOptions", voice: Voice, listen: "Listen" = lambda _: None, loaded: Sequence[str] = ()
+) -> "JointLog":
+    """Read a log and, if asked to, say how its columns were understood; in a process of its own if modules are loaded.
+
+    To load compiled loops takes the interpreter, for which reading would wait.
+    """
+    from friction_audit.compiled import load
     from friction_audit.io.readers import read_log
 
-    with voice.step(f"read {path}"):
-        log = read_log(path, options, listen)
+    def work() -> "JointLog":
+        return read_log(path, options, listen)
+
+    with voice.step(f"read {path}"), aside(work) if loaded else nullcontext(work) as result:
+        for module in loaded:
+            load(module)
+        log = result()
     if voice.verbose:
         for channel, name in log.source.channels.items():
             remark(f"channel {channel} = {name}")

@@ -1,6 +1,5 @@
 """``friction-audit diagnose``."""
 
-from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
 from importlib import import_module
@@ -25,7 +24,7 @@ EXAMPLES = """Examples:
 
 DOCUMENT, MODEL = "diagnose.json", "model.toml"
 LENGTH = 10.0  # of the diagnosis, compared with reading
-# While the log is read and friction estimated: what processes would load one by one after they are forked.
+# While the log is read: what processes would load one by one after they are forked.
 LOADED = (
     *("friction_audit.friction.estimate", "friction_audit.diagnosis.diagnose"),
     *("friction_audit.diagnosis.gram", "scipy.ndimage"),
@@ -74,16 +73,15 @@ def command(
     settings = _settings(options)
     out = ResultFolder(folder, "diagnose", figures, drawn.formats, export, overwrite=again)
     out.check(log, (DOCUMENT, MODEL), "diagnosis")
-    with voice.stages([1.0, LENGTH, *[1.0] * out.stages]) as stages, ExitStack() as loading:
-        loading.enter_context(chain.loading(*LOADED))
-        recorded = replace(chain.read(log, reading, stages), tau_J_d=None)  # no step reads it, and it takes memory
+    with voice.stages([1.0, LENGTH, *[1.0] * out.stages]) as stages:
+        # No step reads what is desired, and it takes memory.
+        recorded = replace(chain.read(log, reading, stages, loaded=LOADED), tau_J_d=None)
         if settings.model is not None:
             chain.check_joint_model(options.joint_model, settings.model, recorded)
         from friction_audit.pipeline import Diagnosis, diagnosis_subjects, estimate_log, without_samples
 
         with stages.step("diagnose") as share:
             estimate = estimate_log(recorded, audit)
-            loading.close()
             from friction_audit.diagnosis.diagnose import diagnose_subjects
 
             subjects = diagnosis_subjects(estimate, settings)
