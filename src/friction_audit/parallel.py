@@ -218,10 +218,11 @@ def aside(work: Callable[[], Result]) -> Iterator[Callable[[], Result]]:
 def _unpickled(memory: int, rest: bytes, sizes: Sequence[int]) -> Any:  # noqa: ANN401
     """Return what was pickled, but for arrays of some sizes that stand in a file one after the other: they leave it."""
     arrays = [bytearray(size) for size in sizes]
-    for array in reversed(arrays):  # the last one first, so that each is freed as soon as it is read
-        begin = os.fstat(memory).st_size - len(array)
-        os.preadv(memory, [array], begin)
-        os.ftruncate(memory, begin)
+    with os.fdopen(memory, "rb", closefd=False) as file:
+        for array in reversed(arrays):  # the last one first, so that each is freed as soon as it is read
+            begin = file.seek(-len(array), os.SEEK_END)
+            file.readinto(array)
+            os.ftruncate(memory, begin)
     return pickle.loads(rest, buffers=arrays)  # noqa: S301 - a process of this program has written it
 
 

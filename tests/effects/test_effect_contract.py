@@ -30,7 +30,8 @@ ODD = {"stribeck", "stiction", "nonlinear_viscous", "presliding", "frictional_la
     "asymmetric_coulomb", "asymmetric_viscous", "inertia_error", "joint_elasticity", "time_delay",
 }  # fmt: skip
 AXES = {"speed", "position", "displacement", "time", "acceleration", "load", "neighbour"}
-MOST_FIELDS = 14
+MOST_FIELDS = 10
+OF_SOME = {"needs_nominal", "misses", "like_gravity", "screened", "recorder"}  # what some effects have of their own
 MOST_POINTS = 300  # a search tries all of them on every joint
 MOVING = two_sines(32.0)
 NOMINAL = baseline(MOVING)
@@ -41,7 +42,7 @@ with_formula = pytest.mark.parametrize("effect", [e for e in effects() if e.coef
 
 def test_effects_are_registered_under_their_names_and_small() -> None:
     assert tuple(effect.name for effect in effects()) == NAMES
-    assert len(Effect.__annotations__) <= MOST_FIELDS
+    assert len(Effect.__annotations__.keys() - OF_SOME) <= MOST_FIELDS
 
 
 def test_names_of_terms_and_parameters_are_unique() -> None:
