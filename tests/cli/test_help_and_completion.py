@@ -15,10 +15,12 @@ from friction_audit.cli import NAMES, command_of, parameters
 from friction_audit.cli.compare import ARMS, FIGURES, METHOD_NAMES
 from friction_audit.cli.reproduce import PAPER_FIGURES
 from friction_audit.compensation.comparison.methods import METHODS, SCENES
+from friction_audit.io.writers.write_log import WRITERS as LOG_WRITERS
 from friction_audit.reporting import ENDINGS
 from friction_audit.reporting.figures import comparison
 from friction_audit.reporting.html.log_page import WRITERS
 from friction_audit.reproduce import REPRODUCTIONS
+from friction_audit.simulation.scenarios import SCENARIOS
 
 PROGRAM = Path(sys.executable).parent / "friction-audit"
 ASK = """
@@ -74,12 +76,12 @@ def test_every_name_that_the_help_lists_is_offered() -> None:
 
 
 @pytest.mark.parametrize(("command", "option", "names"), [
-    ("simulate", "scenario", parameters.scenarios()),
+    ("simulate", "scenario", [one.name for one in SCENARIOS]),
     ("simulate", "--effect", parameters.EFFECTS),
     ("compare", "--effect", parameters.EFFECTS),
     ("diagnose", "--candidates", parameters.EFFECTS),
-    ("simulate", "--dialect", parameters.dialects()),
-    ("convert", "--dialect", parameters.dialects()),
+    ("simulate", "--dialect", [one.name for one in LOG_WRITERS]),
+    ("convert", "--dialect", [one.name for one in LOG_WRITERS]),
 ])  # fmt: skip
 def test_names_that_another_option_lists_are_offered(command: str, option: str, names: tuple[str, ...]) -> None:
     assert offered(command, option) == list(names)

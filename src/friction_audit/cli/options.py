@@ -51,7 +51,7 @@ def folder_option(text: str, default: Path | None = None) -> Any:  # noqa: ANN40
 
 
 DIALECT = "One of convert --list-dialects. Default: the first one with the suffix of the new log."
-OFFERED = params.completed_by(params.dialects)
+OFFERED = params.completed_by("io.writers.write_log:WRITERS")
 Dialect = Annotated[str | None, described(DIALECT, metavar="NAME", autocompletion=OFFERED, panel=params.GENERAL)]
 LogPath = Annotated[Path, typer.Argument(metavar="LOG", help="A log file, or the directory of a ROS 2 bag.")]
 Overwrite = Annotated[bool, described("Replace files that exist.", "--overwrite", panel=params.GENERAL)]
@@ -190,7 +190,7 @@ class ChangeOptions:
 
     effects: list[str] | None = option(
         "Add an effect to all moving joints, or to some: stribeck:excess_nm=0.2@2,5. Repeatable.", "--effect",
-        metavar="NAME[:PARAMETER=VALUE,...][@JOINTS]", autocompletion=params.completed_by(lambda: params.EFFECTS),
+        metavar="NAME[:PARAMETER=VALUE,...][@JOINTS]", autocompletion=params.completed_by(params.EFFECTS),
     )  # fmt: skip
     assignments: list[str] | None = option(
         "Change a setting: joints.coulomb_nm=0.4@2,5. Repeatable.", "--set", metavar="NAME=VALUE[@JOINTS]"

@@ -5,9 +5,9 @@ import shlex
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import Field, dataclass, field, fields, is_dataclass
 from functools import partial
-from importlib import import_module
 from math import inf
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import Annotated, Any, TypeVar, dataclass_transform
 
 import typer
@@ -34,21 +34,16 @@ EFFECTS, IMAGE_FORMATS = registry.NAMES, figure_style.FORMATS
 EXPORTS = ("mcap", "csv", "parquet")
 
 
-def names_in(module: str, registry: str) -> list[str]:
-    """Return the names in a registry whose module loads numerics, asked for when a shell completes them."""
-    return [one.name for one in getattr(import_module(f"friction_audit.{module}"), registry)]
+def completed_by(names: Sequence[str] | str, *, several: bool = False) -> Callable[[str], list[str]]:
+    """Return what a shell completes an option with: one of the names, or of several another one after a comma.
 
-
-scenarios = partial(names_in, "simulation.scenarios", "SCENARIOS")
-dialects = partial(names_in, "io.writers.write_log", "WRITERS")
-
-
-def completed_by(names: Callable[[], Sequence[str]], *, several: bool = False) -> Callable[[str], list[str]]:
-    """Return what a shell completes an option with: one of the names, or of several another one after a comma."""
+    Names may be those of a registry, ``"module:REGISTRY"``, whose module loads numerics.
+    """
 
     def offer(incomplete: str) -> list[str]:
         chosen, comma, begun = incomplete.rpartition(",") if several else ("", "", incomplete)
-        left = (name for name in names() if name not in chosen.split(","))
+        known = names if not isinstance(names, str) else [one.name for one in resolve_name(f"friction_audit.{names}")]
+        left = (name for name in known if name not in chosen.split(","))
         return [f"{chosen}{comma}{name}" for name in left if name.startswith(begun)]
 
     return offer
@@ -101,7 +96,7 @@ def described(
     """Return an option for ``Annotated``; ``one_of`` its values, or ``some_of`` them, repeated or between commas."""
     if known := tuple(one_of or some_of):
         shown = f"{'|'.join(known)}{',...' if some_of else ''}"
-        offer = completed_by(lambda: known, several=bool(some_of))
+        offer = completed_by(known, several=bool(some_of))
         settings = {"metavar": shown, "callback": check_known(known), "autocompletion": offer, **settings}
     return typer.Option(*names, help=text, rich_help_panel=panel, **settings)
 

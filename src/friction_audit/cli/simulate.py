@@ -9,7 +9,7 @@ import typer
 from friction_audit.cli import chain, options as opt
 from friction_audit.cli.console import say, say_table
 from friction_audit.cli.outputs import show_written
-from friction_audit.cli.parameters import OUTPUT, SIMULATION, completed_by, flag, group, option, scenarios
+from friction_audit.cli.parameters import OUTPUT, SIMULATION, completed_by, flag, group, option
 from friction_audit.errors import UsageError
 from friction_audit.io.files import sha256_of, whole_file
 
@@ -22,6 +22,7 @@ EXAMPLES = """Examples:
   friction-audit simulate joint -o run.csv --effect stribeck:excess_nm=0.2 --effect time_delay
   friction-audit simulate joint -o again.parquet --joint-model results/model.toml
   friction-audit simulate panda -o run.mcap --set joints.coulomb_nm=0.4@2,5 --effect backlash@3"""
+SCENARIOS = "simulation.scenarios:SCENARIOS"
 
 
 @group(SIMULATION)
@@ -47,7 +48,7 @@ class ListOptions:
 
 def command(
     scenario: Annotated[
-        str | None, typer.Argument(metavar="SCENARIO", autocompletion=completed_by(scenarios), help="One of --list.")
+        str | None, typer.Argument(metavar="SCENARIO", autocompletion=completed_by(SCENARIOS), help="One of --list.")
     ] = None,
     *,
     simulation: SimulationOptions,

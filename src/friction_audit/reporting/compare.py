@@ -12,7 +12,7 @@ from friction_audit.reporting.words import NOTHING
 
 ROLES = {"paper": "*", "full": "=", "best": "+", "other": " "}
 ENDLESS = ">32"  # margin above what is searched
-CI95 = Column("ci95", INTERVAL, "95 % interval", lambda one: (one.low, one.high))
+CI95 = Column("ci95", INTERVAL, "95 % interval", "")
 VALUE = Record(Column("value", float, "mean, or median"), CI95)
 
 

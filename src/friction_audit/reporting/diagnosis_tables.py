@@ -102,14 +102,8 @@ EFFECT = Record(
         "chosen", str, get="effect", form=lambda one: f"{one.chosen_in}/{one.folds}" if one.folds else "",
         title="chosen in folds", short="folds", on=PEOPLE,
     ),
-    Column(
-        "parameters", {"*": float}, "values by name with the unit",
-        lambda row: {name: one.value for name, one in row.known.items()}, on="j",
-    ),
-    Column(
-        "parameters_ci95", {"*": INTERVAL}, "their 95 % intervals",
-        lambda row: {name: (one.low, one.high) for name, one in row.known.items()}, on="j",
-    ),
+    Column("parameters", {"*": float}, "values by name with the unit", "known", on="j"),
+    Column("parameters_ci95", {"*": INTERVAL}, "their 95 % intervals", "known", on="j"),
     Column("not_identifiable", [str], "those that the log does not identify", "effect.not_identifiable", on="j"),
     Column("p_value", float, "family-wise, on held-out cycles; null of contacts", "effect.p_value"),
     Column("gap_before", float, "residual RMS without it", "effect.gap_before_nm", unit="N m"),

@@ -74,7 +74,7 @@ CHANGE_POINT = Record(
 CONTROL = Record(
     Column("session", int, "number of the session", lambda point: point.session + 1),
     Column("deviation", float, "from the level of the reference", "deviation.value"),
-    Column("limits", INTERVAL, "where a session without drift lies", lambda p: (p.deviation.low, p.deviation.high)),
+    Column("limits", INTERVAL, "where a session without drift lies", "deviation"),
     Column("relative_deviation", float, "over the level of the reference", "relative.value"),
     Column("outside", bool, "whether it is outside the limits"),
 )
@@ -82,7 +82,7 @@ PLACE = Column("session", int, "number of the session", lambda row: row[0] + 1)
 VALUE = Record(
     PLACE,
     Column("value", float, "as compared", "1.value"),
-    Column("ci95", INTERVAL, "95 % interval", lambda row: (row[1].low, row[1].high)),
+    Column("ci95", INTERVAL, "95 % interval", "1"),
 )
 
 

@@ -21,7 +21,7 @@ REGRESSION = Record(
     Column("viscous", Coefficient, "viscous friction", "viscous", unit="N m s/rad"),
     Column("offset", float, "constant part of the torque", unit="N m"),
     Column("inertia", float, "coefficient of the acceleration", "inertia.value", unit="kg m²"),
-    Column("inertia_kg_m2_ci95", INTERVAL, "its 95 % interval", lambda one: (one.inertia.low, one.inertia.high)),
+    Column("inertia_kg_m2_ci95", INTERVAL, "its 95 % interval", "inertia"),
     Column("residual_rms", float, "root mean square of the residual", unit="N m"),
     Column("samples", int, "samples used"),
 )

@@ -18,7 +18,7 @@ Form = Literal["j", "f", "t", "p", "n", "w"]
 Tone = Literal["", "alert", "fine", "unsure", "off"]
 Row = Any
 Get = str | Callable[[Row], Any]
-INTERVAL = "interval"  # kind of a pair of bounds
+INTERVAL = "interval"  # kind of a pair of bounds, or of those of a Coefficient
 PEOPLE, ALL = "tp", "jftp"
 SUFFIXES = {
     "N m": "nm", "N m s/rad": "nms_per_rad", "N m/rad": "nm_per_rad", "N m/s": "nm_s", "kg m²": "kg_m2", "J": "j",
@@ -311,8 +311,10 @@ def _json(kind: Any, value: Any, torque_unit: str) -> Any:  # noqa: ANN401
         case dict() if value is not None:
             return {name: _json(kind["*"], item, torque_unit) for name, item in value.items()}
     if isinstance(value, Coefficient):
-        number = to_json(value.value)
-        return None if number is None else {"value": number, "ci95": to_json([value.low, value.high])}
+        number, interval = to_json(value.value), to_json([value.low, value.high])
+        if kind in (float, INTERVAL):
+            return number if kind is float else interval
+        return None if number is None else {"value": number, "ci95": interval}
     return in_unit(value, torque_unit) if kind is str and value is not None else to_json(value)
 
 
