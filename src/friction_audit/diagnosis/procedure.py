@@ -19,9 +19,9 @@ from friction_audit.joint_log import Float
 
 LEAST_Z = 2.0  # standard errors by which a held-out residual must shrink
 LEAST_SHARE = 0.1  # rms of an effect over that of what is left: 0.5 % of the rms
-# Variance inflation factor of what is collinear (S. Menard, Applied Logistic Regression Analysis, 1995), and how much of
-# what is left its own part must be: errors of the others' formulas grow by the root of that factor (whole_arms: ur one
-# none 220000, joint 1, has nonlinear_viscous; iiwa sines none 220000, joint 2, warm_up less friction_step).
+# Variance inflation factor of what is collinear (S. Menard, Applied Logistic Regression Analysis, 1995), and share of
+# what is left that its own part must be: errors of formulas grow by the root of that factor (whole_arms: ur one none
+# 220000, joint 1, has nonlinear_viscous; iiwa sines none 220000, joint 2, warm_up less friction_step).
 COLLINEAR, LEAST_OWN = 5.0, 0.5
 REPEATS = 2
 EFFECT_ERROR = 0.1  # of the torque of a named effect
