@@ -1,5 +1,5 @@
 # ruff: noqa: PLC0415  # what a method imports counts as its cost
-"""How fast joint states are read from bags, beside the libraries that people use.
+"""How fast joint states are read from bags, next to the libraries that people use.
 
     python -m benchmarks.bench_bags [--messages 200000] [--repeat 3]
 

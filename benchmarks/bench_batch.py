@@ -45,7 +45,7 @@ def write_logs(folder: Path, count: int) -> None:
         content = original.read_bytes().replace(MARK, b"take %06d" % number)
         day, hour = divmod(number, 24)
         (folder / f"2026-{1 + day // 28:02d}-{1 + day % 28:02d}T{hour:02d}-00-00.parquet").write_bytes(content)
-    os.sync()  # nobody writes to the disk any more while runs are timed
+    os.sync()  # so that nothing is written to the disk while runs are timed
 
 
 def batch(logs: Path, output: Path, cores: int) -> list[str]:

@@ -1,8 +1,8 @@
-"""How much a better model of friction buys: `replay --compensator model` with the true model beside the energy one's.
+"""How much a better model of friction buys: `replay --compensator model` with the true model next to the energy one's.
 
     python -m benchmarks.bench_joint_model [--seeds 5] [--duration 60]
 
-A person moves a joint whose friction holds one effect beside 0.3 N m and 0.07 N m s/rad, with the sensors of a Panda;
+A person moves a joint whose friction holds one effect next to 0.3 N m and 0.07 N m s/rad, with the sensors of a Panda;
 the numbers are the share of the friction that the compensator took over along the recorded motion.
 """
 

@@ -42,7 +42,7 @@ BARE = {
 
 @dataclass(frozen=True)
 class Case:
-    """A log to be estimated: its channels, and what the command is told."""
+    """A log to be estimated: its channels, and the options of the command."""
 
     name: str
     channels: tuple[str, ...]

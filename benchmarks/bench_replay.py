@@ -1,4 +1,4 @@
-"""`friction-audit replay` beside `friction-audit estimate` on the same file: seven joints at 1 kHz in Parquet.
+"""`friction-audit replay` next to `friction-audit estimate` on the same file: seven joints at 1 kHz in Parquet.
 
     python -m benchmarks.bench_replay [--runs 3] [--hours 1]
 

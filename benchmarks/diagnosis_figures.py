@@ -1,4 +1,4 @@
-"""Every figure of the diagnosis by one command: run what is missing, then write the summary beside its goals.
+"""Every figure of the diagnosis by one command: run what is missing, then write the summary next to its goals.
 
 python -m benchmarks.diagnosis_figures [KIND ...] [--rows FOLDER] [--first SEED] [--only TRUTH] [--real FOLDER]
     [--page FILE.md]

@@ -45,7 +45,7 @@ def prepare(folder: Path, kind: str, job: Job, task: Row) -> str:
     if not path.exists():
         with patch.object(stage, "diagnose_joint", keep), patch.object(parallel, "workers_for", lambda *_: 1):
             rows = job.work(task)
-        # A log of one joint counts it as the first, whatever joint of an arm it is drawn as.
+        # A log of one joint counts it as the first, also if it is drawn as another joint of an arm.
         joints = list(zip(map(dict, rows), subjects.values(), strict=True)) if subjects else []
         path.write_bytes(pickle.dumps((kind, job.fields, job.keys, joints)))
     return path.name

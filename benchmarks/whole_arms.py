@@ -243,7 +243,7 @@ def run_one(task: Row) -> list[dict[str, object]]:
 
 
 def judged(row: Row) -> Row:
-    """A row without the names that are true of its joint whatever is hidden in it."""
+    """A row without the names that are true of its joint with anything hidden in it."""
     also, own = set(row["also"].split(";")), truth_of(row)
     names = ((one, set(one.split("|"))) for one in row["sets"].split(";"))
     return {**row, "sets": ";".join(one for one, given in names if given & own or not given & also)}

@@ -45,7 +45,7 @@ LAST_S, EARLY_S = 2.5, 3.0
 CONTACT_S = (9.6, 10.0)
 SEED = 3
 
-# A firm grip follows the intended motion whatever friction does.
+# A firm grip follows the intended motion at any friction.
 FIRM = {"stiffness_nm_per_rad": 400.0, "damping_nms_per_rad": 8.0}
 LIGHT = {"stiffness_nm_per_rad": 60.0, "damping_nms_per_rad": 2.0}
 USUAL = {"stiffness_nm_per_rad": 60.0, "damping_nms_per_rad": 9.0}
@@ -69,7 +69,7 @@ LESS_INERTIA = r"torque less inertia $F_m - B\ddot{q}$ [N m]"
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Run:
-    """One joint without noise: what the log holds, and beside it what only the truth knows; shape (n,) each."""
+    """One joint without noise: what the log holds, and what only the truth knows; shape (n,) each."""
 
     t: Float
     q: Float
@@ -86,7 +86,7 @@ class Run:
 
 
 def group(name: str, **values: Any) -> Hidden:  # noqa: ANN401 - numbers, and the word of a form
-    """Return one hidden effect, everything as usual that is not told."""
+    """Return one hidden effect, all else as usual."""
     effect = next(one for one in EFFECTS if one.name == name)
     return Hidden(**{name: effect.make({key: str(value) for key, value in values.items()})})
 

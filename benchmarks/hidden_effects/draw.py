@@ -34,7 +34,7 @@ MOTIONS: dict[str, tuple[str, ...]] = {
 Rotors are on the motors' side of the sensors, so that only a hand that guides the arm makes their coupling felt.
 """
 STATED = ("inertia_error", "unlogged_compensation")
-"""Effects that can be seen beside a stated model only."""
+"""Effects that can be seen next to a stated model only."""
 NOT_PAIRED = ("unlogged_compensation", "contact_event")
 """Not to be seen without a declared model; hidden as an event, not as torque."""
 
@@ -93,7 +93,7 @@ def draw_pairs(first: int, seeds: int) -> list[tuple[str, int]]:
 
 
 def effects_that_pair() -> list[str]:
-    """All pairs of effects that share a scenario of one joint and are told apart by some motion."""
+    """All pairs of effects that share a scenario of one joint and some motion separates."""
     some = [one for one in effects() if one.name not in NOT_PAIRED]
     places = {one.name: set(MOTIONS.get(one.name, ONE_JOINT)) & set(ONE_JOINT) for one in some}
     return [

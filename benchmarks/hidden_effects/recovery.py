@@ -1,4 +1,4 @@
-"""Numbers of a hidden effect beside those that the detector gives, where both mean the same quantity."""
+"""Numbers of a hidden effect next to those that the detector gives, where both mean the same quantity."""
 
 from collections.abc import Callable, Mapping
 from math import hypot

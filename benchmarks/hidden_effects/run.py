@@ -88,7 +88,7 @@ def _row(case: Case, joint: JointDiagnosis) -> dict[str, object]:
 
 
 def _numbers(case: Case, found: Iterable[NamedEffect]) -> list[dict[str, object]]:
-    """Numbers of the hidden effects that were named, beside the truth."""
+    """Numbers of the hidden effects that were named, next to the truth."""
     hidden = dict(zip(case.effects, case.groups, strict=True))
     return [
         {"effect": e.name, "identifiable": row["parameter"] not in e.not_identifiable, **row}

@@ -50,7 +50,7 @@ def prepared(log: JointLog) -> tuple[JointData, ...]:
 def scales_for(case: Case) -> tuple[float, ...] | None:
     """Scale of each effect's strength, each on its own, on ideal sensors; None where it cannot be reached.
 
-    Below the corner that the noise of the log's own sensors allows: what lies above it nobody sees.
+    Below the corner that the noise of the log's own sensors allows: what lies above it is not seen.
     """
     nothing, joint, model = (0.0,) * len(case.effects), case.number - 1, model_of(case)
     log = simulate(settings_of(case, nothing), case.seed).log
@@ -107,7 +107,7 @@ def _is_itself(case: Case, which: int, scale: float) -> bool:
 
 
 def _largest(case: Case, which: int) -> float:
-    """Scale at which the strength is as large as the effect allows: nobody warms up until friction pushes."""
+    """Scale at which the strength is as large as the effect allows: no joint warms up until friction pushes."""
     effect = next(effect for effect in EFFECTS if effect.name == case.effects[which])
     high = next(parameter.upper for parameter in effect.parameters() if parameter.name == effect.strength_name)
     usual = abs(getattr(case.groups[which], effect.strength_name))

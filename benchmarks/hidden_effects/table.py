@@ -95,8 +95,8 @@ def without_effect(rows: Sequence[Row]) -> str:
         places = _by_place(f"nothing hidden, noise {noise}", [row for row in clean if row["noise"] == noise])
         lines += [_line(label, own) for label, own in places if own]
     lines += [_line("nothing hidden, all", clean)] if clean else []
-    beside = [row for row in rows if not hidden_here(row)]
-    lines += [_line("nothing hidden, an effect in another joint of the arm", beside)] if beside else []
+    elsewhere = [row for row in rows if not hidden_here(row)]
+    lines += [_line("nothing hidden, an effect in another joint of the arm", elsewhere)] if elsewhere else []
     for kind, _ in OUTSIDE:
         own = [row for row in rows if row["truth"] == kind and float(row["partial"]) >= CLEAR]
         if own:

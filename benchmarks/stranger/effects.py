@@ -35,7 +35,7 @@ def _sensed(setup: Setup, **changes: float | bool | str) -> Setup:
 
 
 def presliding(setup: Setup, s: float, rng: np.random.Generator) -> Setup:
-    """Maxwell-slip springs beside the stiff bristles, or LuGre's bristles soft."""
+    """Maxwell-slip springs next to the stiff bristles, or LuGre's bristles soft."""
     if rng.random() < 0.5:
         return _with(setup, soft=s, soft_reach_rad=float(np.exp(rng.uniform(np.log(4e-3), np.log(6e-2)))))
     return _with(setup, bristle_rad=0.03 * s)

@@ -106,6 +106,6 @@ def test_processes_find_what_is_found_here() -> None:
     assert repr(found[2]) == repr(analyse_arm(sessions[:8], QUICK))
 
 
-def test_an_arm_that_nobody_finishes_is_named() -> None:
+def test_an_unfinished_arm_is_named() -> None:
     with pytest.raises(AnalysisError, match=r"^left: its drift cannot be analysed: no memory$"):
         drift_of_arms(sessions_of("right", "left"), QUICK, Nobody())

@@ -32,7 +32,7 @@ def coulomb(session: Session) -> float:
     return session.joints[0].coefficients["coulomb_nm"].value
 
 
-def test_every_log_becomes_a_session_whatever_its_format(rig: Path, batch: Batch) -> None:
+def test_every_log_becomes_a_session_in_any_format(rig: Path, batch: Batch) -> None:
     result = batch(rig)
     assert (result.new, result.known, result.failed, result.warnings) == (4, 0, (), ())
     assert [session.robot for session in result.sessions] == ["rig"] * 4
@@ -127,7 +127,7 @@ def test_several_arms_in_a_log_are_several_robots(rig: Path, batch: Batch, recor
     assert [session.robot for session in batch(rig / "2026-03-05.csv", settings=one).sessions] == ["right"]
 
 
-def test_a_diagnosis_is_kept_beside_the_estimate(rig: Path, batch: Batch) -> None:
+def test_a_diagnosis_is_kept_with_the_estimate(rig: Path, batch: Batch) -> None:
     settings = BatchSettings(diagnosis=DiagnosisSettings(candidates=("stribeck",)))
     for new in (1, 0):
         result = batch(rig / "2026-03-01.parquet", settings=settings)
@@ -238,7 +238,7 @@ def test_a_compensator_s_torque_counts_with_the_hand_s() -> None:
     assert all(a == pytest.approx(b + 0.1) for a, b in pairs)
 
 
-def test_what_changes_within_a_session_is_told(log: Any) -> None:
+def test_what_changes_within_a_session_is_reported(log: Any) -> None:
     def within(change: Float | float) -> Coefficient:
         warmed = replace(log, tau_interaction=log.tau_interaction * np.broadcast_to(change, log.t.shape)[:, None])
         return summaries(estimate_log(warmed, AuditSettings()))[0].within["coulomb_nm"]

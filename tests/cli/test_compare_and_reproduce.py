@@ -36,7 +36,7 @@ def test_document(run: Run) -> None:
 
 
 @pytest.mark.usefixtures("sketched")
-def test_sweep_is_told_and_drawn(run: Run, tmp_path: Path) -> None:
+def test_sweep_is_reported_and_drawn(run: Run, tmp_path: Path) -> None:
     answer = run("compare", *SHORT[:5], "none,torque_regulation", *NO_MARGINS, "--json", "--figure-format", "svg")
     document = answer.document()
     assert document["margin_seeds"] == []

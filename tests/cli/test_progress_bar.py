@@ -25,7 +25,7 @@ def watch(monkeypatch: pytest.MonkeyPatch) -> Terminal:
     return terminal
 
 
-def test_a_quiet_command_and_one_without_a_terminal_report_to_nobody(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_quiet_command_and_one_without_a_terminal_report_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     terminal = watch(monkeypatch)
     with Voice(quiet=True, verbose=False).step("simulate") as report:
         assert report is None

@@ -54,7 +54,7 @@ def uncompensated_j() -> float:
     return work_j(guided(None))
 
 
-def test_an_oracle_leaves_no_friction_and_nobody_beats_it(uncompensated_j: float) -> None:
+def test_an_oracle_leaves_no_friction_and_no_method_beats_it(uncompensated_j: float) -> None:
     best = abs(work_j(guided(ORACLE)))
     assert best < 5e-3 * uncompensated_j
     for competitor in (LUGRE, OBSERVER, REGULATION, fit_sigmoid(COULOMB, VISCOUS), PUBLISHED[0]):

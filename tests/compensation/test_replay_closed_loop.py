@@ -30,7 +30,7 @@ COMPENSATOR = energy_compensator()
 
 
 @pytest.mark.parametrize("operator", [BY_HAND, Operator(motion=StopAndGo())], ids=["sinusoid", "stop and go"])
-def test_the_same_operator_is_foretold(operator: Operator) -> None:
+def test_the_same_operator_is_predicted(operator: Operator) -> None:
     """What the simulator makes of operator, joint and compensator, replay foretells from the log without one."""
     bench = replace(MINUTE, operator=operator)
     joint = replay(

@@ -134,7 +134,7 @@ def diagnosed(settings: BenchSettings) -> Any:
     return joint
 
 
-def test_every_event_is_left_out_and_what_is_left_is_that_of_a_joint_that_nobody_touches() -> None:
+def test_every_event_is_left_out_and_what_is_left_is_that_of_an_untouched_joint() -> None:
     joint, clean = diagnosed(TOUCHED), diagnosed(BENCH)
     assert (joint.verdict, clean.verdict) == ("named", "adequate")
     assert joint.gap.after < 1.2 * clean.gap.after

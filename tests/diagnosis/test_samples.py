@@ -80,7 +80,7 @@ def test_the_corner_is_where_the_noise_of_inertia_is_half_of_that_of_the_torque(
     assert s.corner_for(noisy, 0.2 * (1.0 - removed))[0] == pytest.approx(expected, rel=0.15 if source == "q" else 0.1)
 
 
-def test_a_joint_that_breaks_away_has_a_sample_for_it_beside_those_of_its_motion() -> None:
+def test_a_joint_that_breaks_away_has_a_sample_for_it_next_to_those_of_its_motion() -> None:
     data = started_and_stopped()
     samples = make_samples(data)
     broke = samples.breakaway

@@ -145,7 +145,7 @@ def test_temperature_that_varies_explains_the_changes() -> None:
     assert np.std([value.value for value in changed.values[:9]]) < 0.02 * 0.3
 
 
-def test_temperature_that_rises_with_time_cannot_be_told_from_drift() -> None:
+def test_temperature_that_rises_with_time_cannot_be_separated_from_drift() -> None:
     warmth = 20.0 + np.arange(20.0)
     found, text = described(make_sessions(noisy(20, 1) * np.exp(-0.01 * (warmth - 20.0)), temperature=warmth))
     assert (found.drift, found.shape) == (False, "temperature")
@@ -163,7 +163,7 @@ def test_coefficient_near_zero_has_no_relative_change() -> None:
     assert "%" not in text
 
 
-def test_warm_up_within_sessions_is_told_apart() -> None:
+def test_warm_up_within_sessions_is_separated() -> None:
     warm = {"coulomb_nm": about(-0.08, 0.02)}
     levels = zip(noisy(12), noisy(12, 7, level=0.07), strict=True)
     found, text = described([make_session(i, [make_joint(1, *level, within=warm)]) for i, level in enumerate(levels)])

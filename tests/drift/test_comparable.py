@@ -62,7 +62,7 @@ def test_most_without_a_start_are_ordered_by_name_few_are_left_out() -> None:
     assert [(index, "manifest" in text_of(reason)) for index, reason in order.left_out] == [(2, True)]
 
 
-def test_other_speeds_are_told() -> None:
+def test_other_speeds_are_reported() -> None:
     order = put_in_order([session(0), session(1), session(2), session(3, speed=0.1)])
     compared, _, (warning,) = choose_comparable(order)
     assert len(compared) == 4

@@ -187,7 +187,7 @@ def test_every_target_writes_every_joint(target: Target, tmp_path: Path) -> None
 
 
 @given(st.text(st.characters(codec="utf-8", exclude_characters="\x00"), max_size=20), st.booleans())
-def test_attributes_are_set_whatever_stands_around_them(text: str, wide: bool) -> None:
+def test_attributes_are_set_in_any_surroundings(text: str, wide: bool) -> None:
     root = ET.Element("robot", note=text)
     ET.SubElement(root, "joint", name="a", damping=text)
     try:

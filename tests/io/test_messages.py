@@ -41,7 +41,7 @@ def test_arm_and_gripper_taking_turns_on_one_topic(tmp_path: Path) -> None:
     assert codes(recording) == {"joints_left_out"}
 
 
-def test_franka_state_beside_republished_joint_states(tmp_path: Path) -> None:
+def test_franka_state_next_to_republished_joint_states(tmp_path: Path) -> None:
     store = bags.ros1_store()
     store.register(franka_types(("Errors_41", "FrankaState_ros1"), FRANKA_STATE))
     values = bags.samples(90)

@@ -196,7 +196,7 @@ def test_what_it_refuses(run: Run, tmp_path: Path) -> None:
 
 
 @pytest.mark.thorough
-def test_a_drift_is_sought_at_both_ends_of_the_time() -> None:
+def test_a_drift_is_looked_for_at_both_ends_of_the_time() -> None:
     numbers = {"drift_1_nm": 0.15, "drift_2_nm": 0.0, "drift_3_nm": 0.0, "drift_4_nm": 0.0, "drift_waves": 1.0}
     effects = [{"name": "torque_drift", "alternatives": ("asymmetric_coulomb", "torque_bias"), "parameters": numbers}]
     found = {"joint": 1, "name": "joint1", "verdict": "ambiguous", "effects": effects}

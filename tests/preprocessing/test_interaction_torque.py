@@ -332,7 +332,7 @@ def test_a_bus_that_updates_a_joint_every_seventh_row_has_its_sign_proved() -> N
 @pytest.mark.parametrize(
     ("forgotten", "short", "said"), [(True, False, "payload"), (False, False, ""), (True, True, "no payload")]
 )
-def test_gravity_that_is_left_is_said_as_rms_where_it_can_be_told(forgotten: bool, short: bool, said: str) -> None:
+def test_gravity_that_is_left_is_said_as_rms_where_it_can_be_measured(forgotten: bool, short: bool, said: str) -> None:
     swing, centre = 0.02 if short else 1.0, Q.mean(axis=0)
     q, arm = centre + swing * (Q - centre), FORGOTTEN if forgotten else PANDA
     log = replace(log_of("panda", tau_J=arm.gravity(q) - friction()), q=q, dq=swing * DQ)

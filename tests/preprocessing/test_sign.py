@@ -34,7 +34,7 @@ def judged(log: JointLog, torque: Float) -> SignEvidence:
     inertia=st.floats(0, 3),
     seed=st.integers(0, 100),
 )
-def test_the_sign_is_proved_whatever_offset_gravity_and_inertia_hide_it(
+def test_the_sign_is_proved_under_any_offset_gravity_and_inertia(
     coulomb: float, offset: float, gravity: float, inertia: float, seed: int
 ) -> None:
     log, ddq = strokes()

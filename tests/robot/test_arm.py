@@ -93,7 +93,7 @@ def test_torques_of_the_panda_are_those_of_pinocchio() -> None:
     assert_allclose(load_arm(gravity_vector=(1.0, -3.0, -9.0)).inverse_dynamics(q, dq, ddq)[1], tilted, atol=1e-10)
 
 
-def test_gravity_is_inverse_dynamics_at_rest_whatever_the_axes(tmp_path: Path) -> None:
+def test_gravity_is_inverse_dynamics_at_rest_for_any_axes(tmp_path: Path) -> None:
     axes = iter(("0 0 -1", "1 0 0", "0.3 -0.5 0.2", "-1 0 0", "0 1 0", "0 -1 0", "0 0 1"))
     text = re.sub('axis xyz="[^"]*"', lambda _: f'axis xyz="{next(axes)}"', read_urdf(None).decode())
     arm = load_arm(write(tmp_path, text), HAND, gravity_vector=(1.0, -3.0, -9.0))

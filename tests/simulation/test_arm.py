@@ -67,7 +67,7 @@ def test_brakes_hold_their_joints_and_the_others_move() -> None:
     assert np.ptp(simulation.log.channels()["tau_J"][:, 2]) > 0.5
 
 
-def test_load_that_nobody_told_sags_and_gravity_compensation_stays_the_controllers() -> None:
+def test_an_unknown_load_sags_and_gravity_compensation_stays_the_controllers() -> None:
     carrying, arm = simulate(replace(SHORT, carried_kg=2.0), SEED), load_arm()
     motion, plain = carrying.truth.motion, once(SHORT, SEED).truth.motion
     assert_allclose(carrying.log.channels()["gravity"], arm.gravity(motion.q), atol=1e-4)

@@ -231,7 +231,7 @@ def test_damping_is_the_same_whichever_side_is_held() -> None:
     assert hidden.backlash.contact_damping_ratio == pytest.approx(0.3 * more)
 
 
-def test_every_term_is_told_or_refused() -> None:
+def test_every_term_is_reported_or_refused() -> None:
     """No term breaks on its way to the simulator, whatever its name."""
     assert {term.name for term in terms()} - {"inertia", "coulomb", "viscous"} <= set(EQUALS)
     for term in terms():

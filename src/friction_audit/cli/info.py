@@ -72,7 +72,7 @@ def _read(path: Path, options: "ReadOptions", topics: "tuple[Topic, ...]", voice
 
     if stamp_of(path).size <= LARGE_BYTES:
         return chain.read(path, options, voice)
-    options = replace(options, hashed=False, largest_whole=-1.0)  # the part alone, whatever the size of the log
+    options = replace(options, hashed=False, largest_whole=-1.0)  # the part alone, of a log of any size
     if options.has_window:
         return chain.read(path, options, voice)
     part = chain.read(path, replace(options, t_end_s=FIRST_S), voice)

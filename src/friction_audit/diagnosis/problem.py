@@ -233,7 +233,7 @@ class RegressionProblem:
         )
 
     def nuisances(self, baseline: Nominal, given: Float, sign: Callable[[Float], Float] = np.tanh) -> list[Nuisance]:
-        """Smoothing of the sign beside other columns, shape (b, m); delay of the recorder, offset of the sensor."""
+        """Smoothing of the sign given other columns, shape (b, m); delay of the recorder, offset of the sensor."""
         data, coulomb = self.data, abs(baseline.coulomb_nm)
         fine, signs = [], self._smoothed_sign(given, sign)
         priors = [(coulomb, SMOOTHED)] * len(signs)

@@ -27,7 +27,7 @@ REPEATS = 2
 EFFECT_ERROR = 0.1  # of the torque of a named effect
 GRAVITY_PARTS = (0.0, 0.1, 0.3, 1.0)  # of that: a sine of the angle may be exact
 TRANSMISSION_ERROR = 0.25  # the same of a spring or a gap: the link side is known roughly
-DROWNED = 0.25  # share of the mean square that gravity leaves, below which noise is estimated again beside it at once
+DROWNED = 0.25  # share of the mean square that gravity leaves, below which noise is estimated again given it at once
 PLAUSIBLE_SD = 2.5  # a nuisance that wants to be larger stands for something else
 CHANGED = 0.02  # rms of the change of the nominal torque from which columns that need it are built again
 

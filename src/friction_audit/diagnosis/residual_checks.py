@@ -49,8 +49,8 @@ def _curves(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
     given, problem = Projected(Training(gram), active), gram.problem
     found = [("curve", c.axis.name, c.columns, c.columns[:0]) for c in problem.curves]
     found = [one for one in found if given.evidence(gram.whiten(one[2])) > PRIOR]
-    beside = given.and_also(gram.whiten(problem.smoothed))
-    evidence, best = _integrated(beside, [gram.whiten(one) for one in problem.responses])
+    smoothed = given.and_also(gram.whiten(problem.smoothed))
+    evidence, best = _integrated(smoothed, [gram.whiten(one) for one in problem.responses])
     if evidence > PRIOR:
         found.append(("response", "past motion", problem.responses[best], problem.smoothed))
 

@@ -35,7 +35,7 @@ STANDSTILL_S = 0.06  # so long a joint stands still before it breaks away; its t
 APART = 2
 DEGREE = 2  # of the polynomial that carries the torque on to the break-away: a hand's torque bends over such a time
 SETTLED = 4  # samples after the last certain motion, in which the joint may still come to rest
-LONGEST_S = 0.3  # the start is sought so long before the motion is certain
+LONGEST_S = 0.3  # the start is looked for so long before the motion is certain
 # Share of the dead speed below which a joint stands still: positions tell so much slower a motion than velocities.
 CREEP = 0.1
 CERTAIN = 2.0  # the start is fitted up to so many times the dead speed

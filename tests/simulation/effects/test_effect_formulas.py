@@ -261,7 +261,7 @@ def test_relaxing_has_63_percent_of_a_jump_after_the_lag_and_delayed_all_of_it()
 
 @unhurried
 @given(steps=st.lists(st.floats(0.0, 3e-3), min_size=1, max_size=200), lag=st.floats(1e-4, 0.05))
-def test_delayed_is_exact_on_a_ramp_whatever_the_steps(steps: list[float], lag: float) -> None:
+def test_delayed_is_exact_on_a_ramp_with_any_steps(steps: list[float], lag: float) -> None:
     t = np.cumsum(steps)
     # the corner of the ramp at t = 0 is a sample, so that only times before the start differ from a line
     late = seen(3.0 * t, steps, lag_s=lag, form=laws.DELAYED)

@@ -208,7 +208,7 @@ def cable_spring_nm(group: Record, q: float) -> float:
 SPRING_DAMPER, QUADRATIC_WALL, EXPONENTIAL_WALL = range(3)
 REFERENCE_RAD = 0.1  # depth at which the quadratic wall is as strong as the linear one. [rad]
 WIDTH_RAD = 0.05  # distance over which the exponential wall grows by e. [rad]
-HIGHEST_EXPONENT = 20.0  # nobody gets so deep into an exponential wall; the number stays finite
+HIGHEST_EXPONENT = 20.0  # no joint gets so deep into an exponential wall; the number stays finite
 
 
 class JointLimitStop(HiddenEffect):
