@@ -1,1 +1,1 @@
-"""What drift between sessions can be separated from, on simulated recordings and on summaries that scatter as those do."""
+"""What drift between sessions can be separated from, on simulated recordings and on summaries that scatter alike."""
