@@ -15,7 +15,7 @@ from friction_audit.diagnosis.dictionary import Dictionary
 from friction_audit.diagnosis.gram import Gram, Training
 from friction_audit.diagnosis.nonlinear import intervals, refine
 from friction_audit.diagnosis.problem import FOLDS, RegressionProblem, folds_of
-from friction_audit.diagnosis.procedure import nominal
+from friction_audit.diagnosis.procedure import fitted, inflations, nominal
 from friction_audit.diagnosis.residual_checks import spectral_line
 from friction_audit.diagnosis.samples import NoiseModel
 from friction_audit.diagnosis.selection import occam
@@ -86,6 +86,21 @@ def test_held_out_residuals_are_those_of_fits_without_the_fold() -> None:
         coefficients = np.linalg.lstsq(white[others], gram.y[others])[0]
         assert found.residual[fold == k] == pytest.approx((gram.problem.y - raw @ coefficients)[fold == k], abs=1e-7)
     assert found.rms == pytest.approx(np.sqrt(np.mean(found.residual**2)))
+
+
+def test_variance_inflation_is_that_of_regressing_each_torque_on_the_other_effects() -> None:
+    gram, _ = prepared(BUMP, WAVE, SQUARE)
+    active = [gram.blocks[2], next(b for b in gram.blocks if b.effect is WAVE)]
+
+    def left(rows: Float, column: Float) -> float:
+        return float(np.sum((column - np.linalg.lstsq(rows.T, column)[0] @ rows) ** 2))
+
+    expected = []
+    for k, (block, coefficients) in enumerate(fitted(gram, active)):
+        torque = coefficients @ gram.whiten(block.columns)
+        expected.append(left(gram.base, torque) / left(np.vstack([gram.base, gram.of(active[1 - k])]), torque))
+    assert inflations(gram, active) == pytest.approx(expected, rel=1e-6)
+    assert max(expected) > 1.001
 
 
 def test_variable_projection_ends_where_nonlinear_least_squares_does() -> None:
