@@ -3,7 +3,7 @@
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 
 BUG = 1  # exit code: part of the result is missing because of a bug
+LARGE_LOG = 1 << 26  # bytes of a file that takes about as long to read as compiled loops to load
 
 
 @contextmanager
@@ -49,7 +50,7 @@ def read(
 ) -> "JointLog":
     """Read a log and, if asked to, say how its columns were understood; in a process of its own if modules are loaded.
 
-    To load compiled loops takes the interpreter, for which reading would wait.
+    To load compiled loops takes the interpreter, for which reading would wait. A large log would be in memory twice.
     """
     from friction_audit.compiled import load
     from friction_audit.io.readers import read_log
@@ -57,10 +58,11 @@ def read(
     def work() -> "JointLog":
         return read_log(path, options, listen)
 
-    with voice.step(f"read {path}"), aside(work) if loaded else nullcontext(work) as result:
-        for module in loaded:
+    is_apart = loaded and path.exists() and path.stat().st_size < LARGE_LOG
+    with voice.step(f"read {path}"), aside(work) if is_apart else loading(*loaded) as result:
+        for module in loaded if result else ():
             load(module)
-        log = result()
+        log = result() if result else work()
     if voice.verbose:
         for channel, name in log.source.channels.items():
             remark(f"channel {channel} = {name}")
