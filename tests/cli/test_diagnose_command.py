@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from friction_audit.cli import chain
 from friction_audit.diagnosis import diagnose as engine
 from friction_audit.diagnosis.diagnose import diagnose_joint
 from friction_audit.diagnosis.prepare import Subject
@@ -53,11 +54,15 @@ def test_options_reach_the_diagnosis(run: Run, logs: Path) -> None:
     assert joint["nominal"]["coulomb_nm"]["value"] == pytest.approx(0.152, abs=0.01)
 
 
-def test_a_process_of_its_own_which_works_in_copies_says_the_same(run: Run, logs: Path) -> None:
+def test_a_process_of_its_own_which_works_in_copies_says_the_same(
+    run: Run, logs: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     words = ("diagnose", str(logs / "moved2.csv"), "--json", *FEW)
     command = [sys.executable, "-m", "friction_audit", *words]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert (done.stdout, done.stderr) == (run(*words).out, "")
+    monkeypatch.setattr(chain, "LARGE_LOG", 0)  # so that the log is read in the process that diagnoses it
+    assert done.stdout == run(*words).out
 
 
 def test_more_is_said_to_those_who_ask(run: Run, logs: Path) -> None:
