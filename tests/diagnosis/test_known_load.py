@@ -6,9 +6,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from friction_audit.diagnosis.diagnose import diagnose_joint
 from friction_audit.diagnosis.known_load import know_load, known_inertias
+from friction_audit.diagnosis.prepare import Subject
 from friction_audit.diagnosis.problem import RegressionProblem
 from friction_audit.diagnosis.samples import least_squares
+from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.effects.joint_data import JointData
+from friction_audit.effects.registry import GRAVITY, effects
 from friction_audit.joint_log import Float
 from friction_audit.robot.arm import load_arm
 from tests.effects.joint_data_by_hand import joint_of, sines
@@ -25,6 +30,7 @@ HAND = replace(choice(gravity="logged"), source="tau_J", sign=-1)
 
 
 MOTION = Q, DQ, DDQ
+CHAIN_T: Float = np.arange(0.0, 90.0, 0.005)
 
 
 def test_gravity_and_inertia_of_a_driven_arm() -> None:
@@ -72,18 +78,33 @@ def test_inertia_that_a_model_removed_is_the_mean_diagonal_of_the_mass_matrix() 
     assert not known_inertias(None, ROBOT, q).any()
 
 
-def test_without_a_model_the_dynamics_of_the_chain_leave_the_friction_of_a_joint() -> None:
-    rng, t = np.random.default_rng(0), np.arange(0.0, 90.0, 0.005)
+def _second_joint(hidden: Float) -> JointData:
+    """Joint 2 of the arm, all joints of which follow sines, without a model; hidden friction, shape (n,). [N m]"""
+    rng, t = np.random.default_rng(0), CHAIN_T
     drawn = zip(rng.uniform(0.1, 0.3, 21), rng.uniform(0.5, 3.0, 21), rng.uniform(0.0, 6.0, 21), strict=True)
     moved = [sines(t, *three) for three in zip(drawn, drawn, drawn, strict=True)]
     q, dq, ddq = (np.column_stack(one) for one in zip(*moved, strict=True))
     q += POSE
     rigid = ARM.inverse_dynamics(q, dq, ddq)[:, 1]
-    torque = rigid + 3.0 * np.sign(dq[:, 1]) + 2.0 * dq[:, 1] + rng.normal(scale=0.05, size=len(t))
+    torque = rigid + (3.0 + hidden) * np.sign(dq[:, 1]) + 2.0 * dq[:, 1] + rng.normal(scale=0.05, size=len(t))
     about = {"others_q": q, "others_dq": dq, "others_ddq": ddq, "others_torque": 0.0 * q}
-    data = joint_of(t, q[:, 1], dq[:, 1], ddq[:, 1], torque, joint=1, weighs=True, unknown_gravity=True, **about)
+    return joint_of(t, q[:, 1], dq[:, 1], ddq[:, 1], torque, joint=1, weighs=True, unknown_gravity=True, **about)
+
+
+def test_without_a_model_the_dynamics_of_the_chain_leave_the_friction_of_a_joint() -> None:
+    data = _second_joint(0.0 * CHAIN_T)
     problem = RegressionProblem.build(data, None)
-    assert np.std(np.asarray(problem.data.load) - ARM.gravity(q)[:, 1]) < 0.1 * np.std(rigid)
-    named = problem.columns(np.column_stack([np.cos(data.q), np.sin(data.q), ddq, dq**2]))  # effects of their own
-    found = least_squares(np.vstack([problem.X, named]).T, problem.y)
+    gravity = ARM.gravity(data.others_q)[:, 1]
+    assert np.std(np.asarray(problem.data.load) - gravity) < 0.1 * np.std(gravity)
+    own = np.column_stack([np.cos(data.q), np.sin(data.q), data.others_ddq, data.others_dq**2])  # effects of their own
+    found = least_squares(np.vstack([problem.X, problem.columns(own)]).T, problem.y)
     assert (found[0], found[1]) == (pytest.approx(3.0, rel=0.03), pytest.approx(2.0, rel=0.1))
+
+
+def test_without_a_model_an_effect_has_its_whole_size_and_nothing_else_a_name() -> None:
+    subject = Subject(data=_second_joint(1.0 * (CHAIN_T > 45.0)), number=2, name="joint2", findings=(), from_energy={})
+    found = diagnose_joint(subject, effects(), DiagnosisSettings(), simulated=False)
+    named = {one.name: one for one in found.effects if one.name not in (GRAVITY, "inertial_coupling")}
+    assert list(named) == ["friction_step"]
+    # Half of the time 1 N m, of which Coulomb friction may be the mean; the chain takes most of its mean square.
+    assert named["friction_step"].size_nm == pytest.approx(0.5, rel=0.05)

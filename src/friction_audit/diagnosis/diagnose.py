@@ -12,7 +12,7 @@ from friction_audit.diagnosis.augmented_model import gap_in_motion
 from friction_audit.diagnosis.dictionary import Block
 from friction_audit.diagnosis.nonlinear import Estimates, intervals
 from friction_audit.diagnosis.prepare import Subject
-from friction_audit.diagnosis.procedure import State, accepted, fitted, nominal, select, sizes
+from friction_audit.diagnosis.procedure import State, accepted, nominal, select, whole_torques
 from friction_audit.diagnosis.residual_checks import residual_of
 from friction_audit.diagnosis.result import JointDiagnosis, NamedEffect, ResidualCheck, Traces, Verdict
 from friction_audit.diagnosis.samples import make_samples
@@ -201,11 +201,12 @@ def _effects(
     friction = np.abs(baseline.coulomb_nm * data.direction + baseline.viscous_nms_per_rad * data.dq)[data.used]
     friction_nm = max(float(np.sqrt(np.mean(friction**2))), 1e-12)
     left, nominal_nm = residual_of(gram, active), held_out(gram, (), replaced=active).rms
-    each = zip(fitted(gram, active), gains(gram, active), sizes(gram, active).tolist(), *estimates[1:], strict=True)
+    torques, size_nm = whole_torques(state, active)
+    each = zip(active, torques, gains(gram, active), size_nm.tolist(), *estimates[1:], strict=True)
     added: dict[bool, list[Block]] = {False: [], True: []}  # by whether they are negligible
     found: dict[bool, list[NamedEffect]] = {False: [], True: []}
-    for (block, factors), gain, size, parameters, unknown in sorted(each, key=lambda one: -one[2]):
-        effect, torque, share = block.effect, factors @ block.columns, size / friction_nm
+    for block, torque, gain, size, parameters, unknown in sorted(each, key=lambda one: -one[3]):
+        effect, share = block.effect, size / friction_nm
         grade = "negligible" if share < NEGLIGIBLE or size < least_nm else ("minor" if share < MINOR else "major")
         competing, small = selection.competing_effects(state.search, active, block), grade == "negligible"
         before = found[small][-1].gap_after_nm if found[small] else nominal_nm
@@ -254,7 +255,7 @@ def _detection_limit(state: State, left_nm: float) -> float:
 def _traces(state: State, before: Float, after: Float) -> Traces:
     problem, weight = state.problem, state.problem.samples.weight
     q, dq, _ = problem.kinematics
-    measured = problem.samples.y / weight
+    measured = (problem.with_chain or problem).samples.y / weight
     return Traces(
         t=problem.samples.t,
         q=q,

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.problem import RegressionProblem
+from friction_audit.diagnosis.problem import PLAUSIBLE_SD, SAMPLE_SD, SIGN_WIDTHS_RAD_S, RegressionProblem
 from friction_audit.diagnosis.samples import Index
 from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import Nominal, speeds
@@ -111,9 +111,7 @@ class Dictionary:
             why = effect.not_identifiable(data, baseline)
             shapes: Sequence[Nonlinear] = effect.grid(data) if why is None else effect.identifiable_part(data)
             shapes = shapes[:: EVERY.get(effect.name, 1)]
-            if effect.name == "nonlinear_viscous":
-                speed, exponent, least = "curved_viscous_speed_rad_s", "curved_viscous_exponent", speeds(data, 95.0)[0]
-                shapes = [s for s in shapes if s[exponent] > 0.0 or s[speed] >= LEAST_BEND * float(least)]
+            shapes = [shape for shape in shapes if not made.is_nuisance(shape)]
             first = shapes
             if effect.screened > 1 and not whole:
                 name = effect.nonlinear[0].name
@@ -129,6 +127,20 @@ class Dictionary:
                 made.not_testable[effect.name] = why
             made.blocks += blocks
         return made
+
+    def is_nuisance(self, shape: Nonlinear) -> bool:
+        """Whether an effect of this shape is no physics of the joint: a smoothed sign, or a delay of the recorder.
+
+        At a usual acceleration a a sign that is smoothed over v builds up within v^2 / 2 a, as presliding.
+        """
+        data, sign = self.problem.data, SIGN_WIDTHS_RAD_S[-1]
+        bend, reach = (shape.get(name, np.inf) for name in ("curved_viscous_speed_rad_s", "reach_rad"))
+        if abs(shape.get("delay_step_s", np.inf)) <= PLAUSIBLE_SD * SAMPLE_SD * data.sample_s:
+            return True
+        if np.isfinite(reach):
+            return bool(reach <= sign**2 / (2.0 * np.sqrt(np.mean(data.ddq[data.used] ** 2))))
+        smoothed = bend < max(LEAST_BEND * float(speeds(data, 95.0)[0]), sign)
+        return bool(smoothed and shape["curved_viscous_exponent"] <= 0.0)
 
     def complete(self, name: str) -> list[Block]:
         """Build what was withheld of an effect."""

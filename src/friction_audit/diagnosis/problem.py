@@ -41,6 +41,7 @@ SIGN_COLUMNS = 2.0  # the smoothed sign, and its change with the width
 SLOW_RAD_S = 5e-3  # below it the law of friction is as uncertain as right after a reversal
 SETTLED = 0.9  # of the corner: a change that is not worth another filter
 OFFSET_SHARE = 0.0025  # of Coulomb friction: a quarter of what counts as negligible
+PLAUSIBLE_SD = 2.5  # a nuisance that wants to be larger stands for something else
 SAMPLE_SD = 0.29  # of a sample, the standard deviation of a delay evenly spread over one sample
 REVERSAL_S = 0.05  # time over which a wrong formula of a reversal fades
 LAGS_S = (0.03, 0.1, 0.3, 1.0, 3.0)  # of the velocity behind a first-order filter
@@ -107,6 +108,7 @@ class RegressionProblem:
     # Rigid-body torque of an unknown chain, orthonormal, shape (k, m): response and columns are free of it
     # (R. Frisch, F. V. Waugh, Econometrica 1 (1933) 387).
     chain: Float = field(default_factory=lambda: np.empty((0, 0)))
+    with_chain: "RegressionProblem | None" = None  # the same with the torque of the chain, None without one
 
     @classmethod
     def build(cls, data: JointData, model: JointModel | None) -> "RegressionProblem":
@@ -148,6 +150,7 @@ class RegressionProblem:
         return replace(
             self,
             chain=chain,
+            with_chain=self,
             samples=replace(samples, y=y),
             nominal=replace(nominal, columns=free_of(chain, self.X).T, y=nominal_y),
             curves=tuple(Curve(c.axis, free_of(chain, c.columns), c.values) for c in self.curves),
@@ -229,6 +232,7 @@ class RegressionProblem:
             age=_age(follows),
             fold=self.fold[kept],
             chain=self.chain[:, kept] if len(self.chain) else self.chain,
+            with_chain=self.with_chain and self.with_chain.without(dropped),
             curves=tuple(Curve(c.axis, c.columns[:, kept], c.values[kept]) for c in self.curves),
         )
 

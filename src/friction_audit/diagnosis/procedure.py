@@ -1,6 +1,7 @@
 """The diagnosis of one joint, from the prepared motion to the result."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -8,7 +9,7 @@ from friction_audit.diagnosis import contact_events, residual_checks, selection
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.gram import RIDGE, Gram, Training
 from friction_audit.diagnosis.nonlinear import refine
-from friction_audit.diagnosis.problem import AXES, SIGNS, Nuisance, RegressionProblem, curve, knots_of
+from friction_audit.diagnosis.problem import AXES, PLAUSIBLE_SD, SIGNS, Nuisance, RegressionProblem, curve, knots_of
 from friction_audit.diagnosis.samples import NoiseModel
 from friction_audit.diagnosis.validation import gains
 from friction_audit.effects.effect import Effect
@@ -28,7 +29,6 @@ EFFECT_ERROR = 0.1  # of the torque of a named effect
 GRAVITY_PARTS = (0.0, 0.1, 0.3, 1.0)  # of that: a sine of the angle may be exact
 TRANSMISSION_ERROR = 0.25  # the same of a spring or a gap: the link side is known roughly
 DROWNED = 0.25  # share of the mean square that gravity leaves, below which noise is estimated again given it at once
-PLAUSIBLE_SD = 2.5  # a nuisance that wants to be larger stands for something else
 CHANGED = 0.02  # rms of the change of the nominal torque from which columns that need it are built again
 
 
@@ -206,7 +206,8 @@ def accepted(state: State, active: Sequence[Block]) -> list[Block]:
     """Without effects that do not predict held-out cycles, or may be what a larger effect's formula lacks."""
     kept = list(active)
     while kept:
-        found, size, inflated = gains(state.gram, kept), sizes(state.gram, kept), inflations(state.gram, kept)
+        found, size, alone = gains(state.gram, kept), sizes(state.gram, kept), inflations(state.gram, kept) ** -0.5
+        inflated = (whole_torques(state, kept)[1] / (alone * size)) ** 2  # by a chain without a model too
         left = float(np.std(residual_checks.residual_of(state.gram, kept)))
         strengths = []
         for k, block in enumerate(kept):
@@ -215,7 +216,8 @@ def accepted(state: State, active: Sequence[Block]) -> list[Block]:
                 for s, other in zip(size, kept, strict=True)
             )
             stands = found[k].z >= LEAST_Z and found[k].shrinks and size[k] >= LEAST_SHARE * left and not lost
-            stands &= inflated[k] <= COLLINEAR or size[k] >= LEAST_OWN * left * np.sqrt(inflated[k])
+            stands &= inflated[k] <= COLLINEAR or alone[k] * size[k] >= LEAST_OWN * left
+            stands &= not state.dictionary.is_nuisance(block.shape)
             strengths.append(np.inf if stands else found[k].z)
         if not np.isfinite(min(strengths)):
             break
@@ -244,9 +246,29 @@ def _may_absorb_error(state: State, active: Sequence[Block], block: Block, other
 
 def sizes(gram: Gram, active: Sequence[Block]) -> Float:
     """Rms of each effect's torque free of the nominal model, and of an offset that may be any, shape (k,). [N m]"""
-    known = gram.base_raw[gram.precision == 0.0]
-    torques = [c @ block.columns for block, c in fitted(gram, active)]
-    return np.array([float(np.sqrt(np.mean((torque - _ols(known, torque) @ known) ** 2))) for torque in torques])
+    return _rms_free_of(gram.base_raw[gram.precision == 0.0], [c @ b.columns for b, c in fitted(gram, active)])
+
+
+def whole_torques(state: State, active: Sequence[Block]) -> tuple[list[Float], Float]:
+    """Torque of each effect, shape (m,), and its size, shape (k,), with what an unknown chain may take of it. [N m]
+
+    Of the chain's own effects only what it does not take is known: the rest of their coefficients is a guess.
+    """
+    torques, size = [c @ block.columns for block, c in fitted(state.gram, active)], sizes(state.gram, active)
+    problem = state.problem.with_chain
+    if problem is None:
+        return torques, size
+    dictionary, baseline = replace(state.dictionary, problem=problem), nominal(state.search.training, active)
+    known = np.vstack([problem.X, problem.columns(np.ones((len(problem.data.t), 1)))])
+    for k, (block, c) in enumerate(fitted(state.gram, active)):
+        if block.effect.axis != "neighbour" and block.name != GRAVITY:
+            torques[k] = c @ dictionary.columns_at(block, block.shape, baseline)
+            size[k] = _rms_free_of(known, [torques[k]])[0]
+    return torques, size
+
+
+def _rms_free_of(known: Float, torques: Sequence[Float]) -> Float:
+    return np.array([float(np.sqrt(np.mean((one - _ols(known, one) @ known) ** 2))) for one in torques])
 
 
 def inflations(gram: Gram, active: Sequence[Block]) -> Float:

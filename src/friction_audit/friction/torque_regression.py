@@ -59,6 +59,7 @@ TURN_S, LEAST_FOLLOWING, SURE = 0.3, 0.25, 3.0
 # without a prior, and the least that counts, in units of the noise; least share of a column that no others hold.
 CANDIDATES, NO_PRIOR, LEAST_SD, SMALLEST = 1500, 1e4, 0.3, 1e-3
 MOST_PER_ROW = 0.25  # columns of the chain: friction needs rows too
+MOST_COLUMNS = 100  # of a process: with 300 Coulomb friction of whole_arms is no closer, and it takes 3 times as long
 
 
 def regress_torque(
@@ -299,7 +300,7 @@ class RegressionRows:
             return None
         motion, every = ChainMotion.of(self._joint, *moved), len(rows.place) // CANDIDATES + 1
         known = rows.columns[:, :3].T  # inertia and gravity are among the effects
-        columns = chain_columns(motion, np.ones(len(rows.place)), known, rows.torque, every)
+        columns = chain_columns(motion, np.ones(len(rows.place)), known, rows.torque, every, MOST_COLUMNS)
         constant = np.delete(constant_coupling(motion), self._joint, axis=0)  # own inertia has a column
         constant = constant / np.linalg.norm(constant, axis=1).clip(min=CUTOFF)[:, None]
         _, size, constant = np.linalg.svd(constant, full_matrices=False)

@@ -14,7 +14,7 @@ import numpy as np
 
 from friction_audit.joint_log import Float, Int
 
-MOST = 100  # columns of a process
+MOST = 300  # columns of a process: with 100 a quarter of the clean joints of whole_arms that follow sines have a name
 ROUNDS = 10  # of expectation maximisation
 ABSORBED = 1e-4  # of the norm of a column: less of it is rounding
 
@@ -91,23 +91,23 @@ def constant_coupling(motion: ChainMotion) -> Float:
     return np.vstack([motion.ddq.T, motion.dq.T**2])
 
 
-GRAVITY = Process(_of_gravity, lambda motion: np.ones(len(motion.dq)), own_sines, 1e-7)
+GRAVITY = Process(_of_gravity, lambda motion: np.ones(len(motion.dq)), own_sines, 1e-9)
 INERTIA = Process(
     _of_inertia,
     lambda motion: np.asarray(np.sum(motion.ddq**2, axis=1) + np.sum(motion.dq**2, axis=1) ** 2),
     constant_coupling,
-    1e-5,
+    1e-7,
 )
 PROCESSES = (GRAVITY, INERTIA)
 
 
-def decomposed(process: Process, motion: ChainMotion) -> Columns:
+def decomposed(process: Process, motion: ChainMotion, most: int = MOST) -> Columns:
     """Columns of a process at samples of equal weight, without its effects."""
     # Row by row: the whole matrix, for LAPACK's dpstrf, has the square of some thousand samples.
     m, left = len(motion.dq), process.variance(motion)
     enough = process.least * max(float(left.mean()), 1e-300)
-    rows, pivots = np.empty((MOST, m)), list[int]()
-    while len(pivots) < MOST and left.mean() > enough:
+    rows, pivots = np.empty((most, m)), list[int]()
+    while len(pivots) < most and left.mean() > enough:
         k, pivot = len(pivots), int(np.argmax(left))
         row = process.covariance(motion, motion.at([pivot]))[0] - rows[:k, pivot] @ rows[:k]
         rows[k] = row / np.sqrt(left[pivot])
@@ -121,15 +121,17 @@ def decomposed(process: Process, motion: ChainMotion) -> Columns:
     return Columns(process, motion.at(pivots), mixing, shares @ turned)
 
 
-def chain_columns(motion: ChainMotion, weight: Float, known: Float, y: Float, every: int = 1) -> Float:
+def chain_columns(
+    motion: ChainMotion, weight: Float, known: Float, y: Float, every: int = 1, most: int = MOST
+) -> Float:
     """Columns of both processes, each of a standard normal coefficient in units of the noise, shape (k, m).
 
     Their variances and that of the noise by expectation maximisation (D. A. Harville, J. Am. Stat. Assoc. 72 (1977)
     320), given known columns, shape (b, m), and the effects that they leave out. The samples have some weight each;
-    every so many of them are candidates for the Cholesky decomposition.
+    every so many of them are candidates for the Cholesky decomposition, for so many columns of a process at most.
     """
     thin = motion.at(slice(None, None, every))
-    columns = [weight * decomposed(process, thin).at(motion) for process in PROCESSES]
+    columns = [weight * decomposed(process, thin, most).at(motion) for process in PROCESSES]
     known = np.vstack([known, *(weight * process.effects(motion) for process in PROCESSES)])
     inside = np.linalg.qr((known / np.maximum(np.linalg.norm(known, axis=1), 1e-300)[:, None]).T)[0].T
     both, which = np.vstack(columns), np.repeat([0, 1], [len(one) for one in columns])
