@@ -1,5 +1,6 @@
 """A file -> JointLog: one reader per container format, one table of foreign names; every recording is checked."""
 
+import re
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
@@ -48,6 +49,7 @@ _FORMATS = ", ".join(f"{reader.name} ({' '.join(reader.suffixes) or 'directory'}
 # Endings of what is taken for a log in a folder: those of too much that is no log must be named by the user.
 _ENDINGS = {*STORAGE_NAMES, *(one for reader in READERS for one in reader.suffixes)}
 LOG_SUFFIXES = tuple(sorted(_ENDINGS - {".txt", ".dat", ".zstd", ".zst"}))
+_PART = re.compile(r"_\d+\..*")  # of a ROS 2 bag: its number and endings
 _DEFAULT = ReadOptions()
 _FACTORS = {"torque_constant": "torque constant {} N m/A", "gear_ratio": "gear ratio {}", "torque_scale": "scale {}"}
 # Of a source, as of its recording.
@@ -190,9 +192,10 @@ def choose_reader(path: Path) -> Reader:
     by_suffix = [reader for reader in READERS if path.name.lower().endswith(reader.suffixes)]
     names = sorted(entry.name for entry in path.iterdir()) if path.is_dir() else []
     logs = [name for name in names if name.lower().endswith(LOG_SUFFIXES)]
-    is_bag = METADATA in names or all(name.lower().endswith(STORAGE_NAMES) for name in logs)
-    if not is_bag and not (path / DATA_SET).is_file():
-        what = f"a directory of logs ({', '.join(few(logs))}); expected one log"
+    # Without metadata.yaml, storage files are one recording if their names differ in the number at the end alone.
+    stored, parts = [name.lower().endswith(STORAGE_NAMES) for name in logs], {_PART.sub("", name) for name in logs}
+    if not (METADATA in names or (path / DATA_SET).is_file() or (all(stored) and len(parts) <= 1)):
+        what = f"a directory of logs ({', '.join(few(logs))}); expected one, or its parts run_0.db3, run_1.db3"
         raise InputError(f"{path}: {what}; give one of them, or the directory to batch-report")
     for reader in (*by_suffix, *READERS):
         if starts_with(path, reader.magic) if reader.magic else reader.loaded.recognises(path):

@@ -8,14 +8,13 @@ from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from friction_audit.errors import InputError, few
+from friction_audit.errors import InputError
 from friction_audit.io.files import COMPRESSED, METADATA, STORAGE_NAMES, starts_with
 from friction_audit.io.readers.mcap import McapStream
 from friction_audit.io.readers.message_stream import MOST_TIMES_PACKED, Block, MessageStream, Window, bound_of
 from friction_audit.io.readers.messages import read_messages, topics_of
 from friction_audit.io.readers.rosbag2_sqlite import Sqlite3Stream
 
-_NUMBER = re.compile(r"_\d+$")
 _ITEM = re.compile(r"^[ \t]*-[ \t]*['\"]?([^\s'\"]+)['\"]?[ \t]*$", re.MULTILINE)  # of a list, without blanks
 _TOPICS = "topics_with_message_count:\n"
 _NAME = re.compile(r"^[- ]*name: *['\"]?([^'\"\s]+)", re.MULTILINE)
@@ -80,20 +79,14 @@ def _opened(path: Path) -> Iterator[MessageStream]:
 
 def _storage_files(path: Path, metadata: str) -> list[Path]:
     """Find the storage files of a bag, in the order of their numbers."""
-    by_number = [(re.split(r"(\d+)", file.name), file.name) for file in path.iterdir()]
-    by_number.sort(key=lambda one: [(int(part), "") if part.isdigit() else (-1, part) for part in one[0]])
-    names = [name for _, name in by_number if name.endswith(STORAGE_NAMES)]
+    names = [file.name for file in path.iterdir() if file.name.endswith(STORAGE_NAMES)]
+    names.sort(
+        key=lambda name: [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", name)]
+    )
     listed = [Path(text).name for text in _ITEM.findall(metadata) if text.endswith(STORAGE_NAMES)]
     if missing := [name for name in listed if name not in names]:
         there = f"copy the whole bag, or give one of its files alone ({', '.join(names)})"
         raise InputError(f"{path}: metadata.yaml lists {', '.join(missing)}, not to be found; {there}")
-    # Without metadata.yaml, files are one recording if their names differ in the number at the end alone.
-    stems = [_NUMBER.sub("#", name.partition(".")[0]) for name in names]
-    if not listed and len(names) > 1 and (len({*stems}) > 1 or not stems[0].endswith("#")):
-        raise InputError(
-            f"{path}: {len(names)} storage files that are not parts of one recording ({', '.join(few(names))}); "
-            "expected metadata.yaml or names such as run_0.db3, run_1.db3; give one, or all to batch-report"
-        )
     return [path / name for name in names]
 
 
