@@ -15,6 +15,15 @@ def test_one_bad_file_does_not_sink_the_others(run: Run, logs: Path) -> None:
     assert answer.err == f"error: {document['failed'][0]['message']}\n"
 
 
+def test_what_is_noticed_of_several_logs_is_said_with_the_log(run: Run, tmp_path: Path) -> None:
+    for name in ("one.csv", "two.csv"):
+        tidy_frame(3000).to_csv(tmp_path / name, index=False)
+    (alone,) = [line for line in run("info", "one.csv").err.splitlines() if "remove it" in line]
+    both = run("info", "one.csv", "two.csv").err.splitlines()
+    assert alone.replace("warning: ", "warning: one.csv: ") in both
+    assert alone.replace("one.csv", "two.csv").replace("warning: ", "warning: two.csv: ") in both
+
+
 def test_the_check_of_the_clock_and_the_unit_of_a_current_are_said(run: Run, tmp_path: Path) -> None:
     table = tidy_frame(3000).rename(columns={f"tau_J_{joint}": f"actual_current_{joint}" for joint in (1, 2, 3)})
     table.to_csv(tmp_path / "moved.csv", index=False)
