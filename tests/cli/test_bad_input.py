@@ -268,8 +268,7 @@ def test_directory(run: Run, sound: dict[str, Path], tmp_path: Path) -> None:
 def test_storage_under_the_other_name(run: Run, sound: dict[str, Path], tmp_path: Path) -> None:
     bag = copy_of(sound["rosbag2-mcap"], tmp_path)
     (bag / "metadata.yaml").unlink()
-    storage = storage_of(bag)
-    storage.rename(storage.with_suffix(".db3"))
+    (storage := storage_of(bag)).rename(storage.with_suffix(".db3"))
     assert run("convert", bag, tmp_path / "new.parquet").code == 0
 
 
