@@ -198,7 +198,7 @@ def check_window(first: int, last: int, start_s: float | None, stop_s: float | N
     if last - first < MINIMUM_SAMPLES:
         raise UsageError(
             f"{path}: {max(last - first, 0)} samples between {start_s or 0:g} s and "
-            f"{end_s if stop_s is None else stop_s:g} s; the log lasts from 0 to {end_s:g} s; "
+            f"{'its end' if stop_s is None else f'{stop_s:g} s'}; the log lasts from 0 to {end_s:g} s; "
             "choose another --t-start/--t-end"
         )
     return slice(first, last)

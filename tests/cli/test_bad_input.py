@@ -260,14 +260,15 @@ def test_directory(run: Run, sound: dict[str, Path], tmp_path: Path) -> None:
     refuse(run, folder, r"a directory without the storage files of a bag.*choose a file inside")
     for name in ("monday.db3", "tuesday_0.db3"):
         (folder / name).write_bytes(sound["rosbag2-db3"].read_bytes())
-    refuse(run, folder, r"2 storage files that are not parts of one recording \(monday.db3, tuesday_0.db3\).*give one")
+    refuse(run, folder, r"a directory of logs \(monday.db3, tuesday_0.db3\).*give one")
+    (folder / "monday.db3").rename(folder / "monday.csv")
+    refuse(run, folder, r"a directory of logs \(monday.csv, tuesday_0.db3\).*batch-report")
 
 
 def test_storage_under_the_other_name(run: Run, sound: dict[str, Path], tmp_path: Path) -> None:
     bag = copy_of(sound["rosbag2-mcap"], tmp_path)
     (bag / "metadata.yaml").unlink()
-    storage = storage_of(bag)
-    storage.rename(storage.with_suffix(".db3"))
+    (storage := storage_of(bag)).rename(storage.with_suffix(".db3"))
     assert run("convert", bag, tmp_path / "new.parquet").code == 0
 
 

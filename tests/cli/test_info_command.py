@@ -50,8 +50,11 @@ def test_of_a_large_log_the_beginning_is_read(run: Run, logs: Path, monkeypatch:
 def test_the_beginning_of_every_format(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str) -> None:
     tidy_frame(3000).to_csv(tmp_path / "log.csv", index=False)
     assert run("convert", "log.csv", f"log.{suffix}").code == 0
-    whole = run("info", f"log.{suffix}", "--json").document()["logs"][0]
+    both = run("info", "log.csv", f"log.{suffix}").err
+    assert "warning: log.csv: gravity is in the torque" in both
+    assert f"remove it: `friction-audit info log.{suffix} --urdf FILE`" in both
+    whole = run("info", f"log.{suffix}", "--json").document()["logs"][0]["duration_s"]
     monkeypatch.setattr("friction_audit.cli.info.LARGE_BYTES", 0)
-    monkeypatch.setattr("friction_audit.cli.info.FIRST_S", whole["duration_s"] / 2)
-    log = run("info", f"log.{suffix}", "--json").document()["logs"][0]
-    assert log["duration_s"] == pytest.approx(whole["duration_s"] / 2, rel=0.01)
+    monkeypatch.setattr("friction_audit.cli.info.FIRST_S", whole / 2)
+    part = run("info", f"log.{suffix}", "--json").document()["logs"][0]["duration_s"]
+    assert part == pytest.approx(whole / 2, rel=0.01)

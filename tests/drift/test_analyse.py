@@ -39,13 +39,13 @@ def test_step_of_15_percent_of_one_joint_is_found_sized_and_dated_and_leaves_the
     arm = analyse(sessions)
     assert [joint.joint for joint in arm.joints if joint.drift] == [1]
     assert joint_sentence(arm, arm.joints[0]).startswith("Coulomb friction rose by 1")
-    assert joint_sentence(arm, arm.joints[0]).endswith("; nothing else changed")
-    assert arm_sentence(arm).endswith("; nothing else changed")
+    assert joint_sentence(arm, arm.joints[0]).endswith("; no other change found")
+    assert arm_sentence(arm).endswith("; no other change found")
     (text,) = limits_beyond_all([arm], [parse_limit(one) for one in ("coulomb=15", "coulomb=15%")])
     assert text.endswith(" N m; per cent is coulomb=15%")
     both = arm_sentence(replace(arm, joints=(*arm.joints[:1], replace(arm.joints[0], joint=4))))
     assert "; joint 4: Coulomb friction rose by 1" in both
-    assert "nothing else" not in both
+    assert "no other change" not in both
     found = arm.joints[0].coefficients[0]
     text = describe(found, sessions)
     assert (found.drift, found.shape) == (True, "step")

@@ -13,8 +13,8 @@ from typing import Any
 
 from friction_audit.drift.session import natural
 from friction_audit.errors import InputError, UsageError, encodable
-from friction_audit.io.files import DATA_SET, METADATA, STORAGES, Stamp, stamp_of
-from friction_audit.io.readers import READERS
+from friction_audit.io.files import DATA_SET, METADATA, STORAGE_NAMES, Stamp, stamp_of
+from friction_audit.io.readers import LOG_SUFFIXES
 
 LEDGER = "ledger.sqlite"  # a folder that holds one holds results, not logs
 # Where file systems state whether a file has changed, the surest first.
@@ -23,11 +23,6 @@ VERSION_KEYS = (
     "created",
 )  # fmt: skip
 UNREACHABLE = (OSError, RuntimeError, ValueError)  # of fsspec, where a place cannot be reached or looked at
-COMPRESSED = (".zstd", ".zst")
-PACKED_STORAGES = tuple(storage + packed for storage in STORAGES for packed in COMPRESSED)
-# Endings of what is taken for a log in a folder: those of too much that is no log must be named by the user.
-NEEDS_A_NAME = {".txt", ".dat", *COMPRESSED}
-SUFFIXES = (*sorted({one for reader in READERS for one in reader.suffixes} - NEEDS_A_NAME), *PACKED_STORAGES)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -75,7 +70,7 @@ def find_logs(
 
 def _lack(name: str) -> str:
     if "://" in name or Path(name).is_dir():
-        return f"no log there or below; expected files that end in {' '.join(SUFFIXES)}, or folders of ROS 2 bags"
+        return f"no log there or below; expected files that end in {' '.join(LOG_SUFFIXES)}, or folders of ROS 2 bags"
     if glob.has_magic(name):
         return "no file matches; check the path and the pattern"
     return "no such file or directory; check the path"
@@ -86,7 +81,7 @@ def _logs_of(name: str, closed: set[str]) -> list[LogFile]:
         with _reached(name) as (system, place):
             if any(mark in place for mark in "*["):
                 return [_at(system, match) for match in sorted(system.glob(place), key=natural)]
-            if place.lower().endswith(SUFFIXES) and not system.isdir(place):
+            if place.lower().endswith(LOG_SUFFIXES) and not system.isdir(place):
                 return [_at(system, place)] if system.exists(place) else []
             top = place.rstrip("/").rpartition("/")[2]
             walk, log_at = system.walk(place, detail=True), partial(_at, system)
@@ -133,13 +128,13 @@ def _logs_at(
         inside.clear()
         yield log_at(folder, around[1:] if bag else around)
     else:
-        logs = [file for file in files if not file.startswith(".") and file.lower().endswith(SUFFIXES)]
+        logs = [file for file in files if not file.startswith(".") and file.lower().endswith(LOG_SUFFIXES)]
         yield from (log_at(f"{folder.rstrip('/')}/{file}", around) for file in sorted(logs, key=natural))
 
 
 def is_bag(folder: str, files: Sequence[str]) -> bool:
     """Return True if a folder is one ROS 2 bag: it says so, or its storage files are called as it is."""
-    storage = [name for name in files if name.lower().endswith((*STORAGES, *PACKED_STORAGES))]
+    storage = [name for name in files if name.lower().endswith(STORAGE_NAMES)]
     named = [PurePath(name.removesuffix(".zstd").removesuffix(".zst")).stem for name in storage]
     parts = [stem.rpartition("_") for stem in named]
     return bool(storage) and (METADATA in files or all(head == folder and tail.isdecimal() for head, _, tail in parts))

@@ -11,7 +11,7 @@ from friction_audit.cli import chain, options as opt
 from friction_audit.cli.console import DAMAGED, EXCEEDED, UNTESTABLE
 from friction_audit.cli.outputs import ResultFolder, check_junit, show, write_junit
 from friction_audit.cli.parameters import DIFF_FIGURES, parse_joints
-from friction_audit.errors import FrictionAuditError, InputError, UsageError
+from friction_audit.errors import FrictionAuditError, InputError, UsageError, few
 from friction_audit.io.files import read_document
 
 if TYPE_CHECKING:
@@ -58,9 +58,7 @@ def command(
     of_log = partial(_of_log, shared, friction, noticed)
     sources = [_recordings(source, of_log, shared, folder) for source in (before, after)]
     if not shared.general.json:
-        for line, paths in noticed.items():
-            names = paths if len(paths) <= MOST_NAMED else [paths[0], f"{len(paths) - 1} more"]
-            voice.warn([f"{' and '.join(names)}: {line}"])
+        voice.warn(f"{', '.join(few(paths, MOST_NAMED))}: {line}" for line, paths in noticed.items())
     with voice.step("compare"):
         sides = compare_sides(*(found for found, _ in sources))
     notices = (*(one for _, lost in sources for one in lost), *diff_notices(sides))
@@ -140,7 +138,8 @@ def _report(
     out.write_csv(TABLE, CHANGES.file(sides.joints, "coefficients"))
     out.write_figures({"diff": sides}, [joint.joint for joint in sides.joints], sides.unit, voice)
     if not json:
-        voice.warn([*notice_lines(warnings), *limits_beyond_all(sides.arms, limits)])
+        unsaid = notice_lines(one for one in warnings if one.code != "not_compared")  # the result says that
+        voice.warn([*unsaid, *limits_beyond_all(sides.arms, limits)])
     show(text, lambda: diff_lines(sides, beyond, unknown), json=json)
     if beyond or unknown:
         return EXCEEDED if beyond else UNTESTABLE

@@ -1,5 +1,6 @@
 """``friction-audit info``."""
 
+import shlex
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -11,6 +12,7 @@ from friction_audit.cli.console import DAMAGED, Voice, remark, say
 from friction_audit.cli.parameters import READING, flag
 from friction_audit.errors import FrictionAuditError
 from friction_audit.io.files import stamp_of
+from friction_audit.preprocessing.settings import GIVEN
 
 if TYPE_CHECKING:
     from friction_audit.io.readers import ReadOptions
@@ -49,8 +51,10 @@ def command(
     from friction_audit.reporting.info import InfoEntry
 
     entries, codes = [], []
+    given, every = shlex.split(GIVEN.get()), set(map(str, logs))
     for path in logs:  # one that cannot be read becomes an entry with its message
         topics: tuple[Topic, ...] = ()
+        GIVEN.set(shlex.join(word for word in given if word == str(path) or word not in every))  # what to do about it
         try:
             topics = tuple(list_topics(path)[1])
             log = chain.read(path, options, voice) if full else _read(path, options, topics, voice)
@@ -73,12 +77,10 @@ def _read(path: Path, options: "ReadOptions", topics: "tuple[Topic, ...]", voice
     if stamp_of(path).size <= LARGE_BYTES:
         return chain.read(path, options, voice)
     options = replace(options, hashed=False, largest_whole=-1.0)  # the part alone, of a log of any size
-    if options.has_window:
-        return chain.read(path, options, voice)
-    part = chain.read(path, replace(options, t_end_s=FIRST_S), voice)
+    part = chain.read(path, options if options.has_window else replace(options, t_end_s=FIRST_S), voice)
     rows = {topic.name: topic.messages for topic in topics}.get(part.source.topic or path.name)
-    if part.t[-1] < FIRST_S - 1.0 and (rows is None or len(part.t) > rows // 2):
-        return part  # it is no longer
+    if options.has_window or (part.t[-1] < FIRST_S - 1.0 and (rows is None or len(part.t) > rows // 2)):
+        return part  # as asked for, or the log is no longer
     held = "" if rows is None else f"; the file has {rows} {'messages' if part.source.topic else 'rows'}"
     message = f"the first {FIRST_S:g} s, {len(part.t)} samples{held}; --full reads the whole log"
     finding = Finding(code="first_part", message=message, amount=FIRST_S)
@@ -102,6 +104,7 @@ def _summary(log: "JointLog", settings: "AuditSettings") -> "LogSummary":
 def _print(entries: "list[InfoEntry]", voice: Voice, *, json: bool) -> None:
     from friction_audit.reporting.documents import write_document
     from friction_audit.reporting.info import INFO, SHOWN, info_lines
+    from friction_audit.reporting.notices import notice_lines
 
     if json:
         say(write_document(INFO.json(entries)), nl=False)
@@ -109,6 +112,7 @@ def _print(entries: "list[InfoEntry]", voice: Voice, *, json: bool) -> None:
         if not json and (entry.summary is not None or entry.topics):
             say("\n".join(info_lines(entry)))
         if not json and entry.summary is not None:
-            voice.warn(str(notice) for notice in entry.summary.notices if notice.code not in SHOWN)
+            shown = notice_lines(notice for notice in entry.summary.notices if notice.code not in SHOWN)
+            voice.warn(shown if len(entries) == 1 else [f"{entry.path}: {line}" for line in shown])
         if entry.summary is None:
             remark(f"error: {entry.message}")

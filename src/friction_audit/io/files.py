@@ -17,6 +17,8 @@ from friction_audit.errors import InputError, UsageError
 DATA_SET = "meta/info.json"  # what the folder of a LeRobot data set holds
 _NUMBERS_OF_A_DATA_SET = ("meta", "data")  # of its folders; the others hold gigabytes of video
 METADATA, STORAGES = "metadata.yaml", (".db3", ".mcap")  # the files of a ROS 2 bag
+COMPRESSED = (".zstd", ".zst")
+STORAGE_NAMES = tuple(storage + packed for storage in STORAGES for packed in ("", *COMPRESSED))
 # Line of the metadata of bags that this program writes; `ros2 bag record` names a distribution of ROS.
 _MADE_HERE = "ros_distro: rosbags"
 _DISK_FULL = (errno.ENOSPC, errno.EDQUOT)

@@ -9,7 +9,7 @@ from friction_audit.drift.two_sides import CoefficientChange, JointChange, TwoSi
 from friction_audit.friction.history import Coefficient
 from friction_audit.reporting.documents import SETTINGS, WARNINGS
 from friction_audit.reporting.drift_words import NAMES, UNITS, amount, how_much, limit_lines, total_text, verb_of
-from friction_audit.reporting.notices import Notice, notice, session_sentences, text_of
+from friction_audit.reporting.notices import Notice, notice, reason_lines, session_sentences, text_of
 from friction_audit.reporting.table import JOINT, NAME, Column, Document, Record, joint_column
 from friction_audit.reporting.words import NOTHING, format_p, in_unit, iso_start, joints_label, signed
 
@@ -127,6 +127,7 @@ def diff_lines(sides: TwoSides, exceeded: Iterable[str] = (), cannot_tell: Itera
     lines += JOINT_CHANGE.people(sides.joints, "t", unit=sides.unit).lines()
     tested = (one for one in sides.joints if any(isfinite(found.single_p_value) for found in one.coefficients))
     lines += [in_unit(_sentence(joint), sides.unit) for joint in tested]
+    lines += [in_unit(f"not compared: {line}", sides.unit) for line in reason_lines(sides.joints)]
     return lines + limit_lines(exceeded, cannot_tell)
 
 

@@ -21,7 +21,7 @@ from friction_audit.reporting.table import Tone
 from friction_audit.reporting.words import NEWTON_METRES, NOTHING, count_of, format_date, format_start, in_unit
 
 MOST_STATED = 2  # joints in the sentence on an arm
-NOTHING_ELSE, WARMER = "; nothing else changed", " while it became "
+NOTHING_ELSE, WARMER = "; no other change found", " while it became "
 NAMES = {"coulomb_nm": "Coulomb", "viscous_nms_per_rad": "viscous"}
 UNITS = {"coulomb_nm": "N m", "viscous_nms_per_rad": "N m s/rad"}
 DRIFT, STEADY, TEMPERATURE, UNTESTED = "drift", "no drift found", "temperature", "not testable"

@@ -237,7 +237,7 @@ class Steps:
             text = f"{self.dropped:.0f} samples dropped at {self.long} places (median step {median * 1e3:.3g} ms)"
             yield Finding("dropped_samples", text, amount=self.dropped)
         if self.gaps:
-            text = f"{self.gaps} gaps longer than {self.threshold_s:.3g} s, the longest {self.longest:.3g} s"
+            text = f"gaps longer than {self.threshold_s:.3g} s: {self.gaps}, the longest {self.longest:.3g} s"
             yield Finding("gap", text, amount=float(self.gaps))
         even = self.count - self.long
         deviation = float(np.sqrt(max(self._square / even - (self._off / even) ** 2, 0.0)))

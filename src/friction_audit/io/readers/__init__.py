@@ -1,5 +1,6 @@
 """A file -> JointLog: one reader per container format, one table of foreign names; every recording is checked."""
 
+import re
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
@@ -11,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from friction_audit.errors import InputError, UsageError
-from friction_audit.io.files import DATA_SET, Stamp, sha256_of, stamp_of, starts_with
+from friction_audit.errors import InputError, UsageError, few
+from friction_audit.io.files import DATA_SET, METADATA, STORAGE_NAMES, Stamp, sha256_of, stamp_of, starts_with
 from friction_audit.io.readers.arrays import ArrayTable, arrays_of_frame
 from friction_audit.io.readers.channel_names import arm_of_log, torque_unit
 from friction_audit.io.readers.join import join_recordings, refuse_without_torque
@@ -45,6 +46,10 @@ READERS: tuple[Reader, ...] = (
     Reader("csv", (".csv", ".tsv", ".txt", ".dat", ".csv.gz", ".csv.zst")),
 )
 _FORMATS = ", ".join(f"{reader.name} ({' '.join(reader.suffixes) or 'directory'})" for reader in READERS)
+# Endings of what is taken for a log in a folder: those of too much that is no log must be named by the user.
+_ENDINGS = {*STORAGE_NAMES, *(one for reader in READERS for one in reader.suffixes)}
+LOG_SUFFIXES = tuple(sorted(_ENDINGS - {".txt", ".dat", ".zstd", ".zst"}))
+_PART = re.compile(r"_\d+\..*")  # of a ROS 2 bag: its number and endings
 _DEFAULT = ReadOptions()
 _FACTORS = {"torque_constant": "torque constant {} N m/A", "gear_ratio": "gear ratio {}", "torque_scale": "scale {}"}
 # Of a source, as of its recording.
@@ -185,6 +190,13 @@ def list_topics(path: str | Path) -> tuple[str, tuple[Topic, ...]]:
 def choose_reader(path: Path) -> Reader:
     """Return the reader that recognises a file by its content, else the one of its suffix."""
     by_suffix = [reader for reader in READERS if path.name.lower().endswith(reader.suffixes)]
+    names = sorted(entry.name for entry in path.iterdir()) if path.is_dir() else []
+    logs = [name for name in names if name.lower().endswith(LOG_SUFFIXES)]
+    # Without metadata.yaml, storage files are one recording if their names differ in the number at the end alone.
+    stored, parts = [name.lower().endswith(STORAGE_NAMES) for name in logs], {_PART.sub("", name) for name in logs}
+    if not (METADATA in names or (path / DATA_SET).is_file() or (all(stored) and len(parts) <= 1)):
+        what = f"a directory of logs ({', '.join(few(logs))}); expected one, or its parts run_0.db3, run_1.db3"
+        raise InputError(f"{path}: {what}; give one of them, or the directory to batch-report")
     for reader in (*by_suffix, *READERS):
         if starts_with(path, reader.magic) if reader.magic else reader.loaded.recognises(path):
             return reader
@@ -192,7 +204,6 @@ def choose_reader(path: Path) -> Reader:
         raise InputError(f"{path}: packed with {packed}; expected one that is not; unpack with `{packed} -d {path}`")
     what = "of no known format"
     if path.is_dir():
-        next(path.iterdir(), None)  # raises if it may not be looked into
         what = f"a directory without the storage files of a bag or the {DATA_SET} of a LeRobot data set"
     elif by_suffix:
         return by_suffix[0]

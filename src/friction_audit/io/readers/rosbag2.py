@@ -8,16 +8,13 @@ from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from friction_audit.errors import InputError, few
-from friction_audit.io.files import METADATA, STORAGES, starts_with
+from friction_audit.errors import InputError
+from friction_audit.io.files import COMPRESSED, METADATA, STORAGE_NAMES, starts_with
 from friction_audit.io.readers.mcap import McapStream
 from friction_audit.io.readers.message_stream import MOST_TIMES_PACKED, Block, MessageStream, Window, bound_of
 from friction_audit.io.readers.messages import read_messages, topics_of
 from friction_audit.io.readers.rosbag2_sqlite import Sqlite3Stream
 
-_COMPRESSED_SUFFIXES = (".zstd", ".zst")
-_STORAGE_NAMES = tuple(suffix + packed for suffix in STORAGES for packed in ("", *_COMPRESSED_SUFFIXES))
-_NUMBER = re.compile(r"_\d+$")
 _ITEM = re.compile(r"^[ \t]*-[ \t]*['\"]?([^\s'\"]+)['\"]?[ \t]*$", re.MULTILINE)  # of a list, without blanks
 _TOPICS = "topics_with_message_count:\n"
 _NAME = re.compile(r"^[- ]*name: *['\"]?([^'\"\s]+)", re.MULTILINE)
@@ -67,11 +64,11 @@ def _opened(path: Path) -> Iterator[MessageStream]:
             with listed.open("rb") as stated:
                 metadata = stated.read(_LARGEST_METADATA).decode(errors="replace")
         files = _storage_files(path, metadata) if path.is_dir() else [path]
-        is_packed = any(file.suffix in _COMPRESSED_SUFFIXES for file in files)
+        is_packed = any(file.suffix in COMPRESSED for file in files)
         folder = Path(stack.enter_context(TemporaryDirectory()) if is_packed else path)
         streams = list[MessageStream]()
         for packed in files:  # by what it holds; by its name if it holds neither
-            file = _decompress_file(packed, folder) if packed.suffix in _COMPRESSED_SUFFIXES else packed
+            file = _decompress_file(packed, folder) if packed.suffix in COMPRESSED else packed
             is_sqlite = starts_with(file, Sqlite3Stream.magic)
             is_mcap = starts_with(file, McapStream.magic) or (file.suffix == ".mcap" and not is_sqlite)
             streams.append(McapStream(file) if is_mcap else Sqlite3Stream(file))
@@ -82,20 +79,14 @@ def _opened(path: Path) -> Iterator[MessageStream]:
 
 def _storage_files(path: Path, metadata: str) -> list[Path]:
     """Find the storage files of a bag, in the order of their numbers."""
-    by_number = [(re.split(r"(\d+)", file.name), file.name) for file in path.iterdir()]
-    by_number.sort(key=lambda one: [(int(part), "") if part.isdigit() else (-1, part) for part in one[0]])
-    names = [name for _, name in by_number if name.endswith(_STORAGE_NAMES)]
-    listed = [Path(text).name for text in _ITEM.findall(metadata) if text.endswith(_STORAGE_NAMES)]
+    names = [file.name for file in path.iterdir() if file.name.endswith(STORAGE_NAMES)]
+    names.sort(
+        key=lambda name: [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", name)]
+    )
+    listed = [Path(text).name for text in _ITEM.findall(metadata) if text.endswith(STORAGE_NAMES)]
     if missing := [name for name in listed if name not in names]:
         there = f"copy the whole bag, or give one of its files alone ({', '.join(names)})"
         raise InputError(f"{path}: metadata.yaml lists {', '.join(missing)}, not to be found; {there}")
-    # Without metadata.yaml, files are one recording if their names differ in the number at the end alone.
-    stems = [_NUMBER.sub("#", name.partition(".")[0]) for name in names]
-    if not listed and len(names) > 1 and (len({*stems}) > 1 or not stems[0].endswith("#")):
-        raise InputError(
-            f"{path}: {len(names)} storage files that are not parts of one recording ({', '.join(few(names))}); "
-            "expected metadata.yaml or names such as run_0.db3, run_1.db3; give one of the files"
-        )
     return [path / name for name in names]
 
 
@@ -125,12 +116,9 @@ def _decompress_file(path: Path, folder: Path) -> Path:
 def recognises(path: Path) -> bool:
     """Return True for a database, a compressed storage file, or a folder with one."""
     if not path.is_dir():
-        is_packed = path.suffix in _COMPRESSED_SUFFIXES and path.name.endswith(_STORAGE_NAMES)
+        is_packed = path.suffix in COMPRESSED and path.name.endswith(STORAGE_NAMES)
         return is_packed or starts_with(path, Sqlite3Stream.magic)
-    try:
-        return any(entry.name.endswith(_STORAGE_NAMES) for entry in path.iterdir())
-    except OSError:
-        return False
+    return any(entry.name.endswith(STORAGE_NAMES) for entry in path.iterdir())
 
 
 read, topics = partial(read_messages, _opened), partial(topics_of, _opened)
