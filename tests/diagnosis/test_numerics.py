@@ -50,6 +50,14 @@ def test_noise_is_an_autoregression_of_its_own_innovations() -> None:
     assert abs(np.corrcoef(innovations[1:], innovations[:-1])[0, 1]) < 0.05
 
 
+def test_few_samples_in_short_stretches_do_not_predict_their_noise() -> None:
+    """A measured log at 30 Hz: of the last lags only some samples have a pair, and an order up to them explains all."""
+    for seed in range(20):
+        left = 0.3 * np.random.default_rng(seed).standard_normal(40)
+        noise = NoiseModel.fit(np.tile(np.arange(8), 5), [left], np.zeros(40))
+        assert 1.0 / noise.scales[-1] > 0.5 * np.std(left)
+
+
 def test_folds_hold_whole_cycles_spread_over_the_log() -> None:
     cycle = np.repeat(np.arange(23), 7)
     fold = folds_of(cycle)
