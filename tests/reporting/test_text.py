@@ -177,6 +177,8 @@ def test_notices_of_the_same_words_share_a_line(seven: Estimate) -> None:
     assert notice_lines([Notice("a", None, "late"), Notice("b", 2, "late")]) == ["late"]
     assert ranged("0.2 s of 2 s", "0.1 s of 2 s", "1.2 s of 2 s") == ["joints 1, 2, 3: 0.1 to 1.2 s of 2 s"]
     assert ranged("1.5 N m over 2 rad", "3 N m over 1 rad") == ["joints 1, 2: 1.5 to 3 N m over 1 to 2 rad"]
+    assert ranged("-1 to 2 A", "-3 to 4 A") == ["joint 1: -1 to 2 A", "joint 2: -3 to 4 A"]
+    assert ranged("1 ± 2 A", "1 ± 2 A", "3 ± 4 A") == ["joints 1, 2: 1 ± 2 A", "joint 3: 3 ± 4 A"]
     assert ranged("0.1 s, as q1", "0.2 s, as q2") == ["joint 1: 0.1 s, as q1", "joint 2: 0.2 s, as q2"]
     still = seven.friction.joints[2]
     reasons = [(Caution("constant_position"), Caution("one_speed_in_rows", numbers={"mean": v})) for v in (0.31, 0.4)]

@@ -53,7 +53,7 @@ def leave_out_rows(recording: Recording, missing: Missing) -> Recording:
     """Leave out rows with anything missing."""
     if not (lost := missing.marks.count):
         return recording
-    places = [recording.name_of(name, j) for name, counts in missing.counts.items() for j in np.flatnonzero(counts)]
+    places = [recording.name_of(c, j) for c, counts in missing.counts.items() for j, one in enumerate(counts) if one]
     where = f" ({', '.join(places[:3])}{', ...' * (len(places) > 3)})" if places else ""  # noqa: PLR2004
     text = f"{lost} of {missing.rows} rows hold NaN, infinity or numbers beyond {_ABSURD:g}{where}; they are left out"
     return recording.without(missing.marks).with_findings(Finding("non_finite", text, amount=float(lost), damaged=True))
