@@ -159,10 +159,9 @@ def estimate_notices(estimate: Estimate) -> tuple[Notice, ...]:
 def replay_notices(found: LogReplay) -> tuple[Notice, ...]:
     """Return what was noticed on the way from the log to the replay, each once; of the estimate what is negative."""
     suspected = {one.joint for one in found.replay.warnings if one.code == "seems_compensated"}
-    others = {one.joint for one in found.replay.joints} - suspected
-    negative = [one for one in found.estimate.friction.warnings if one.code.startswith("negative_")]
-    own = (*found.replay.warnings, *(one for one in negative if one.joint in others))
-    return _on_the_way(found.estimate, notices(own))
+    own = {one.joint for one in found.replay.joints} - suspected
+    negative = [one for one in found.estimate.friction.warnings if one.code.startswith("negative") and one.joint in own]
+    return _on_the_way(found.estimate, notices([*found.replay.warnings, *negative]))
 
 
 def diagnose_notices(found: Diagnosis) -> tuple[Notice, ...]:
