@@ -36,8 +36,8 @@ class AnalysisError(FrictionAuditError):
 
     exit_code = 4
 
-    def __init__(self, why: object, of_joints: Sequence[Any] = ()) -> None:
-        """Take also results of joints that have a reason each."""
+    def __init__(self, why: object, of_joints: Sequence[tuple[int, Any]] = ()) -> None:
+        """Take also the reasons of several joints by their numbers."""
         super().__init__(why)
         self.of_joints = of_joints
 
