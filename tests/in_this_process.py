@@ -3,14 +3,14 @@
 import io
 import json
 import pickle
-from collections.abc import Callable, Generator, Iterable, Iterator
-from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from collections.abc import Callable, Generator, Iterable
+from contextlib import AbstractContextManager, redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from hashlib import sha256
 from typing import TYPE_CHECKING, Any
+from unittest.mock import patch
 
 import jsonschema
-import pytest
 
 from friction_audit.batch.executor import Asked, Done, LocalExecutor
 from friction_audit.cli import main
@@ -62,12 +62,9 @@ def _one_by_one(
         yield task, work(task)
 
 
-@contextmanager
-def in_this_process() -> Iterator[None]:
+def in_this_process() -> AbstractContextManager[object]:
     """Let batches start no processes; what they are for is tested in ``tests/batch`` and once for the command."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(LocalExecutor, "run", _one_by_one)
-        yield
+    return patch.object(LocalExecutor, "run", _one_by_one)
 
 
 FOUND: dict[str, tuple[JointDiagnosis, ...]] = {}
@@ -82,12 +79,9 @@ def _remembering(subjects: Any, settings: Any, _report: Any = None) -> tuple[Joi
     return FOUND[key]
 
 
-@contextmanager
-def diagnosed_once() -> Iterator[None]:
+def diagnosed_once() -> AbstractContextManager[object]:
     """Diagnose a log once that pages show in several commands."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(diagnose, "diagnose_subjects", _remembering)
-        yield
+    return patch.object(diagnose, "diagnose_subjects", _remembering)
 
 
 POINTS_PER_INCH = 72.0

@@ -21,10 +21,6 @@ COLUMNS: dict[str, Callable[[JointData, Nonlinear], Float]] = {
 }
 
 
-def _coefficients(units: Sequence[str]) -> tuple[Parameter, ...]:
-    return tuple(Parameter(f"factor_{k}_{unit}", unit, "") for k, unit in enumerate(units, start=1))
-
-
 def altered(effect: Effect, *, units: Sequence[str] = (), **changes: object) -> Effect:
     """Return an effect with other attributes or methods; ``grid`` is given as its points, ``regressor`` of one."""
     other = copy(effect)
@@ -35,7 +31,7 @@ def altered(effect: Effect, *, units: Sequence[str] = (), **changes: object) -> 
         one: Any = changes["regressor"]
         changes["regressors"] = lambda data, nominal, grid: ((k, one(data, nominal, at)) for k, at in enumerate(grid))
     if units:
-        changes["coefficients"] = _coefficients(units)
+        changes["coefficients"] = tuple(Parameter(f"factor_{k}_{unit}", unit, "") for k, unit in enumerate(units, 1))
     for name, value in changes.items():
         object.__setattr__(other, name, value)
     return other

@@ -145,11 +145,13 @@ def test_one_speed_gives_their_sum_and_not_the_two_coefficients() -> None:
     assert re.search(r"all motion has one speed \(0\.5 rad/s.* friction there is 0\.33", text_of(joint.reason))
 
 
-def test_negative_friction_is_shown_and_warned_about() -> None:
+@pytest.mark.parametrize(("noise_nm", "rel", "words"), [(0.0, 1e-3, "is in the torque"), (5.0, 1.0, "not different")])
+def test_negative_friction_is_shown_and_warned_about(noise_nm: float, rel: float, words: str) -> None:
     t, v, a = strokes(LENGTHS, DURATIONS)
-    history = estimated(interaction(t, v, friction(v, a, coulomb=0.3, viscous=-0.1)), compare=False)
-    assert history.joints[0].viscous.value == pytest.approx(-0.1, rel=1e-3)
-    assert "negative_viscous" in [w.code for w in history.warnings]
+    noise = noise_nm * np.random.default_rng(0).normal(size=len(t))
+    history = estimated(interaction(t, v, friction(v, a, coulomb=0.3, viscous=-0.1) + noise), compare=False)
+    assert history.joints[0].viscous.value == pytest.approx(-0.1, rel=rel)
+    assert words in next(sentence_of(w) for w in history.warnings if w.code == "negative_viscous")
 
 
 def test_a_change_within_the_log_is_said_and_its_absence_is_not() -> None:

@@ -18,7 +18,7 @@ from friction_audit.joint_log import Finding, Float, JointLog
 from friction_audit.preprocessing.interaction_torque import extract_interaction
 from friction_audit.preprocessing.segmentation import segment_cycles
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
-from friction_audit.reporting.notices import minor
+from friction_audit.reporting.notices import NO_PHYSICS, minor
 from tests.io.synthetic_recordings import motion, recording, refused, tidy_frame
 
 Change = Callable[[Recording], None]
@@ -105,7 +105,7 @@ def test_recordings_that_cannot_be_used_are_refused(change: Change, words: str) 
     [
         (put("tau_J_d", ..., NAN), "empty_channel", None, 3000),
         (put("temperature", slice(1, None, 2), NAN), "sparse_channel", None, 1500),
-        (put("tau_J", (..., 1), NAN), "empty_joint", 2, 3000),
+        (put("tau_J", (..., 1), NAN), "empty_joint", None, 3000),
         (put("q", (10, 0), 1e300), "non_finite", None, 1),
         (put("t", 50, lambda t: t[49]), "duplicate_stamps", None, 1),
         (put("dq", (..., 1), 0.0), "velocity_dead", 2, None),
@@ -124,7 +124,8 @@ def test_a_fault_is_named_with_joint_and_amount(
 ) -> None:
     log = vetted(changed(change))
     noticed = finding(log, code)
-    assert (noticed.joint, code in minor(log)) == (joint, code == "duplicate_stamps")
+    marked = code in ("torque_unit_suspected", "velocity_scale", "clock_stretched", "position_mismatch")  # its row
+    assert (noticed.joint, code in minor(log), code not in NO_PHYSICS) == (joint, code == "duplicate_stamps", marked)
     assert amount is None or noticed.amount == pytest.approx(amount, rel=2e-3)
 
 
@@ -134,6 +135,7 @@ def test_what_is_left_out_and_what_is_kept() -> None:
     assert vetted(changed(put("tau_J", (..., 1), NAN))).joint_names == ("panda_joint1", "panda_joint3")
     log = vetted(changed(put("q", (10, 0), NAN), put("tau_J", (20, 2), np.inf), put("t", 30, NAN)))
     assert (finding(log, "non_finite").amount, finding(log, "non_finite").damaged, len(log.t)) == (3, True, 2997)
+    assert "(q (q) of panda_joint1, tau_J (tau_J) of panda_joint3)" in finding(log, "non_finite").message
     log = vetted(changed(put("t", 50, lambda t: t[49])))
     np.testing.assert_array_equal(log.q, np.delete(recording().channels["q"], 50, axis=0))
     log = vetted(changed(put("tau_J", (..., 2), lambda a: 1500.0 * np.sign(a[:, 2]))))

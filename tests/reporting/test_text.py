@@ -127,6 +127,7 @@ def test_parameters_of_an_effect(parameters: dict[str, Coefficient], text: str) 
     effect = replace(BIAS, parameters=parameters, not_identifiable=lost)
     lines = diagnose_lines(diagnosis(replace(NAMED, effects=(effect,))))
     assert any(line.startswith("joint 1, torque_bias (") and text in line for line in lines)
+    assert "in the document" not in "".join(diagnose_lines(diagnosis(replace(NAMED, effects=(effect,))), verbose=True))
 
 
 def test_drift_in_detail_of_many_and_of_nothing() -> None:
@@ -177,6 +178,7 @@ def test_notices_of_the_same_words_share_a_line(seven: Estimate) -> None:
     assert notice_lines([Notice("a", None, "late"), Notice("b", 2, "late")]) == ["late"]
     assert ranged("0.2 s of 2 s", "0.1 s of 2 s", "1.2 s of 2 s") == ["joints 1, 2, 3: 0.1 to 1.2 s of 2 s"]
     assert ranged("1.5 N m over 2 rad", "3 N m over 1 rad") == ["joints 1, 2: 1.5 to 3 N m over 1 to 2 rad"]
+    assert ranged("1 ± 2 A", "3 ± 4 A", "-1 to 2 s", "-3 to 4 s")[1::2] == ["joint 2: 3 ± 4 A", "joint 4: -3 to 4 s"]
     assert ranged("0.1 s, as q1", "0.2 s, as q2") == ["joint 1: 0.1 s, as q1", "joint 2: 0.2 s, as q2"]
     still = seven.friction.joints[2]
     reasons = [(Caution("constant_position"), Caution("one_speed_in_rows", numbers={"mean": v})) for v in (0.31, 0.4)]
@@ -218,9 +220,14 @@ def test_numbers_and_lists(shown: str, text: str) -> None:
 
 def test_what_noise_hides_and_what_a_recorder_does_is_said_where_the_answer_stands() -> None:
     assert NAMED.traces is not None
-    assert "lost in the noise" not in "".join(diagnose_lines(diagnosis(NAMED)))
+    assert NAMED.simulation is not None
+    lines = "\n".join(diagnose_lines(diagnosis(NAMED)))
+    assert "lost in the noise" not in lines
+    assert "motion is worse" not in lines
     noisy = replace(NAMED, traces=replace(NAMED.traces, corner_hz=4.0), effects=(replace(STRIBECK, name="time_delay"),))
+    noisy = replace(noisy, simulation=replace(NAMED.simulation, after=9.0))
     lines = "\n".join(diagnose_lines(diagnosis(noisy)))
     assert "joint 1, what is faster than 4 Hz is lost in the noise of the acceleration" in lines
     assert "time_delay: a low-pass filter in the recorder" in lines
+    assert "joint 1, the simulated motion is worse with the effects" in lines
     assert "; what is faster than 4 Hz" in joint_message(replace(noisy, verdict="adequate", effects=()))

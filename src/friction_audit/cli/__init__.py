@@ -9,6 +9,7 @@ import warnings
 from contextlib import nullcontext
 from functools import cache
 from importlib import import_module
+from types import SimpleNamespace
 from typing import Annotated, Any
 
 import typer
@@ -91,9 +92,9 @@ def main(argv: list[str] | None = None) -> None:
             raise
         lines = [f"error: {reason}"]
         if isinstance(reason, AnalysisError) and reason.of_joints:
-            from friction_audit.reporting.notices import text_of
+            from friction_audit.reporting.notices import reason_lines
 
-            lines += [f"joint {joint}: {text_of(why)}" for joint, why in reason.of_joints]
+            lines += reason_lines(SimpleNamespace(joint=joint, reason=why) for joint, why in reason.of_joints)
         remark("\n  ".join(lines))
         sys.exit(reason.exit_code)
     finally:

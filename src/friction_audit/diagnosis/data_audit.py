@@ -162,10 +162,10 @@ def _velocity(interaction: Interaction, data: JointData) -> tuple[DataFinding, .
     if not good.any() or not np.any(slope[good]):
         return (judged("dq_against_q", 0.0, case="stands"),)
     design = np.column_stack([slope, -np.gradient(slope, data.step_s)])[good]
-    scale, shift = np.linalg.lstsq(design, dq[good], rcond=None)[0]
-    left = dq[good] - design @ np.array([scale, shift])
-    power = float(np.mean(dq[good] ** 2))
-    explained = 1.0 - float(np.mean(left**2)) / power if power > 0 else 0.0
+    fitted = np.linalg.lstsq(design, dq[good], rcond=None)[0]
+    left = dq[good] - design @ fitted
+    explained = 1.0 - float(left @ left) / power if (power := float(dq[good] @ dq[good])) > 0 else 0.0
+    scale, shift = fitted if explained > 0.5 else (NAN, NAN)  # noqa: PLR2004 - columns of two joints
     most_delay = max(MOST_DELAY_S, MOST_DELAY_STEPS * median_step(interaction.t))
     delay = abs(float(shift / scale)) if scale else NAN
     for one in interaction.warnings:  # a delay of another clock is too long for the first term of its series

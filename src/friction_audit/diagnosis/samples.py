@@ -44,7 +44,7 @@ QUIET_SHARE = 0.5
 OBSERVED = 0.62  # of white noise, what a density from second differences finds: the grid's low-pass takes the rest
 SMALL = 1e-3  # of the torque, what no diagnosis needs
 MOST_UNCERTAIN = 0.02  # share of the filter's weight that may come from samples without a certain direction
-MOST_LAGS = 8
+MOST_LAGS = 8  # of those with 50 pairs of samples, or half of a short log: Box and Jenkins ask for 50
 LOADING = 0.05  # white part of the variance: plain AR weights frequencies that hold nothing but the filter's stop band
 LARGEST_REFLECTION = 0.98  # autocovariances over broken stretches need not be positive definite
 
@@ -285,6 +285,7 @@ class NoiseModel:
         than the noise.
         """
         found: list[tuple[float, NoiseModel]] = []
+        later = [k for lag in range(MOST_LAGS + 1) if len(k := np.flatnonzero(age >= lag)) >= min(len(age) / 2, 50)]
         for residual in residuals:
             # The model error is part of what is left: what remains of the variance where it is small is the noise.
             calm = model_error <= np.median(model_error)
@@ -293,12 +294,11 @@ class NoiseModel:
             weight = np.sqrt(variance / (variance + model_error**2))
             # An offset that is not in the model yet would pass for noise with a long autocorrelation time.
             scaled = (residual - np.average(residual, weights=weight**2)) * weight
-            later = [np.flatnonzero(age >= lag) for lag in range(MOST_LAGS + 1)]
-            sums = np.array([scaled[k] @ scaled[k - lag] / max(len(k), 1) for lag, k in enumerate(later)])
+            sums = np.array([scaled[k] @ scaled[k - lag] / len(k) for lag, k in enumerate(later)])
             sums[0] *= 1.0 + LOADING
             predictors, errors = levinson_durbin(sums)
             n = len(residual)
-            criterion = [n * np.log(errors[k]) + 2 * k * n / (n - k - 2) for k in range(MOST_LAGS + 1)]  # AICc
+            criterion = [n * np.log(errors[k]) + 2 * k * n / (n - k - 2) for k in range(len(later))]  # AICc
             p = int(np.argmin(criterion))
             time = errors[p] / max((1.0 - predictors[p, :p].sum()) ** 2, 1e-9) / errors[0]
             noise = cls(

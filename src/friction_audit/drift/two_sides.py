@@ -123,10 +123,10 @@ def compare_sides(before: Sequence[Session], after: Sequence[Session]) -> TwoSid
         for number, both in own.items()
     ]
     if not any(np.isfinite(change.found.change.value) for joint in joints for change in joint.coefficients):
-        lacking = [(joint.joint, joint.reason) for joint in joints if joint.reason]
-        held = " and ".join(write_joint_numbers(side) or "none" for side in numbers)
-        why = f"no joint has an estimate on both sides, which have joints {held}:{'' if lacking else ' no match'}"
-        raise AnalysisError(why, lacking)
+        found = ({joint.joint for one in side for joint in one.joints if not joint.reason} for side in sides)
+        first, second = (write_joint_numbers(side) or "none" for side in found)
+        why = f"no joint has an estimate on both sides; joints that have one: {first} before, {second} after"
+        raise AnalysisError(why, [(joint.joint, joint.reason) for joint in joints if joint.reason])
     content = {key for one in before for key in known_by(one)}
     return TwoSides(
         before=tuple(before),

@@ -208,9 +208,7 @@ def laws_of(
     if absent := ", ".join(str(number) for number in wanted or () if number not in numbers):
         raise UsageError(f"--joints {absent}: not in the source; its joints are {', '.join(map(str, numbers))}")
     laws, lacking = [], []
-    for number, name, model in joints.every:
-        if wanted is not None and number not in wanted:
-            continue
+    for number, name, model in (one for one in joints.every if wanted is None or one[0] in wanted):
         try:
             laws.append(friction_law(number, name, model, speeds.get(number, usual), armature=armature))
         except AnalysisError as error:

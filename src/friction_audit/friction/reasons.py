@@ -19,6 +19,7 @@ LEAST_SHARE = 0.1
 SMALLEST_SPREAD = 0.1  # coefficient of variation of the speed over the path below which a log has one speed only
 LEAST_TRAVEL_RAD = 0.01  # a position that changes by less may only be noisy
 SHORT_S = 5.0  # a shorter log holds no four strokes back and forth at usual speeds
+SIGN = ("clear", "uncertain")  # of a negative coefficient
 ENOUGH = 1 << 16  # samples of a root mean square: it is right to a percent, enough for a bound
 STANDSTILL = 0.1  # share of the initiation threshold below which a joint stands still
 
@@ -32,8 +33,7 @@ def not_simultaneous(joint: JointFriction) -> Iterator[Caution]:
         numbers = {"ms": 1e3 * abs(delay_s), "late": "late" if delay_s > 0.0 else "early"}
         yield Caution(code="torque_delayed", joint=joint.joint, numbers=numbers)
     elif turning is not None:
-        numbers = dict(zip(UNITS, turning, strict=True))
-        yield Caution(code="slow_reversals", joint=joint.joint, numbers=numbers)
+        yield Caution(code="slow_reversals", joint=joint.joint, numbers=dict(zip(UNITS, turning, strict=True)))
 
 
 def repeated(joint: JointFriction, kept: EnergyCycles) -> Iterator[Caution]:
@@ -57,7 +57,8 @@ def cautions_of(joint: JointFriction) -> tuple[Caution, ...]:
     """
     if joint.reason:
         return (Caution("not_determined", joint=joint.joint, numbers={"reason": joint.reason}),)
-    found: dict[str, dict[str, Any]] = {f"negative_{name}": {} for name in UNITS if getattr(joint, name).value < 0}
+    both = {f"negative_{name}": getattr(joint, name) for name in UNITS}
+    found: dict[str, dict[str, Any]] = {n: {"case": SIGN[one.high >= 0]} for n, one in both.items() if one.value < 0}
     if abs(joint.correlation) > HIGHEST_CORRELATION:
         found["hardly_separable"] = {"most": HIGHEST_CORRELATION}
     if joint.cycles < FEW_CYCLES:

@@ -1,6 +1,5 @@
 """Diagnosis: its document, its tables for files and pages, and its text on the terminal."""
 
-import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -64,8 +63,7 @@ DIAGNOSE: ResultDocument = ResultDocument(
 
 def _simulated(joint: JointDiagnosis) -> dict[str, Float] | None:
     """Return the signals of the cycles that were simulated, without the gaps between them."""
-    gap = joint.simulation
-    if gap is None:
+    if (gap := joint.simulation) is None:
         return None
     there = np.isfinite(gap.t)
     return {name: getattr(gap, name)[there] for name in ("t", "measured", "nominal", "augmented")}
@@ -132,15 +130,17 @@ def diagnose_lines(found: Diagnosis, *, verbose: bool = False) -> list[str]:
 def _details(joint: JointDiagnosis, *, verbose: bool) -> Iterator[str]:
     """Yield each effect in numbers, the negligible effects, and what the residual still holds."""
     for effect in joint.effects:
-        numbers, where = words.effect_numbers(effect), words.where_effect(effect, joint)
+        numbers = words.effect_numbers(effect, np.inf if verbose else words.MOST_NUMBERS)
         short = f"{len(effect.parameters)} parameters, shown with -v"
-        texts = ("; ".join(filter(None, (numbers, where))), numbers, short)
+        texts = ("; ".join(filter(None, (numbers, words.where_effect(effect, joint)))), numbers, short)
         head = f"{effect.name} ({effect.label}): "
         yield head + next(one for one in texts if verbose or len(head + one) <= LONGEST or one is short)
         if recorder := effect_of(effect.name).recorder:
             yield f"{effect.name}: {recorder}"
     if joint.verdict != "adequate" and (lost := words.lost_in_noise(joint)):
         yield lost
+    if joint.simulation is not None and joint.simulation.after > joint.simulation.before:
+        yield "the simulated motion is worse with the effects: without feedback, small errors of torque add up"
     if joint.negligible:
         yield f"negligible: {words.negligible_words(joint)}"
     if joint.checks:
@@ -156,6 +156,6 @@ def _competing(joint: JointDiagnosis) -> Iterator[str]:
         for one in effect.evidence:
             scores = f"2 ln BF {one.two_ln_bayes_factor:+.0f}, correlation {one.correlation:.2f}"
             yield f"{one.name} in place of {effect.name}: {scores}"
-    if joint.effects and not math.isnan(joint.detection_limit_nm):
+    if joint.effects and not np.isnan(joint.detection_limit_nm):
         yield f"detection limit for other effects: {joint.detection_limit_nm:.2g} N m rms"
     yield from (f"this log cannot show {', '.join(names)}: {why}" for _, names, why in tables.untestable_rows(joint))

@@ -183,11 +183,11 @@ def _span(axis: str, low: float, high: float, *, from_start: bool, to_end: bool)
     return f"{span} {UNITS[axis]}"
 
 
-def effect_numbers(effect: NamedEffect) -> str:
+def effect_numbers(effect: NamedEffect, most: float = MOST_NUMBERS) -> str:
     """Return the parameters in words; more than people can read are left to the document."""
     lost = effect.not_identifiable
     words = [_parameter(name, number) for name, number in effect.parameters.items() if name not in lost]
-    text = ", ".join(filter(None, words)) if len(words) <= MOST_NUMBERS else f"{len(words)} parameters, in the document"
+    text = ", ".join(filter(None, words)) if len(words) <= most else f"{len(words)} parameters, in the document"
     meanings = (PARAMETERS_BY_NAME[name].meaning if name in PARAMETERS_BY_NAME else name for name in lost)
     unknown = f"{UNBOUNDED} from this log: {', '.join(meanings)}" if lost else ""
     return "; ".join(filter(None, (text, unknown)))

@@ -84,6 +84,7 @@ NO_PHYSICS = (*TABLED, *CORRECTED, *sentences()["kinds"]["recording"].split())
 # A number in a sentence, no digit of a name.
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*\w)")
 OTHER = re.compile(r"\bjoint \d+")
+INTERVAL = re.compile(r"± | to -?\d")  # of its ends no ranges are given: four numbers
 SENTENCE_END = re.compile(r"\. (?=[A-Z])")
 SMALL_SHARE = 0.1  # of the samples (or of a step) lost or irregular: below it no coefficient changes visibly
 
@@ -146,8 +147,7 @@ def log_line(log: JointLog) -> str:
 
 def log_notices(log: JointLog) -> tuple[Notice, ...]:
     """Return what was noticed while the log was read."""
-    unit = log.source.torque_unit
-    own = () if unit == NEWTON_METRES else (notice("torque_in_ampere", unit=unit),)
+    own = () if log.source.torque_unit == NEWTON_METRES else (notice("torque_in_ampere", unit=log.source.torque_unit),)
     return own + notices(log.source.findings)
 
 
@@ -159,10 +159,9 @@ def estimate_notices(estimate: Estimate) -> tuple[Notice, ...]:
 def replay_notices(found: LogReplay) -> tuple[Notice, ...]:
     """Return what was noticed on the way from the log to the replay, each once; of the estimate what is negative."""
     suspected = {one.joint for one in found.replay.warnings if one.code == "seems_compensated"}
-    others = {one.joint for one in found.replay.joints} - suspected
-    negative = [one for one in found.estimate.friction.warnings if one.code.startswith("negative_")]
-    own = (*found.replay.warnings, *(one for one in negative if one.joint in others))
-    return _on_the_way(found.estimate, notices(own))
+    own = {one.joint for one in found.replay.joints} - suspected
+    negative = [one for one in found.estimate.friction.warnings if one.code.startswith("negative") and one.joint in own]
+    return _on_the_way(found.estimate, notices([*found.replay.warnings, *negative]))
 
 
 def diagnose_notices(found: Diagnosis) -> tuple[Notice, ...]:
@@ -214,7 +213,7 @@ def notice_lines(notices: Iterable[Notice]) -> list[str]:
     for apart in alike.values():
         every = [one for same in apart.values() for one in same]
         messages = apart
-        if not any(map(OTHER.search, apart)):  # one sentence with the ranges of its numbers
+        if not any(OTHER.search(one) or INTERVAL.search(one) for one in apart):  # one sentence with ranges
             columns = zip(*map(NUMBER.findall, apart), strict=True)
             ends = (dict.fromkeys((min(one, key=float), max(one, key=float))) for one in columns)
             ranges, pieces = map(" to ".join, ends), NUMBER.split(next(iter(apart)))

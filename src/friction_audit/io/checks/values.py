@@ -53,9 +53,10 @@ def leave_out_rows(recording: Recording, missing: Missing) -> Recording:
     """Leave out rows with anything missing."""
     if not (lost := missing.marks.count):
         return recording
-    message = f"{lost} of {missing.rows} rows hold NaN, infinity or numbers beyond {_ABSURD:g}; they are left out"
-    finding = Finding("non_finite", message, amount=float(lost), damaged=True)
-    return recording.without(missing.marks).with_findings(finding)
+    places = [recording.name_of(c, j) for c, counts in missing.counts.items() for j, one in enumerate(counts) if one]
+    where = f" ({', '.join(places[:3])}{', ...' * (len(places) > 3)})" if places else ""  # noqa: PLR2004
+    text = f"{lost} of {missing.rows} rows hold NaN, infinity or numbers beyond {_ABSURD:g}{where}; they are left out"
+    return recording.without(missing.marks).with_findings(Finding("non_finite", text, amount=float(lost), damaged=True))
 
 
 def _leave_out_channels(recording: Recording, missing: Counts) -> Recording:
@@ -92,11 +93,10 @@ def _leave_out_joints(recording: Recording, missing: Counts) -> Recording:
         raise InputError(
             f"{recording.path}: no joint has q, dq and torque together; each lacks one of them in all {samples} rows"
         )
-    text, names = "{} holds no number for {} in all {} rows; the joint is left out", recording.joint_names
-    lost = np.flatnonzero(empty).tolist()
+    names, text = recording.joint_names, "{} holds no {} in all {} rows: it is left out, joints are numbered without it"
+    lost, kept = (np.flatnonzero(one).tolist() for one in (empty, ~empty))
     lacks = {j: " and ".join(c for c, counts in missing.items() if counts[j] == samples) for j in lost}
-    findings = [Finding("empty_joint", text.format(names[j], lacks[j], samples), j + 1, float(samples)) for j in lost]
-    kept = np.flatnonzero(~empty).tolist()
+    findings = [Finding("empty_joint", text.format(names[j], lacks[j], samples), amount=float(samples)) for j in lost]
     left = recording.changed(lambda t, every: (t, {name: np.asfortranarray(a[:, kept]) for name, a in every.items()}))
     return replace(left, joint_names=tuple(names[joint] for joint in kept)).with_findings(*findings)
 
