@@ -129,17 +129,11 @@ class Dictionary:
         return made
 
     def is_nuisance(self, shape: Nonlinear) -> bool:
-        """Whether an effect of this shape is no physics of the joint: a smoothed sign, or a delay of the recorder.
-
-        At a usual acceleration a a sign that is smoothed over v builds up within v^2 / 2 a, as presliding.
-        """
-        data, sign = self.problem.data, SIGN_WIDTHS_RAD_S[-1]
-        bend, reach = (shape.get(name, np.inf) for name in ("curved_viscous_speed_rad_s", "reach_rad"))
+        """Whether an effect of this shape is no physics of the joint: a smoothed sign, or a delay of the recorder."""
+        data, bend = self.problem.data, shape.get("curved_viscous_speed_rad_s", np.inf)
         if abs(shape.get("delay_step_s", np.inf)) <= PLAUSIBLE_SD * SAMPLE_SD * data.sample_s:
             return True
-        if np.isfinite(reach):
-            return bool(reach <= sign**2 / (2.0 * np.sqrt(np.mean(data.ddq[data.used] ** 2))))
-        smoothed = bend < max(LEAST_BEND * float(speeds(data, 95.0)[0]), sign)
+        smoothed = bend < max(LEAST_BEND * float(speeds(data, 95.0)[0]), SIGN_WIDTHS_RAD_S[-1])
         return bool(smoothed and shape["curved_viscous_exponent"] <= 0.0)
 
     def complete(self, name: str) -> list[Block]:
