@@ -246,7 +246,10 @@ def _may_absorb_error(state: State, active: Sequence[Block], block: Block, other
 
 def sizes(gram: Gram, active: Sequence[Block]) -> Float:
     """Rms of each effect's torque free of the nominal model, and of an offset that may be any, shape (k,). [N m]"""
-    return _rms_free_of(gram.base_raw[gram.precision == 0.0], [c @ b.columns for b, c in fitted(gram, active)])
+    known = gram.base_raw[gram.precision == 0.0]
+    torques = [c @ block.columns for block, c in fitted(gram, active)]
+    left = (torque - _ols(known, torque) @ known for torque in torques)
+    return np.array([float(np.sqrt(np.mean(one**2))) for one in left])
 
 
 def whole_torques(state: State, active: Sequence[Block]) -> tuple[list[Float], Float]:
@@ -263,12 +266,8 @@ def whole_torques(state: State, active: Sequence[Block]) -> tuple[list[Float], F
     for k, (block, c) in enumerate(fitted(state.gram, active)):
         if block.effect.axis != "neighbour" and block.name != GRAVITY:
             torques[k] = c @ dictionary.columns_at(block, block.shape, baseline)
-            size[k] = _rms_free_of(known, [torques[k]])[0]
+            size[k] = np.sqrt(np.mean((torques[k] - _ols(known, torques[k]) @ known) ** 2))
     return torques, size
-
-
-def _rms_free_of(known: Float, torques: Sequence[Float]) -> Float:
-    return np.array([float(np.sqrt(np.mean((one - _ols(known, one) @ known) ** 2))) for one in torques])
 
 
 def inflations(gram: Gram, active: Sequence[Block]) -> Float:
