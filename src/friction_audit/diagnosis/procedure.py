@@ -207,7 +207,9 @@ def accepted(state: State, active: Sequence[Block]) -> list[Block]:
     kept = list(active)
     while kept:
         found, size, alone = gains(state.gram, kept), sizes(state.gram, kept), inflations(state.gram, kept) ** -0.5
-        inflated = (whole_torques(state, kept)[1] / (alone * size)) ** 2  # by a chain without a model too
+        inflated = (
+            whole_torques(state, kept)[1] / np.maximum(alone * size, 1e-300)
+        ) ** 2  # by a chain without a model too
         left = float(np.std(residual_checks.residual_of(state.gram, kept)))
         strengths = []
         for k, block in enumerate(kept):

@@ -14,7 +14,7 @@ import numpy as np
 
 from friction_audit.joint_log import Float, Int
 
-MOST = 300  # columns of a process: with 100 a quarter of the clean joints of whole_arms that follow sines have a name
+MOST = 300  # columns of a process: with 100 four clean joints of whole_arms 230000 that follow sines have a false name
 ROUNDS = 10  # of expectation maximisation
 ABSORBED = 1e-4  # of the norm of a column: less of it is rounding
 
