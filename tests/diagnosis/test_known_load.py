@@ -106,7 +106,9 @@ def test_without_a_model_the_dynamics_of_the_chain_leave_the_friction_of_a_joint
 
 
 def test_without_a_model_an_effect_has_its_whole_size_and_nothing_else_a_name() -> None:
-    subject = Subject(data=_second_joint(1.0 * (CHAIN_T > 45.0)), number=2, name="joint2", findings=(), from_energy={})
+    subject = Subject(
+        data=_second_joint(np.where(CHAIN_T > 45.0, 1.0, 0.0)), number=2, name="joint2", findings=(), from_energy={}
+    )
     found = diagnose_joint(subject, effects(), DiagnosisSettings(), simulated=False)
     named = {one.name: one for one in found.effects if one.name not in (GRAVITY, "inertial_coupling")}
     assert list(named) == ["friction_step"]

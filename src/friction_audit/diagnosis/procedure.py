@@ -207,9 +207,8 @@ def accepted(state: State, active: Sequence[Block]) -> list[Block]:
     kept = list(active)
     while kept:
         found, size, alone = gains(state.gram, kept), sizes(state.gram, kept), inflations(state.gram, kept) ** -0.5
-        inflated = (
-            whole_torques(state, kept)[1] / np.maximum(alone * size, 1e-300)
-        ) ** 2  # by a chain without a model too
+        own = np.maximum(alone * size, 1e-300)  # rms of what nothing else holds
+        inflated = (whole_torques(state, kept)[1] / own) ** 2  # by a chain without a model too
         left = float(np.std(residual_checks.residual_of(state.gram, kept)))
         strengths = []
         for k, block in enumerate(kept):
@@ -218,7 +217,7 @@ def accepted(state: State, active: Sequence[Block]) -> list[Block]:
                 for s, other in zip(size, kept, strict=True)
             )
             stands = found[k].z >= LEAST_Z and found[k].shrinks and size[k] >= LEAST_SHARE * left and not lost
-            stands &= inflated[k] <= COLLINEAR or alone[k] * size[k] >= LEAST_OWN * left
+            stands &= inflated[k] <= COLLINEAR or own[k] >= LEAST_OWN * left
             stands &= not state.dictionary.is_nuisance(block.shape)
             strengths.append(np.inf if stands else found[k].z)
         if not np.isfinite(min(strengths)):
