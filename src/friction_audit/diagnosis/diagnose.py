@@ -12,7 +12,7 @@ from friction_audit.diagnosis.augmented_model import gap_in_motion
 from friction_audit.diagnosis.dictionary import Block
 from friction_audit.diagnosis.nonlinear import Estimates, intervals
 from friction_audit.diagnosis.prepare import Subject
-from friction_audit.diagnosis.procedure import State, accepted, nominal, select, whole_torques
+from friction_audit.diagnosis.procedure import State, accepted, nominal, select, taken_by_chain, whole_torques
 from friction_audit.diagnosis.residual_checks import residual_of
 from friction_audit.diagnosis.result import JointDiagnosis, NamedEffect, ResidualCheck, Traces, Verdict
 from friction_audit.diagnosis.samples import make_samples
@@ -249,7 +249,7 @@ def _detection_limit(state: State, left_nm: float) -> float:
     # The information of an effect as broad as the residual itself: its power per independent sample.
     time = float(np.sum(noise.predictors[-1])) if noise.age.max() else 0.0
     information = noise.effective_samples * max(1.0 - time, 0.05) ** 2 * (noise.scales[-1] * left_nm) ** 2
-    return float(left_nm * np.sqrt(needed / max(information, 1.0)))
+    return float(taken_by_chain(state) * left_nm * np.sqrt(needed / max(information, 1.0)))
 
 
 def _traces(state: State, before: Float, after: Float) -> Traces:

@@ -129,7 +129,10 @@ class Dictionary:
         return made
 
     def is_nuisance(self, shape: Nonlinear) -> bool:
-        """Whether an effect of this shape is no physics of the joint: a smoothed sign, or a delay of the recorder."""
+        """Whether an effect of this shape is no physics of the joint: a smoothed sign, or a delay of the recorder.
+
+        Both have a false name without: whole_arms "ur slow" none 200000, joint 4, "iiwa sines" none 200000, joint 5.
+        """
         data, bend = self.problem.data, shape.get("curved_viscous_speed_rad_s", np.inf)
         if abs(shape.get("delay_step_s", np.inf)) <= PLAUSIBLE_SD * SAMPLE_SD * data.sample_s:
             return True

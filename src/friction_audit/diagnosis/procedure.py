@@ -1,6 +1,6 @@
 """The diagnosis of one joint, from the prepared motion to the result."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -248,9 +248,9 @@ def _may_absorb_error(state: State, active: Sequence[Block], block: Block, other
 def sizes(gram: Gram, active: Sequence[Block]) -> Float:
     """Rms of each effect's torque free of the nominal model, and of an offset that may be any, shape (k,). [N m]"""
     known = gram.base_raw[gram.precision == 0.0]
-    torques = [c @ block.columns for block, c in fitted(gram, active)]
-    left = (torque - _ols(known, torque) @ known for torque in torques)
-    return np.array([float(np.sqrt(np.mean(one**2))) for one in left])
+    each = fitted(gram, active)
+    found = [_rms_without(known, c @ block.columns) for block, c in each]
+    return np.array(found)
 
 
 def whole_torques(state: State, active: Sequence[Block]) -> tuple[list[Float], Float]:
@@ -258,17 +258,43 @@ def whole_torques(state: State, active: Sequence[Block]) -> tuple[list[Float], F
 
     Of the chain's own effects only what it does not take is known: the rest of their coefficients is a guess.
     """
-    torques, size = [c @ block.columns for block, c in fitted(state.gram, active)], sizes(state.gram, active)
-    problem = state.problem.with_chain
-    if problem is None:
-        return torques, size
-    dictionary, baseline = replace(state.dictionary, problem=problem), nominal(state.search.training, active)
-    known = np.vstack([problem.X, problem.columns(np.ones((len(problem.data.t), 1)))])
-    for k, (block, c) in enumerate(fitted(state.gram, active)):
-        if block.effect.axis != "neighbour" and block.name != GRAVITY:
-            torques[k] = c @ dictionary.columns_at(block, block.shape, baseline)
-            size[k] = np.sqrt(np.mean((torques[k] - _ols(known, torques[k]) @ known) ** 2))
+    each, size = list(fitted(state.gram, active)), sizes(state.gram, active)
+    torques = [c @ block.columns for block, c in each]
+    others = [k for k, block in enumerate(active) if block.effect.axis != "neighbour" and block.name != GRAVITY]
+    for k, whole in zip(
+        others, _with_chain(state, active, [each[k] for k in others]), strict=False
+    ):  # none without a chain
+        torques[k], size[k] = whole
     return torques, size
+
+
+def taken_by_chain(state: State) -> float:
+    """Largest ratio of the rms of an effect to what an unknown chain leaves of it, a point of each; 1 without one."""
+    points: dict[str, list[Block]] = {}
+    for block in state.gram.blocks if state.problem.with_chain else ():
+        if block.effect.axis != "neighbour" and block.name != GRAVITY:
+            points.setdefault(block.name, []).append(block)
+    some = [(own[len(own) // 2], np.ones(own[len(own) // 2].p)) for own in points.values()]
+    known = state.gram.base_raw[state.gram.precision == 0.0]
+    left = [_rms_without(known, c @ block.columns) for block, c in some]
+    whole = (rms for _, rms in _with_chain(state, state.active, some))
+    return max((one / free for one, free in zip(whole, left, strict=True) if free > 0.0), default=1.0)
+
+
+def _with_chain(
+    state: State, active: Sequence[Block], each: Iterable[tuple[Block, Float]]
+) -> Iterator[tuple[Float, float]]:
+    """Torque of effects given active ones, what a chain could take in it, and its rms free of the nominal model."""
+    if (problem := state.problem.with_chain) is not None:
+        dictionary, baseline = replace(state.dictionary, problem=problem), nominal(state.search.training, active)
+        known = np.vstack([problem.X, problem.columns(np.ones((len(problem.data.t), 1)))])
+        for block, c in each:
+            torque = c @ dictionary.columns_at(block, block.shape, baseline)
+            yield torque, _rms_without(known, torque)
+
+
+def _rms_without(known: Float, torque: Float) -> float:
+    return float(np.sqrt(np.mean((torque - _ols(known, torque) @ known) ** 2)))
 
 
 def inflations(gram: Gram, active: Sequence[Block]) -> Float:
