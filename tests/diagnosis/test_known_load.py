@@ -12,6 +12,7 @@ from friction_audit.diagnosis.prepare import Subject
 from friction_audit.diagnosis.problem import RegressionProblem
 from friction_audit.diagnosis.samples import least_squares
 from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.dynamics.motion import Others
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.registry import GRAVITY, effects
 from friction_audit.joint_log import Float
@@ -88,21 +89,21 @@ def _second_joint(hidden: Float) -> JointData:
     q += POSE
     rigid = ARM.inverse_dynamics(q, dq, ddq)[:, 1]
     torque = rigid + (3.0 + hidden) * np.sign(dq[:, 1]) + 2.0 * dq[:, 1] + rng.normal(scale=0.05, size=len(t))
-    about = {"others_q": q, "others_dq": dq, "others_ddq": ddq, "others_torque": 0.0 * q}
-    return joint_of(t, q[:, 1], dq[:, 1], ddq[:, 1], torque, joint=1, weighs=True, unknown_gravity=True, **about)
+    others = Others(joint=1, q=q, dq=dq, ddq=ddq, sensed=0.0 * q)
+    return joint_of(t, q[:, 1], dq[:, 1], ddq[:, 1], torque, others=others, weighs=True, unknown_gravity=True)
 
 
 def test_without_a_model_the_dynamics_of_the_chain_leave_the_friction_of_a_joint() -> None:
     data = _second_joint(0.0 * CHAIN_T)
     problem = RegressionProblem.build(data, None)
-    gravity = ARM.gravity(data.others_q)[:, 1]
+    gravity = ARM.gravity(data.others.q)[:, 1]
     assert np.std(np.asarray(problem.data.load) - gravity) < 0.1 * np.std(gravity)
-    own = np.column_stack([np.cos(data.q), np.sin(data.q), data.others_ddq, data.others_dq**2])  # effects of their own
+    own = np.column_stack([np.cos(data.q), np.sin(data.q), data.others.ddq, data.others.dq**2])  # effects of their own
     assert least_squares(np.vstack([problem.X, problem.columns(own)]).T, problem.y)[0] == pytest.approx(3.0, rel=0.03)
     # Projected out, the chain leaves little of viscous friction, as smooth as its torque; as noise it leaves enough.
     whole = problem.with_chain
     assert whole is not None
-    motion = ChainMotion.of(1, *(whole.samples.of(one) for one in (data.others_q, data.others_dq, data.others_ddq)))
+    motion = ChainMotion.of(1, *(whole.samples.of(one) for one in (data.others.q, data.others.dq, data.others.ddq)))
     _, size, basis = np.linalg.svd(chain_columns(motion, np.ones(len(whole.y)), whole.X, whole.y), full_matrices=False)
     rows = np.vstack([whole.X, whole.columns(own), whole.y])
     rows -= (rows @ basis.T * (1.0 - 1.0 / np.hypot(1.0, size))) @ basis

@@ -128,8 +128,10 @@ def test_parts_are_those_of_the_recording_from_its_begin_to_its_end() -> None:
     assert (parts.t[0], parts.t[-1]) == (WHOLE.t[0], WHOLE.t[-1])
     assert len(parts.t) * WHOLE.step_s == pytest.approx(120.0 + BRIDGE_S)
     place = np.searchsorted(WHOLE.t, parts.t[parts.valid] - 0.5 * WHOLE.step_s)
-    for name in ("t", "q", "dq", "ddq", "torque", "temperature", "others_dq", "others_ddq", "others_torque"):
-        np.testing.assert_array_equal(getattr(parts, name)[parts.valid], getattr(WHOLE, name)[place], err_msg=name)
+    pairs = [(getattr(parts, name), getattr(WHOLE, name)) for name in ("t", "q", "dq", "ddq", "torque", "temperature")]
+    pairs += [(getattr(parts.others, name), getattr(WHOLE.others, name)) for name in ("q", "dq", "ddq", "sensed")]
+    for own, all_of in pairs:
+        np.testing.assert_array_equal(own[parts.valid], all_of[place])
     assert np.count_nonzero(parts.valid) * WHOLE.step_s == pytest.approx(120.0 - FORGOTTEN_S)
     kept = np.unique(parts.cycle[parts.cycle >= 0])
     for cycle in kept:

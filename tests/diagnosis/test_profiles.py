@@ -97,7 +97,7 @@ def test_what_the_log_does_not_hold_is_no_axis_and_each_has_a_unit() -> None:
 
 def test_the_neighbour_is_the_one_that_moves_most_and_never_the_joint_itself() -> None:
     others = np.column_stack([0.1 * DATA.dq, 9.0 * DATA.ddq, 2.0 * DATA.dq])
-    among = replace(DATA, others_ddq=others, others_joint=1)
+    among = replace(DATA, others=replace(DATA.others, ddq=others, joint=1))
     assert AXIS["neighbour"](among) == pytest.approx(2.0 * DATA.dq)
 
 

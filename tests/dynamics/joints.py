@@ -44,6 +44,7 @@ def make_recording(seconds: float = 20.0, rate_hz: float = 400.0) -> Motion:
     ddq = np.gradient(dq, t)
     others = Others(
         joint=1,
+        q=np.column_stack([np.sin(0.9 * t) / 0.9, q, -np.cos(1.7 * t) / 1.7]),
         dq=np.column_stack([np.cos(0.9 * t), dq, np.sin(1.7 * t)]),
         ddq=np.column_stack([-0.9 * np.sin(0.9 * t), ddq, 1.7 * np.cos(1.7 * t)]),
         sensed=np.column_stack([np.sin(0.4 * t), 0.0 * t, np.cos(0.6 * t)]),

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg import lstsq
 
+from friction_audit.dynamics.motion import Others
 from friction_audit.effects.breakaway import find_breakaways, signed_rest
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData, Nominal, mean_sign
@@ -19,9 +20,8 @@ STEP_S = 0.005
 
 def joint_of(t: Float, q: Float, dq: Float, ddq: Float, torque: Float, **given: Any) -> JointData:
     """A joint alone, valid throughout; every stroke is a cycle."""
-    own = {"q": q, "dq": dq, "ddq": ddq, "torque": torque}
-    alone = {f"others_{name}": one[:, None] for name, one in own.items()}
-    known: dict[str, Any] = {"joint": 0, "temperature": None, "dead_speed_rad_s": 0.01, **alone} | given
+    alone = Others(joint=0, q=q[:, None], dq=dq[:, None], ddq=ddq[:, None], sensed=torque[:, None])
+    known: dict[str, Any] = {"joint": 0, "others": alone, "dead_speed_rad_s": 0.01} | given
     strokes = np.concatenate([[0], np.cumsum(np.diff(np.sign(dq)) != 0)]).astype(np.int64)
     marks = {"cycle": strokes, "moving": np.abs(dq) > known["dead_speed_rad_s"], "valid": np.ones(len(t), bool)}
     return JointData(t=t, q=q, dq=dq, ddq=ddq, torque=torque, **(marks | known))
@@ -43,10 +43,10 @@ def joint_data(q: Float, dq: Float, ddq: Float) -> JointData:
     """A joint with noise for a torque, between two that move in their own way."""
     rng, n = np.random.default_rng(0), len(q)
     t: Float = np.arange(n, dtype=np.float64) * STEP_S
-    torque, *others = rng.normal(size=n), *(rng.normal(size=(n, 3)) for _ in range(3))
-    names = ("others_dq", "others_ddq", "others_torque")
-    about = dict(zip(names, others, strict=True)) | {"others_q": np.zeros((n, 3))}
-    return joint_of(t, q, dq, ddq, torque, joint=1, temperature=25.0 + t / 60.0, **about)
+    torque = rng.normal(size=n)
+    moved = {name: rng.normal(size=(n, 3)) for name in ("dq", "ddq", "sensed")}
+    others = Others(joint=1, q=np.zeros((n, 3)), **moved)
+    return joint_of(t, q, dq, ddq, torque, joint=1, others=others, temperature=25.0 + t / 60.0)
 
 
 def two_sines(duration_s: float = 60.0) -> JointData:

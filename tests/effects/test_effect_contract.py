@@ -121,7 +121,7 @@ def test_a_joint_at_rest_lacks_a_motion_and_has_no_friction(effect: Effect) -> N
         columns = effect.regressor(rest, baseline(rest), at)
         assert np.all(np.isfinite(columns))
         assert not (effect.name in ODD and columns.any())
-    rest = replace(rest, others_dq=np.zeros_like(rest.others_dq))
+    rest = replace(rest, others=replace(rest.others, dq=np.zeros_like(rest.others.dq)))
     assert effect.not_identifiable(rest, baseline(rest)) is not None
 
 
@@ -192,9 +192,8 @@ def states() -> Motion:
     rng = np.random.default_rng(7)
     t = np.arange(N, dtype=np.float64) * DT
     q, dq, ddq = sines(t, *rng.uniform([0.1, 1.0, 0.0], [0.4, 9.0, 6.0], (4, 3)).tolist())
-    others = Others(
-        joint=1, dq=rng.normal(size=(N, 3)), ddq=rng.normal(size=(N, 3)), sensed=rng.normal(scale=5.0, size=(N, 3))
-    )
+    moved = {"q": np.zeros((N, 3)), "dq": rng.normal(size=(N, 3)), "ddq": rng.normal(size=(N, 3))}
+    others = Others(joint=1, **moved, sensed=rng.normal(scale=5.0, size=(N, 3)))
     rest = 0.3 * ddq + 0.4 * np.sign(dq) + 0.1 * dq
     return Motion(t=t, q=q, dq=dq, ddq=ddq, load=rng.normal(scale=8.0, size=N), rest=rest, others=others)
 

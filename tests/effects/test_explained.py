@@ -127,8 +127,8 @@ ROWS: list[Row] = [
     ),
     ("gravity_error", A_LINK, 0.3 * np.cos(ANGLES[1]), 0.99, {}),
     ("gravity_error", an_arm(OWN, NEXT, LAST), NEXT @ [0.03, 0, 0, 0] + LAST @ [0.02, -0.04, 0, 0], 0.999, {}),
-    ("torque_crosstalk", DATA, 0.05 * DATA.others_torque[:, 2], 0.99, {"inertial_coupling": 0.1}),
-    ("inertial_coupling", DATA, 0.05 * DATA.others_ddq[:, 0], 0.99, {"torque_crosstalk": 0.1}),
+    ("torque_crosstalk", DATA, 0.05 * DATA.others.sensed[:, 2], 0.99, {"inertial_coupling": 0.1}),
+    ("inertial_coupling", DATA, 0.05 * DATA.others.ddq[:, 0], 0.99, {"torque_crosstalk": 0.1}),
     ("unlogged_compensation", DATA, -0.2 * np.tanh(V / 0.2), 0.99, {}),
     *(
         ("presliding", SHORT, torque, 0.9, {"backlash": 0.8, "time_delay": 0.8})
@@ -197,8 +197,8 @@ def test_a_free_stretch_can_be_refined_and_a_straight_spring_has_none() -> None:
 @pytest.mark.parametrize(
     ("name", "parameter", "data", "tried"),
     [
-        ("torque_crosstalk", "crosstalk_side", replace(DATA, others_joint=0), [1.0]),
-        ("torque_crosstalk", "crosstalk_side", replace(DATA, others_joint=2), [-1.0]),
+        ("torque_crosstalk", "crosstalk_side", replace(DATA, others=replace(DATA.others, joint=0)), [1.0]),
+        ("torque_crosstalk", "crosstalk_side", replace(DATA, others=replace(DATA.others, joint=2)), [-1.0]),
         ("inertial_coupling", "coupling_source", DATA, [BEFORE, AFTER, BOTH, ALL]),
         ("inertial_coupling", "coupling_source", replace(DATA, cycle=np.minimum(DATA.cycle, 6)), [BEFORE, AFTER, BOTH]),
         ("gravity_error", "gravity_error_source", DATA, [OWN_ANGLE]),

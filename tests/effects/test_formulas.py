@@ -35,6 +35,7 @@ def among_three(*, joint: int = 1, rigid: RigidBody | None = None) -> Motion:
     numbers = np.arange(3.0)
     others = Others(
         joint=joint,
+        q=np.zeros((N, 3)),
         dq=np.tile(2.0 * (numbers + 1.0), (N, 1)),
         ddq=np.tile(numbers + 1.0, (N, 1)),
         sensed=10.0 * numbers + np.arange(N)[:, None],

@@ -141,9 +141,9 @@ def own_velocity(log: JointLog) -> JointLog:
 def _constant_channels(log: JointLog, interaction: Interaction, data: JointData) -> tuple[DataFinding, DataFinding]:
     """Channels that hold one number while the joint moves, as after a bus without an answer."""
     channel = CHANNELS[interaction.choice.source]
-    torque: Float = getattr(log, channel)[:, data.own_column]
-    q, dq = log.q[:, data.own_column], log.dq[:, data.own_column]
-    constant, dead = np.ptp(torque) == 0.0, data.own_column + 1 in log.source.dead_torque  # a few counts of noise
+    torque: Float = getattr(log, channel)[:, data.others.joint]
+    q, dq = log.q[:, data.others.joint], log.dq[:, data.others.joint]
+    constant, dead = np.ptp(torque) == 0.0, data.others.joint + 1 in log.source.dead_torque  # a few counts of noise
     reads, no_speed = (torque.min(), torque.max()), np.ptp(q) > RESTING_RAD and np.ptp(dq) == 0.0
     return (
         judged("torque_constant", float(data.used.any() and (constant or dead)), reads=reads, channel=channel),

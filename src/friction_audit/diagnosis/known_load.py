@@ -180,4 +180,5 @@ def with_gravity(data: JointData) -> JointData:
 
 
 def _chain_of(data: JointData, seen: Callable[[Float], Float] = np.asarray) -> unknown_chain.ChainMotion:
-    return unknown_chain.ChainMotion.of(data.own_column, *map(seen, (data.others_q, data.others_dq, data.others_ddq)))
+    every = data.others
+    return unknown_chain.ChainMotion.of(every.joint, seen(every.q), seen(every.dq), seen(every.ddq))

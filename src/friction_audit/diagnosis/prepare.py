@@ -22,6 +22,7 @@ from friction_audit.diagnosis.data_audit import (
 )
 from friction_audit.diagnosis.known_load import know_load, known_inertias
 from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.dynamics.motion import Others
 from friction_audit.effects.breakaway import find_breakaways, signed_rest
 from friction_audit.effects.joint_data import FEWEST_SAMPLES, JointData, grid_noise
 from friction_audit.effects.joint_model import JointModel
@@ -45,7 +46,7 @@ from friction_audit.robot.arm import Arm
 
 # Parts of a long recording, the bridge from each to the next, and the time in which springs and bristles forget that.
 PART_S, BRIDGE_S, FORGOTTEN_S = 60.0, 2.0, 3.0
-SHARED = ("t", "others_q", "others_dq", "others_ddq", "others_torque")  # of all joints of a log
+SHARED = ("q", "dq", "ddq", "sensed")  # of all joints of a log
 Index = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 DEAD_SIGMAS = 5.0  # standard deviations of the filtered velocity's noise, above which the direction is certain
@@ -93,8 +94,6 @@ def prepare(
     logged = None if log.gravity is None else low_pass.all_of(t, log.gravity, fresh)
     load, removed, rigid = know_load(choice, arm, low_pass.t, (all_q, all_dq, all_ddq), logged)
 
-    shared: dict[str, Any] = dict(zip(SHARED, (low_pass.t, all_q, all_dq, all_ddq, sensed), strict=True))
-
     def one(joint: int) -> JointData:
         column = interaction.joint_numbers[joint] - 1
         derived_from, crossover_hz, rounding, noise_density = sources[column]
@@ -118,12 +117,13 @@ def prepare(
             q = position_of(q, own_dq, all_ddq[:, column], valid, low_pass.step_s, crossover_hz)
         return JointData(
             joint=joint,
+            t=low_pass.t,
             q=q,
             dq=dq,
             ddq=ddq,
             torque=torque,
             temperature=None if log.temperature is None else low_pass.of(t, log.temperature[fresh, column]),
-            **shared,
+            others=Others(joint=column, q=all_q, dq=all_dq, ddq=all_ddq, sensed=sensed),
             cycle=_cycle_of(low_pass.t, cycles[joint]),
             moving=certain_direction(own_dq, dead, low_pass.step_s),
             valid=valid,
@@ -135,7 +135,6 @@ def prepare(
             weighs=bool(weighing[column]) and removed is None,
             unknown_gravity=bool(weighing.sum() > weighing[column]),
             rigid=None if rigid is None else rigid[column],
-            others_joint=column,
             sample_s=median_step(log.t),
             rounding=rounding,
             crossover_hz=crossover_hz,
@@ -180,7 +179,8 @@ def spread_parts(data: JointData, most_s: float, known: dict[str, Any]) -> Joint
         inside[start + (forgotten if start else 0) : start + length] = True
     counts = joined(inside.astype(np.float64)) == 1.0
     whole = np.where(np.isin(data.cycle, data.cycle[~inside]), -1, data.cycle)
-    known |= {name: joined(getattr(data, name)) for name in SHARED if name not in known}
+    if not known:
+        known |= {"t": joined(data.t)} | {name: joined(getattr(data.others, name)) for name in SHARED}
     own = {name: getattr(data, name) for name in ("torque", "load", "temperature", "logged_q")}
     changed: dict[str, Any] = {name: None if one is None else joined(one) for name, one in own.items()}
     if rigid is not None:
@@ -194,8 +194,9 @@ def spread_parts(data: JointData, most_s: float, known: dict[str, Any]) -> Joint
         cycle=np.where(counts, joined(whole), -1),
         moving=joined(data.moving.astype(np.float64)) == 1.0,
         valid=counts & (joined(data.valid.astype(np.float64)) == 1.0),
+        t=known["t"],
+        others=replace(data.others, **{name: known[name] for name in SHARED}),
         **changed,
-        **known,
     )
 
 

@@ -62,7 +62,7 @@ class Axis(NamedTuple):
 
 def _neighbour(data: JointData) -> Float | None:
     """Acceleration of the other joint that moves most, in its own units."""
-    others: Float = np.delete(data.others_ddq, data.own_column, axis=1)
+    others: Float = np.delete(data.others.ddq, data.others.joint, axis=1)
     return others[:, int(np.argmax(others.std(axis=0)))] if others.shape[1] else None
 
 

@@ -52,6 +52,7 @@ class Others:
     """All joints of the arm, this one among them, j of them."""
 
     joint: int  # which of them this joint is, 0..j-1
+    q: Float  # positions, shape (n, j) [rad]
     dq: Float  # velocities, shape (n, j) [rad/s]
     ddq: Float  # accelerations, shape (n, j) [rad/s^2]
     # what their torque sensors read, gravity included, with the sign of the interaction torque, shape (n, j) [N m]

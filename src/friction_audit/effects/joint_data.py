@@ -1,12 +1,12 @@
 """What one joint did and what drove it, on an even grid; measures for grids of effects; what a log lacks."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from friction_audit.dynamics.motion import Motion, Others, RigidBody
+from friction_audit.dynamics.motion import Motion, Others
 from friction_audit.joint_log import Bool, Float, Int
 from friction_audit.preprocessing.interaction import Caution
 
@@ -38,23 +38,15 @@ def grid_noise(signal: Float, differences: int = 2) -> float:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class JointData:
-    """One joint on an even grid of n samples; j joints in the log.
+class JointData(Motion):
+    """One joint on an even grid of n samples; j joints in the log: its motion, and what drove it.
 
     Torque and motion went through one and the same zero-phase low-pass, so that relations between them still hold.
     """
 
     joint: int  # which joint, column of the interaction
-    t: Float  # time, evenly spaced, shape (n,), as all that names none [s]
-    q: Float  # position [rad]
-    dq: Float  # velocity [rad/s]
-    ddq: Float  # derivative of the filtered velocity [rad/s^2]
-    torque: Float  # what drives the side on which friction acts: F_m plus a logged compensator [N m]
-    temperature: Float | None  # where it was logged, else None [degC]
-    others_q: Float  # positions of all joints, shape (n, j) [rad]
-    others_dq: Float  # velocities of all joints, shape (n, j) [rad/s]
-    others_ddq: Float  # accelerations of all joints, shape (n, j) [rad/s^2]
-    others_torque: Float  # what the sensors of all joints read, gravity included, as the torque counts, shape (n, j)
+    others: Others  # all joints of the log, of which this one may be the only one
+    torque: Float  # what drives the side on which friction acts: F_m plus a logged compensator, shape (n,) [N m]
     cycle: Int  # number of the energy cycle of each sample, -1 outside of any
     moving: Bool  # samples in which the direction of motion is certain
     valid: Bool  # samples that are not next to a hole, a stale stretch or an end of the filter
@@ -62,12 +54,8 @@ class JointData:
     derived_from: str = "dq"  # what velocity and acceleration were taken from, "q" or "dq"
     logged_q: Float | None = None  # position as it was logged, through the same filter; ``q`` where None [rad]
     logged_dq: Float | None = None  # velocity as it was logged, through the same filter; ``dq`` where None [rad/s]
-    # what the sensor bears besides, signed as the torque: gravity, and inertia that was taken away; predicted [N m]
-    load: Float | None = None
     weighs: bool = False  # True if gravity is in the torque: all of the load, where that is known
     unknown_gravity: bool = False  # True if gravity is in the torque and also depends on other joints
-    rigid: RigidBody | None = None  # what the rigid-body model of the arm says; None where no model is known
-    others_joint: int | None = None  # column of this joint among the others; ``joint`` where None
     sample_s: float = 0.0  # usual step of the log itself, 0 where a torque late by part of it is of no interest [s]
     rounding: float = 0.0  # standard deviation of the rounding of that [rad or rad/s]
     noise_density: float = 0.0  # amplitude density of the white noise of that [rad/sqrt(Hz) or rad/s/sqrt(Hz)]
@@ -86,11 +74,6 @@ class JointData:
         return self.torque - self.load if self.weighs and self.load is not None else self.torque
 
     @property
-    def own_column(self) -> int:
-        """Column of this joint in the arrays of all joints."""
-        return self.joint if self.others_joint is None else self.others_joint
-
-    @property
     def step_s(self) -> float:
         """Spacing of the grid. [s]"""
         return float(self.t[1] - self.t[0])
@@ -106,24 +89,14 @@ class JointData:
         own: dict[str, Any] = {
             name: None if (all_of := getattr(self, name)) is None else all_of[places] for name in names
         }
-        own |= dict.fromkeys(("others_q", "others_dq", "others_ddq", "others_torque"), np.empty((len(places), 0)))
-        return replace(self, **own, logged_dq=None, rigid=None)
+        nothing = np.empty((len(places), 0))
+        others = Others(joint=self.others.joint, q=nothing, dq=nothing, ddq=nothing, sensed=nothing)
+        return replace(self, **own, others=others, logged_dq=None, rigid=None)
 
     def motion(self, rest: Float | None = None) -> Motion:
         """The input of an effect's columns; ``rest`` is the torque of the nominal model, shape (n,)."""
-        others = Others(joint=self.own_column, dq=self.others_dq, ddq=self.others_ddq, sensed=self.others_torque)
-        return Motion(
-            t=self.t,
-            q=self.q,
-            dq=self.dq,
-            ddq=self.ddq,
-            load=self.load,
-            temperature=self.temperature,
-            others=others if self.others_dq.shape[1] > 1 else None,
-            rest=rest,
-            rigid=self.rigid,
-            smooth_direction=self.direction,
-        )
+        own = {one.name: getattr(self, one.name) for one in fields(Motion)}
+        return Motion(**own | {"rest": rest, "smooth_direction": self.direction})
 
 
 def speeds(data: JointData, *percent: float) -> Float:

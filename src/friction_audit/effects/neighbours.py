@@ -45,16 +45,16 @@ class TorqueCrosstalk(Effect):
 
     def tries(self, data: JointData) -> list[tuple[float]]:
         """Return the neighbours that there are, each and both."""
-        before, after = data.own_column > 0, data.own_column + 1 < data.others_torque.shape[1]
+        before, after = data.others.joint > 0, data.others.joint + 1 < data.others.sensed.shape[1]
         return [(side,) for side, there in ((-1.0, before), (1.0, after), (0.0, before and after)) if there]
 
     @staticmethod
     def requires(data: JointData, nominal: Nominal) -> Caution | None:
-        joint, joints = data.own_column, data.others_torque.shape[1]
+        joint, joints = data.others.joint, data.others.sensed.shape[1]
         neighbours = [k for k in (joint - 1, joint + 1) if 0 <= k < joints]
         if not neighbours:
             return Caution("one_joint")
-        change = data.others_torque[data.used][:, neighbours].std(axis=0).max()
+        change = data.others.sensed[data.used][:, neighbours].std(axis=0).max()
         return Caution("even_neighbours") if change < CHANGE_PER_COULOMB * abs(nominal.coulomb_nm) else None
 
 
@@ -124,7 +124,7 @@ class InertialCoupling(Effect):
 
     def tries(self, data: JointData) -> list[tuple[float]]:
         """Return the neighbours and the arm's model; sources with many coefficients where there are many cycles."""
-        joints, joint = data.others_dq.shape[1], data.own_column
+        joints, joint = data.others.dq.shape[1], data.others.joint
         model = data.rigid is not None and data.rigid.inertial is not None
         columns = len(np.unique(data.cycle[data.used])) // CYCLES_PER_COLUMN
         tried = (
@@ -139,6 +139,6 @@ class InertialCoupling(Effect):
 
     @staticmethod
     def requires(data: JointData, _nominal: Nominal) -> Caution | None:
-        other = np.delete(data.others_dq[data.valid], data.own_column, axis=1)
+        other = np.delete(data.others.dq[data.valid], data.others.joint, axis=1)
         still = other.size == 0 or np.sqrt(np.mean(other**2, axis=0)).max() < data.dead_speed_rad_s
         return Caution("still_neighbours") if still else None
