@@ -17,6 +17,7 @@ import numpy as np
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.gram import Gram, Training
 from friction_audit.diagnosis.problem import SIGN_COLUMNS, SMOOTHED
+from friction_audit.diagnosis.samples import without_each
 from friction_audit.diagnosis.selection import PRIOR, Projected, occam, split
 from friction_audit.effects.effect import Nonlinear
 from friction_audit.effects.joint_data import Nominal
@@ -326,18 +327,16 @@ def _jackknife(gram: Gram, rows: Float, prior: Float) -> Float:
     order = np.argsort(cycle, kind="stable")
     ends = np.append(np.flatnonzero(np.diff(cycle[order], prepend=cycle[order][0] - 1)), len(cycle))
     scale = np.sqrt(np.maximum(np.sum(rows**2, axis=1) + prior, 1e-300))
-    scaled, y = rows[:, order] / scale[:, None], gram.y[order]
+    scaled, y, prior = rows[:, order] / scale[:, None], gram.y[order], prior / scale**2
     grams = np.stack([scaled[:, a:b] @ scaled[:, a:b].T for a, b in pairwise(ends.tolist())])
     rights = np.stack([scaled[:, a:b] @ y[a:b] for a, b in pairwise(ends.tolist())])
-    whole = grams.sum(axis=0) + np.diag(prior / scale**2)
-    without = np.linalg.pinv(whole - grams, rcond=1e-12, hermitian=True) @ (rights.sum(axis=0) - rights)[:, :, None]
-    inverse = np.linalg.pinv(whole, rcond=1e-12, hermitian=True)
-    spread = (without[:, :, 0] - inverse @ rights.sum(axis=0)) / scale
+    inverse = np.linalg.pinv(grams.sum(axis=0) + np.diag(prior), rcond=1e-12, hermitian=True)
+    spread = without_each(grams, rights, prior) - inverse @ rights.sum(axis=0)
     m = len(grams)
     # Effective number of cycles of each number: a step, or the time of a warm-up, rests on a few of them.
     parts = np.einsum("ka,gab,bk->gk", inverse, grams, inverse)
     cycles = np.sum(parts, axis=0) ** 2 / np.maximum(np.sum(parts**2, axis=0), 1e-300)
     # What the prior alone holds does not move without a cycle: its width is that of the prior.
-    held = (np.diag(inverse) / scale**2) ** 2 * prior
+    held = np.diag(inverse) ** 2 * prior
     variance = (m - 1) / m * np.sum(spread**2, axis=0) + held
-    return np.asarray(stdtrit(np.maximum(cycles - 1.0, 1.0), 0.5 + CONFIDENCE / 2) * np.sqrt(variance))
+    return np.asarray(stdtrit(np.maximum(cycles - 1.0, 1.0), 0.5 + CONFIDENCE / 2) * np.sqrt(variance) / scale)

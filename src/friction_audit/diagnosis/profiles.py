@@ -9,6 +9,7 @@ from friction_audit.diagnosis.contact_events import touched
 from friction_audit.diagnosis.problem import RegressionProblem
 from friction_audit.diagnosis.procedure import State, fine_residual
 from friction_audit.diagnosis.result import ContactTrace, NamedEffect, OwnAxis, Profile, Traces
+from friction_audit.diagnosis.samples import without_each
 from friction_audit.effects.slow import ContactEvent as Contact
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
@@ -22,7 +23,6 @@ MOST_HIDDEN = 0.5  # share of the torque's mean square that may lie off the curv
 ORDER = "ripple_order"  # parameter of an effect that repeats with the position: its waves per revolution
 SOURCE = "gravity_error_source"  # 0 where the error follows the joint's own angle
 OF_SEVERAL_JOINTS = ("inertial_coupling", "torque_crosstalk")
-COPY = 1e-12  # eigenvalue, over the largest one, of the cross products of what is a copy
 
 
 def profiles_of(
@@ -80,15 +80,11 @@ def _share(residual: Float, columns: Float, cycle: NDArray[np.int64]) -> float:
     """Share of the mean square that the curve predicts of cycles it has not seen, at least 0."""
     numbers, place = np.unique(cycle, return_inverse=True)
     fold = place % min(FOLDS, len(numbers))
-    left, scale = residual.copy(), np.sqrt(np.mean(columns**2, axis=0))
-    scaled = columns / np.where(scale > 0, scale, 1.0)
-    parts = [np.flatnonzero(fold == k) for k in range(int(fold.max()) + 1)]
-    # A fit to the other folds needs no more of them than their cross products.
-    grams = np.stack([(own := scaled[part]).T @ own for part in parts])
-    rights = np.stack([residual[part] @ scaled[part] for part in parts])
-    inverse = np.linalg.pinv(grams.sum(axis=0) - grams, rcond=COPY, hermitian=True)
-    for part, factors in zip(parts, (inverse @ (rights.sum(axis=0) - rights)[:, :, None])[:, :, 0], strict=True):
-        left[part] -= scaled[part] @ factors
+    left, parts = residual.copy(), [np.flatnonzero(fold == k) for k in range(int(fold.max()) + 1)]
+    grams = np.stack([(own := columns[part]).T @ own for part in parts])
+    rights = np.stack([residual[part] @ columns[part] for part in parts])
+    for part, factors in zip(parts, without_each(grams, rights), strict=True):
+        left[part] -= columns[part] @ factors
     total = float(np.sum(residual**2))
     return max(0.0, 1.0 - float(np.sum(left**2)) / total) if total > 0 else 0.0
 

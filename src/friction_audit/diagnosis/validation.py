@@ -13,14 +13,13 @@ import numpy as np
 from friction_audit.diagnosis.dictionary import Block
 from friction_audit.diagnosis.gram import COPY, Gram, Training
 from friction_audit.diagnosis.result import Gap
-from friction_audit.diagnosis.samples import Index
+from friction_audit.diagnosis.samples import Index, without_each
 from friction_audit.diagnosis.selection import Projected
 from friction_audit.joint_log import Float
 
 DRAWS = 399  # of the bootstrap
 ROUNDING = 1e-12  # of a root mean square that was added up in another order
 RIDGE = 1e-3  # for curves over quantities that may be copies of each other
-REGULAR = 1e-8  # least eigenvalue of scaled products that are solved without their eigenvectors, in a tenth of the time
 
 
 class HeldOut(NamedTuple):
@@ -65,16 +64,7 @@ class _Model:
 
     def coefficients(self, which: Index) -> Float:
         """Of some of the columns, fitted to all folds but one each, shape (folds, k)."""
-        grams, rights = self.grams[:, which[:, None], which], self.rights[:, which]
-        total, right = grams.sum(axis=0) + np.diag(self.prior[which]), rights.sum(axis=0)
-        scale = np.sqrt(np.maximum(np.diag(grams.sum(axis=0)), 1e-300))
-        scaled, right = (total - grams) / scale[:, None] / scale, ((right - rights) / scale)[..., None]
-        try:
-            np.linalg.cholesky(scaled - REGULAR * np.eye(len(scale)))
-            found = np.linalg.solve(scaled, right)
-        except np.linalg.LinAlgError:  # a column depends on others, or is zero outside of a fold
-            found = np.linalg.pinv(scaled, rcond=1e-11, hermitian=True) @ right
-        return np.asarray(found[..., 0] / scale)
+        return without_each(self.grams[:, which[:, None], which], self.rights[:, which], self.prior[which])
 
     def left(self, y: Float, rows: Float, coefficients: Float) -> Float:
         """What rows, shape (k, m), leave of the fold that their coefficients do not know."""
