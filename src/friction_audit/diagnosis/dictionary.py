@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from friction_audit.diagnosis.problem import PLAUSIBLE_SD, SAMPLE_SD, SIGN_WIDTHS_RAD_S, RegressionProblem
 from friction_audit.diagnosis.samples import Index
 from friction_audit.effects.effect import Effect, Nonlinear
-from friction_audit.effects.joint_data import Nominal, speeds
+from friction_audit.effects.joint_data import Nominal
 from friction_audit.effects.position import order_range
 from friction_audit.joint_log import Float
 from friction_audit.parallel import per_joint as side_by_side
@@ -136,7 +136,7 @@ class Dictionary:
         data, bend = self.problem.data, shape.get("curved_viscous_speed_rad_s", np.inf)
         if abs(shape.get("delay_step_s", np.inf)) <= PLAUSIBLE_SD * SAMPLE_SD * data.sample_s:
             return True
-        smoothed = bend < max(LEAST_BEND * float(speeds(data, 95.0)[0]), SIGN_WIDTHS_RAD_S[-1])
+        smoothed = bend < max(LEAST_BEND * data.low_and_high_speed[1], SIGN_WIDTHS_RAD_S[-1])
         return bool(smoothed and shape["curved_viscous_exponent"] <= 0.0)
 
     def complete(self, name: str) -> list[Block]:

@@ -69,6 +69,13 @@ class JointData(Motion):
         return self.moving & self.valid & (self.cycle >= 0)
 
     @cached_property
+    def low_and_high_speed(self) -> tuple[float, float]:
+        """25th and 95th percentile of the speed while the joint moves, never 0. [rad/s]"""
+        speed = np.abs(self.dq[self.used] if self.used.any() else self.dq)
+        low, high = np.maximum(np.percentile(speed, (25.0, 95.0)), self.dead_speed_rad_s).tolist()
+        return low, high
+
+    @cached_property
     def without_gravity(self) -> Float:
         """The torque less the gravity that it holds, as far as that is known, shape (n,). [N m]"""
         return self.torque - self.load if self.weighs and self.load is not None else self.torque
@@ -97,12 +104,6 @@ class JointData(Motion):
         """The input of an effect's columns; ``rest`` is the torque of the nominal model, shape (n,)."""
         own = {one.name: getattr(self, one.name) for one in fields(Motion)}
         return Motion(**own | {"rest": rest, "smooth_direction": self.direction})
-
-
-def speeds(data: JointData, *percent: float) -> Float:
-    """Percentiles of the speed while the joint moves, never 0, shape (k,). [rad/s]"""
-    speed = np.abs(data.dq[data.used]) if data.used.any() else np.abs(data.dq)
-    return np.asarray(np.maximum(np.percentile(speed, percent), data.dead_speed_rad_s))
 
 
 def reach(data: JointData) -> tuple[float, float]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import Each, Effect, Nonlinear, Points
-from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, both_directions, reach, span, speeds
+from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, both_directions, reach, span
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 
@@ -144,9 +144,8 @@ class TorqueRipple(Effect):
 def order_range(data: JointData) -> tuple[float, float]:
     """From two periods over the range up to where a slow motion leaves the band."""
     low, high = reach(data)
-    (slow,) = speeds(data, 25.0)
     first = 4.0 * np.pi / max(high - low, 1e-3)
-    return first, max(2.0 * np.pi * CORNER_HZ / float(slow), first)
+    return first, max(2.0 * np.pi * CORNER_HZ / data.low_and_high_speed[0], first)
 
 
 PARTS = 12  # of the range, between which it may begin to pull; the first and the last for a side on which it does not

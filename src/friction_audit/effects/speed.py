@@ -8,7 +8,7 @@ import numpy as np
 
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import Each, Effect, Points, SpeedFriction
-from friction_audit.effects.joint_data import JointData, Nominal, both_directions, speed_range, speeds
+from friction_audit.effects.joint_data import JointData, Nominal, both_directions, speed_range
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.interaction import Caution
@@ -31,7 +31,7 @@ FORMS = ((-0.3, SMOOTH), (0.0, SMOOTH), (0.3, SMOOTH), (0.0, DEAD_BAND))  # skew
 
 def low_speeds(data: JointData, count: int, slowest: float) -> list[float]:
     """Return speeds below which friction may fade, by those of the log, within bounds."""
-    (fast,) = speeds(data, 95.0)
+    fast = data.low_and_high_speed[1]
     tried = np.geomspace(LOWEST * fast, HIGHEST * fast, count)
     return [float(speed) for speed in np.clip(tried, slowest, FASTEST)]
 
@@ -130,7 +130,7 @@ class NonlinearViscous(SpeedFriction):
 
     def tries(self, data: JointData) -> list[Sequence[float]]:
         """Return plain powers, and friction that saturates at some speeds of the log."""
-        (fast,) = speeds(data, 95.0).tolist()
+        fast = data.low_and_high_speed[1]
         return [*((n, NO_BEND * fast) for n in POWERS), *product([0.0], (BENDS * fast).tolist(), SHARPNESSES)]
 
     def possible(self, coefficients: Float, at: Points) -> Each:
