@@ -20,7 +20,7 @@ import numpy as np
 
 from benchmarks.hidden_effects.run import case_of, log_of
 from friction_audit.diagnosis.nonlinear import intervals
-from friction_audit.diagnosis.procedure import nominal, select
+from friction_audit.diagnosis.procedure import select
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_data import JointData
 from friction_audit.friction.history import JointFriction
@@ -185,7 +185,7 @@ def others(seeds: int) -> Iterator[str]:
 def held_by(data: JointData, joint: JointParameters) -> list[bool]:
     """Say which intervals of the nominal model of ``diagnose`` hold the truth, without any effect in it."""
     state = select(data, None, ())
-    found = intervals(state.gram, state.dictionary, (), nominal(state.search.training, ())).nominal
+    found = intervals(state.fitted(()), state.dictionary).nominal
     return [found[name].low <= getattr(joint, name) <= found[name].high for name in COEFFICIENTS]
 
 

@@ -12,10 +12,10 @@ from scipy.signal import lfilter
 from scipy.stats import t as student
 
 from friction_audit.diagnosis.dictionary import Dictionary
+from friction_audit.diagnosis.fitted_model import FittedModel
 from friction_audit.diagnosis.gram import Gram, Training
 from friction_audit.diagnosis.nonlinear import intervals, refine
 from friction_audit.diagnosis.problem import FOLDS, RegressionProblem, folds_of
-from friction_audit.diagnosis.procedure import fitted, inflations, nominal
 from friction_audit.diagnosis.residual_checks import spectral_line
 from friction_audit.diagnosis.samples import NoiseModel
 from friction_audit.diagnosis.selection import occam
@@ -98,11 +98,11 @@ def test_variance_inflation_is_that_of_regressing_each_torque_on_the_other_effec
     def left(rows: Float, column: Float) -> float:
         return float(np.sum((column - np.linalg.lstsq(rows.T, column)[0] @ rows) ** 2))
 
-    expected = []
-    for k, (block, coefficients) in enumerate(fitted(gram, active)):
-        torque = coefficients @ gram.whiten(block.columns)
+    model, expected = FittedModel(Training(gram), active), []
+    for k, block_torque in enumerate(model.torques):
+        torque = gram.whiten(block_torque)[0]
         expected.append(left(gram.base, torque) / left(np.vstack([gram.base, gram.of(active[1 - k])]), torque))
-    assert inflations(gram, active) == pytest.approx(expected, rel=1e-6)
+    assert model.inflations == pytest.approx(expected, rel=1e-6)
     assert max(expected) > 1.001
 
 
@@ -129,7 +129,7 @@ def test_variable_projection_ends_where_nonlinear_least_squares_does() -> None:
 def test_intervals_are_leaving_out_one_cycle_at_a_time() -> None:
     gram, dictionary = prepared(SQUARE, duration_s=30.0)
     active = (gram.blocks[0],)
-    found = intervals(gram, dictionary, active, nominal(Training(gram), active))
+    found = intervals(FittedModel(Training(gram), active), dictionary)
     columns = np.vstack([gram.base, gram.of(active[0])]).T
     cycle = gram.problem.samples.cycle[gram.order]
     cycles = np.unique(cycle)
@@ -147,8 +147,8 @@ def test_intervals_are_leaving_out_one_cycle_at_a_time() -> None:
 def test_a_number_that_the_log_does_not_hold_is_not_identifiable_and_leaves_the_others_alone() -> None:
     gram, dictionary = prepared(effect_of("stribeck"))
     block = gram.blocks[0]
-    found = intervals(gram, dictionary, (block,), dictionary.baseline)
-    plain = intervals(gram, dictionary, (), dictionary.baseline)
+    found = intervals(FittedModel(Training(gram), (block,)), dictionary)
+    plain = intervals(FittedModel(Training(gram), ()), dictionary)
     assert found.not_identifiable == ((*dictionary.bounds(block), "stribeck_excess_nm"),)
     for name, one in found.nominal.items():
         assert one.high - one.low == pytest.approx(plain.nominal[name].high - plain.nominal[name].low, rel=0.5)

@@ -10,10 +10,10 @@ from friction_audit import parallel
 from friction_audit.diagnosis import profiles, residual_checks, selection
 from friction_audit.diagnosis.augmented_model import gap_in_motion
 from friction_audit.diagnosis.dictionary import Block
+from friction_audit.diagnosis.fitted_model import FittedModel
 from friction_audit.diagnosis.nonlinear import Estimates, intervals
 from friction_audit.diagnosis.prepare import Subject
-from friction_audit.diagnosis.procedure import State, accepted, nominal, select, taken_by_chain, whole_torques
-from friction_audit.diagnosis.residual_checks import residual_of
+from friction_audit.diagnosis.procedure import State, accepted, select
 from friction_audit.diagnosis.result import JointDiagnosis, NamedEffect, ResidualCheck, Traces, Verdict
 from friction_audit.diagnosis.samples import make_samples
 from friction_audit.diagnosis.settings import DiagnosisSettings
@@ -118,7 +118,7 @@ def keep_stable(state: State) -> None:
             b
             for b in state.active
             if state.folds[b.name] < selection.LEAST_FOLDS * state.problem.folds
-            or residual_checks.competing_structure(state.gram, state.active, b)
+            or residual_checks.competing_structure(state.search.training, state.active, b)
         ]
         if not unsteady:
             return
@@ -128,19 +128,19 @@ def keep_stable(state: State) -> None:
 def _result(subject: Subject, state: State, settings: DiagnosisSettings) -> JointDiagnosis:
     gram, problem, active = state.gram, state.problem, state.active
     closed, before, after = gap(gram, active)
-    baseline = nominal(state.search.training, active)
-    estimates = intervals(gram, state.dictionary, active, baseline)
+    model = state.fitted()
+    estimates = intervals(model, state.dictionary)
     tests = wild_cluster_bootstrap(gram, (), settings.seed)
     first = profiles.profiles_of(problem, before.residual, tests.curves)
     plain, last, remaining = estimates, tests, first
     if active:
-        plain = intervals(gram, state.dictionary, (), nominal(state.search.training, ()))
+        plain = intervals(state.fitted(()), state.dictionary)
         last = wild_cluster_bootstrap(gram, active, settings.seed)
         remaining = profiles.profiles_of(problem, after.residual, last.curves)
     traces = _traces(state, before.residual, after.residual)
-    named, negligible = _effects(state, estimates, settings.min_effect_nm, traces)
+    named, negligible = _effects(state, model, estimates, settings.min_effect_nm, traces)
     small = {one.name for one in negligible}
-    checks = tuple(c for c in residual_checks.run(gram, active) if c.code != "change" or c.along not in small)
+    checks = tuple(c for c in residual_checks.run(model) if c.code != "change" or c.along not in small)
     bare = held_out(gram, [b for b in active if b.name == GRAVITY], replaced=active).rms
     verdict, lacking = verdict_of(state, named, checks), _lacking(state, checks)
     slow = (Caution("untested_time", numbers={"lacking": lacking}),) if verdict == "not_testable" else ()
@@ -178,7 +178,7 @@ def verdict_of(state: State, named: Sequence[NamedEffect], checks: Sequence[Resi
         return "named" if state.contacts else "adequate"
     # No torque of a named effect holds a spectral line, so that a line says nothing against a name.
     remainder = max((c.share for c in checks if c.code != "line"), default=0.0)
-    before, after = (float(np.mean(residual_of(state.gram, a) ** 2)) for a in ((), state.active))
+    before, after = (float(np.mean(state.fitted(some).residual ** 2)) for some in ((), state.active))
     if before - after < ENOUGH * (before - after + remainder * after):
         return "unexplained"
     return "ambiguous" if any(one.alternatives for one in named) else "named"
@@ -193,15 +193,15 @@ def _lacking(state: State, checks: Sequence[ResidualCheck]) -> Reason:
 
 
 def _effects(
-    state: State, estimates: Estimates, least_nm: float, traces: Traces
+    state: State, model: FittedModel, estimates: Estimates, least_nm: float, traces: Traces
 ) -> tuple[tuple[NamedEffect, ...], tuple[NamedEffect, ...]]:
     """Effects that count, and those too small to, the largest first, each with what held-out cycles leave with it."""
     gram, problem, active = state.gram, state.problem, state.active
-    data, baseline = problem.data, nominal(state.search.training, active)
+    data, baseline = problem.data, model.nominal
     friction = np.abs(baseline.coulomb_nm * data.direction + baseline.viscous_nms_per_rad * data.dq)[data.used]
     friction_nm = max(float(np.sqrt(np.mean(friction**2))), 1e-12)
-    left, nominal_nm = residual_of(gram, active), held_out(gram, (), replaced=active).rms
-    torques, size_nm = whole_torques(state, active)
+    left, nominal_nm = model.residual, held_out(gram, (), replaced=active).rms
+    torques, size_nm = model.whole(state.dictionary)
     each = zip(active, torques, gains(gram, active), size_nm.tolist(), *estimates[1:], strict=True)
     added: dict[bool, list[Block]] = {False: [], True: []}  # by whether they are negligible
     found: dict[bool, list[NamedEffect]] = {False: [], True: []}
@@ -249,7 +249,7 @@ def _detection_limit(state: State, left_nm: float) -> float:
     # The information of an effect as broad as the residual itself: its power per independent sample.
     time = float(np.sum(noise.predictors[-1])) if noise.age.max() else 0.0
     information = noise.effective_samples * max(1.0 - time, 0.05) ** 2 * (noise.scales[-1] * left_nm) ** 2
-    return float(taken_by_chain(state) * left_nm * np.sqrt(needed / max(information, 1.0)))
+    return float(state.fitted().taken_by_chain(state.dictionary) * left_nm * np.sqrt(needed / max(information, 1.0)))
 
 
 def _traces(state: State, before: Float, after: Float) -> Traces:

@@ -169,6 +169,11 @@ class Fit(NamedTuple):
     scale: Float
     projected: Float  # the response in terms of the factor
 
+    def split(self, active: Sequence[Block]) -> list[Float]:
+        """Coefficients of each block."""
+        ends = np.cumsum([len(self.kept), *(b.p for b in active)])
+        return [self.coefficients[a:b] for a, b in pairwise(ends.tolist())]
+
 
 @dataclass(eq=False)
 class Training:

@@ -15,10 +15,11 @@ from typing import NamedTuple
 import numpy as np
 
 from friction_audit.diagnosis.dictionary import Block, Dictionary
+from friction_audit.diagnosis.fitted_model import FittedModel
 from friction_audit.diagnosis.gram import Gram, Training
 from friction_audit.diagnosis.problem import SIGN_COLUMNS, SMOOTHED
 from friction_audit.diagnosis.samples import without_each
-from friction_audit.diagnosis.selection import PRIOR, Projected, occam, split
+from friction_audit.diagnosis.selection import PRIOR, Projected, occam
 from friction_audit.effects.effect import Nonlinear
 from friction_audit.effects.joint_data import Nominal
 from friction_audit.friction.history import Coefficient
@@ -227,16 +228,16 @@ class Estimates(NamedTuple):
     not_identifiable: tuple[tuple[str, ...], ...]  # of each effect, parameters with infinite intervals
 
 
-def intervals(gram: Gram, dictionary: Dictionary, active: Sequence[Block], baseline: Nominal) -> Estimates:
+def intervals(model: FittedModel, dictionary: Dictionary) -> Estimates:
     """Intervals of the nominal model and of all effects.
 
     A smoothed sign, whose width was chosen, takes part where it is as evident as an effect has to be.
     """
-    training = Training(gram)
-    fit, sharp = training.fit(active), training.fit(active, SMOOTHED)
+    gram, training, active, baseline = model.gram, model.training, model.active, model.nominal
+    fit, sharp = model.fit, training.fit(active, SMOOTHED)
     if occam(training.samples * np.log(sharp.rss / fit.rss), SIGN_COLUMNS) < PRIOR:
         fit = sharp
-    each = [(Scale(dictionary, block), c) for block, c in zip(active, split(fit, active), strict=True)]
+    each = [(Scale(dictionary, block), c) for block, c in zip(active, fit.split(active), strict=True)]
     base, free = gram.base[fit.kept], [gram.of(block) for block in active if not block.effect.follows]
     slopes = [_slopes(gram, scale, c, baseline) for scale, c in each]
     rows = np.vstack([base, *free, *slopes])

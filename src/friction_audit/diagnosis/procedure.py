@@ -1,13 +1,13 @@
 """The diagnosis of one joint, from the prepared motion to the result."""
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 
 import numpy as np
 
-from friction_audit.diagnosis import contact_events, residual_checks, selection
+from friction_audit.diagnosis import contact_events, selection
 from friction_audit.diagnosis.dictionary import Block, Dictionary
-from friction_audit.diagnosis.gram import RIDGE, Gram, Training
+from friction_audit.diagnosis.fitted_model import FittedModel, ols
+from friction_audit.diagnosis.gram import Gram, Training
 from friction_audit.diagnosis.nonlinear import refine
 from friction_audit.diagnosis.problem import AXES, PLAUSIBLE_SD, SIGNS, Nuisance, RegressionProblem, curve, knots_of
 from friction_audit.diagnosis.samples import NoiseModel
@@ -53,12 +53,16 @@ class State:
 
         def moved(block: Block, others: Sequence[Block]) -> Block | None:
             together = [*others, block] if block.effect.needs_nominal else others
-            return refine(dictionary, training, block, others, nominal(training, together))
+            return refine(dictionary, training, block, others, FittedModel(training, together).nominal)
 
         def complete(name: str) -> list[Block]:
             return [block for block in dictionary.complete(name) if block.p + block.numbers <= numbers]
 
         self.search = selection.Search(training, moved, numbers, withheld=dictionary.withheld, complete=complete)
+
+    def fitted(self, active: Sequence[Block] | None = None) -> FittedModel:
+        """The model with the active effects, or others."""
+        return FittedModel(self.search.training, self.active if active is None else active)
 
 
 def select(data: JointData, model: JointModel | None, effects: Sequence[Effect]) -> State:
@@ -67,9 +71,9 @@ def select(data: JointData, model: JointModel | None, effects: Sequence[Effect])
     state = _selected(problem, effects)
     if data.unknown_gravity:  # that of other joints looks like pushes
         return state
-    left = residual_checks.residual_of(state.gram, state.active)
-    left = contact_events.without_impulses(problem, left, fine_residual(state))
-    errors = [_formula_error(block) * (c @ block.columns) for block, c in fitted(state.gram, state.active)]
+    fitted = state.fitted()
+    left = contact_events.without_impulses(problem, fitted.residual, fitted.fine_residual)
+    errors = [_formula_error(block) * torque for block, torque in zip(state.active, fitted.torques, strict=True)]
     contacts = contact_events.detect(problem, left, state.gram.noise, errors)
     if contacts:
         state = _selected(problem.without(contact_events.touched(problem, contacts)), effects)
@@ -80,7 +84,7 @@ def select(data: JointData, model: JointModel | None, effects: Sequence[Effect])
 def _selected(problem: RegressionProblem, effects: Sequence[Effect]) -> State:
     gravity = problem.columns((problem.data.torque - problem.data.without_gravity)[:, None])[0]
     rows = np.vstack([problem.X, problem.left_to_effects])
-    baseline = problem.nominal.baseline(_ols(rows, problem.y - gravity)[: len(problem.X)])
+    baseline = problem.nominal.baseline(ols(rows, problem.y - gravity)[: len(problem.X)])
     nuisances = plausible(problem, baseline)
     noise = NoiseModel.fit(problem.age, _plain_and_bent(problem, nuisances, problem.X), problem.model_error(baseline))
     dictionary = Dictionary.build(problem, effects, baseline, whole=False)
@@ -93,7 +97,7 @@ def _selected(problem: RegressionProblem, effects: Sequence[Effect]) -> State:
         state.active = first
         state = _refitted(state)
     for _ in range(2):
-        orders = dictionary.scan_orders(residual_checks.residual_of(state.gram, state.active))
+        orders = dictionary.scan_orders(state.fitted().residual)
         state.gram.add([*orders, *_change_point(state)])
         state.active = state.search.run(state.active)
         if not state.active:
@@ -144,11 +148,11 @@ def _change_point(state: State) -> list[Block]:
 
 def _refitted(state: State) -> State:
     """Noise from what the augmented model leaves; columns that need the nominal model from its better fit."""
-    problem = state.problem
-    baseline = nominal(state.search.training, state.active)
+    problem, fitted = state.problem, state.fitted()
+    baseline = fitted.nominal
     rows = np.vstack([state.gram.base_raw, *(b.columns for b in state.active)])
-    left = problem.y - _ols(rows, problem.y) @ rows
-    torques = [(block, c @ block.columns) for block, c in fitted(state.gram, state.active)]
+    left = problem.y - ols(rows, problem.y) @ rows
+    torques = [*zip(state.active, fitted.torques, strict=True)]
     # The variance function of the largest likelihood (R. J. Carroll, D. Ruppert, Transformation and Weighting in
     # Regression (1988), ch. 3): with a tenth of all gravity as noise a clean joint has presliding.
     gravity = [block for block in state.active if block.name == GRAVITY]
@@ -181,12 +185,12 @@ def plausible(problem: RegressionProblem, baseline: Nominal, active: Sequence[Bl
             known = [*kept, *chain]
             noise = NoiseModel.fit(problem.age, _plain_and_bent(problem, known, given), problem.model_error(baseline))
             gram = Gram(problem, noise, known, active)
-            fit = Training(gram).fit(active)
-            size = np.abs(fit.coefficients[len(problem.X) : len(fit.kept)]) / [one.sd for one in known]
+            model = FittedModel(Training(gram), active)
+            size = np.abs(model.fit.coefficients[len(problem.X) : len(model.fit.kept)]) / [one.sd for one in known]
             if size.max(initial=0.0) <= PLAUSIBLE_SD:
                 break
             kept.pop(int(np.argmax(size)))
-        found.append((noise.log_likelihood(residual_checks.residual_of(gram, active)), kept))
+        found.append((noise.log_likelihood(model.residual), kept))
     return max(found, key=lambda one: one[0] - (one is not found[0]))[1]  # of forms that are about as likely, the first
 
 
@@ -197,19 +201,14 @@ def _formula_error(block: Block) -> float:
     return TRANSMISSION_ERROR if block.effect.transmits else EFFECT_ERROR
 
 
-def fitted(gram: Gram, active: Sequence[Block]) -> Iterator[tuple[Block, Float]]:
-    """Each effect with its coefficients, fitted together."""
-    return zip(active, selection.split(Training(gram).fit(active), active), strict=True)
-
-
 def accepted(state: State, active: Sequence[Block]) -> list[Block]:
     """Without effects that do not predict held-out cycles, or may be what a larger effect's formula lacks."""
     kept = list(active)
     while kept:
-        found, size, alone = gains(state.gram, kept), sizes(state.gram, kept), inflations(state.gram, kept) ** -0.5
-        own = np.maximum(alone * size, 1e-300)  # rms of what nothing else holds
-        inflated = (whole_torques(state, kept)[1] / own) ** 2  # by a chain without a model too
-        left = float(np.std(residual_checks.residual_of(state.gram, kept)))
+        found, model = gains(state.gram, kept), state.fitted(kept)
+        size, left = model.sizes, float(np.std(model.residual))
+        own = np.maximum(size / np.sqrt(model.inflations), 1e-300)  # rms of what nothing else holds
+        inflated = (model.whole(state.dictionary)[1] / own) ** 2  # by a chain without a model too
         strengths = []
         for k, block in enumerate(kept):
             lost = any(
@@ -245,99 +244,7 @@ def _may_absorb_error(state: State, active: Sequence[Block], block: Block, other
     return given.and_also(state.gram.whiten(problem.columns(hats))).evidence(state.gram.of(block)) < selection.PRIOR
 
 
-def sizes(gram: Gram, active: Sequence[Block]) -> Float:
-    """Rms of each effect's torque free of the nominal model, and of an offset that may be any, shape (k,). [N m]"""
-    known = gram.base_raw[gram.precision == 0.0]
-    each = fitted(gram, active)
-    found = [_rms_without(known, c @ block.columns) for block, c in each]
-    return np.array(found)
-
-
-def whole_torques(state: State, active: Sequence[Block]) -> tuple[list[Float], Float]:
-    """Torque of each effect, shape (m,), and its size, shape (k,), with what an unknown chain may take of it. [N m]
-
-    Of the chain's own effects only what it does not take is known: the rest of their coefficients is a guess.
-    """
-    each, size = list(fitted(state.gram, active)), sizes(state.gram, active)
-    torques = [c @ block.columns for block, c in each]
-    others = [k for k, block in enumerate(active) if block.effect.axis != "neighbour" and block.name != GRAVITY]
-    for k, whole in zip(
-        others, _with_chain(state, active, [each[k] for k in others]), strict=False
-    ):  # none without a chain
-        torques[k], size[k] = whole
-    return torques, size
-
-
-def taken_by_chain(state: State) -> float:
-    """Largest ratio of the rms of an effect to what an unknown chain leaves of it, a point of each; 1 without one."""
-    points: dict[str, list[Block]] = {}
-    for block in state.gram.blocks if state.problem.with_chain else ():
-        if block.effect.axis != "neighbour" and block.name != GRAVITY:
-            points.setdefault(block.name, []).append(block)
-    some = [(own[len(own) // 2], np.ones(own[len(own) // 2].p)) for own in points.values()]
-    known = state.gram.base_raw[state.gram.precision == 0.0]
-    left = [_rms_without(known, c @ block.columns) for block, c in some]
-    whole = (rms for _, rms in _with_chain(state, state.active, some))
-    return max((one / free for one, free in zip(whole, left, strict=True) if free > 0.0), default=1.0)
-
-
-def _with_chain(
-    state: State, active: Sequence[Block], each: Iterable[tuple[Block, Float]]
-) -> Iterator[tuple[Float, float]]:
-    """Torque of effects given active ones, what a chain could take in it, and its rms free of the nominal model."""
-    if (problem := state.problem.with_chain) is not None:
-        dictionary, baseline = replace(state.dictionary, problem=problem), nominal(state.search.training, active)
-        known = np.vstack([problem.X, problem.columns(np.ones((len(problem.data.t), 1)))])
-        for block, c in each:
-            torque = c @ dictionary.columns_at(block, block.shape, baseline)
-            yield torque, _rms_without(known, torque)
-
-
-def _rms_without(known: Float, torque: Float) -> float:
-    return float(np.sqrt(np.mean((torque - _ols(known, torque) @ known) ** 2)))
-
-
-def inflations(gram: Gram, active: Sequence[Block]) -> Float:
-    """Variance inflation factor of each effect's size by the nuisances and the other effects, shape (k,)."""
-    fit = Training(gram).fit(active)
-    whole = (fit.factor @ fit.factor.T) * np.outer(fit.scale, fit.scale)
-    known, rows, found = np.flatnonzero(gram.precision[fit.kept] == 0.0), np.arange(len(whole)), []
-    owner = np.repeat(np.arange(-1, len(active)), [len(fit.kept), *(b.p for b in active)])
-    for k, coefficients in enumerate(selection.split(fit, active)):
-        own, others = rows[owner == k], rows[owner != k]
-        cross = whole[:, own] @ coefficients
-        free = [
-            cross[own] @ coefficients - cross[one] @ np.linalg.solve(whole[np.ix_(one, one)], cross[one])
-            for one in (known, others)
-        ]
-        found.append(free[0] / max(free[1], RIDGE * free[0]))
-    return np.array(found)
-
-
-def nominal(training: Training, active: Sequence[Block]) -> Nominal:
-    """The nominal model as fitted together with some effects."""
-    problem = training.gram.problem
-    return problem.nominal.baseline(training.fit(active).coefficients[: len(problem.X)])
-
-
-def fine_residual(state: State) -> Float:
-    """What the augmented model leaves on the fine grid, shape (n,). [N m]"""
-    baseline = nominal(state.search.training, state.active)
-    data, torques = state.problem.data, []
-    for block, c in fitted(state.gram, state.active):
-        torques.append(block.effect.regressor(data, baseline, block.shape)[:, block.there] @ c)
-    return np.asarray(data.torque - baseline.torque - np.sum(torques, axis=0))
-
-
 def _plain_and_bent(problem: RegressionProblem, nuisances: Sequence[Nuisance], given: Float) -> list[Float]:
     plain = np.vstack([given, *(one.column for one in nuisances)])
     bent = np.vstack([plain, *(c.columns for c in problem.curves)])
-    return [problem.y - _ols(one, problem.y) @ one for one in (plain, bent)]
-
-
-def _ols(columns: Float, y: Float) -> Float:
-    """Coefficients of least squares, columns (p, m)."""
-    scale = np.sqrt(np.mean(columns**2, axis=1))
-    scale = np.where(scale > 0, scale, 1.0)
-    scaled = columns / scale[:, None]
-    return np.asarray(np.linalg.lstsq(scaled @ scaled.T, scaled @ y, rcond=1e-12)[0] / scale)
+    return [problem.y - ols(one, problem.y) @ one for one in (plain, bent)]

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from friction_audit.diagnosis.contact_events import touched
 from friction_audit.diagnosis.problem import RegressionProblem
-from friction_audit.diagnosis.procedure import State, fine_residual
+from friction_audit.diagnosis.procedure import State
 from friction_audit.diagnosis.result import ContactTrace, NamedEffect, OwnAxis, Profile, Traces
 from friction_audit.diagnosis.samples import without_each
 from friction_audit.effects.slow import ContactEvent as Contact
@@ -168,7 +168,7 @@ def contact_trace(state: State) -> ContactTrace | None:
     if not state.contacts:
         return None
     data, samples = state.problem.data, state.problem.samples
-    fine = fine_residual(state)
+    fine = state.fitted().fine_residual
     left = filtered(fine[None], samples.kernel, np.arange(0, len(fine), samples.every))[0]
     seen = (data.moving & data.valid)[:: samples.every]
     return ContactTrace(

@@ -11,9 +11,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from friction_audit.diagnosis.dictionary import Block
-from friction_audit.diagnosis.gram import Gram, Training
+from friction_audit.diagnosis.fitted_model import FittedModel
+from friction_audit.diagnosis.gram import Training
 from friction_audit.diagnosis.result import ResidualCheck
-from friction_audit.diagnosis.selection import PRIOR, Projected, split
+from friction_audit.diagnosis.selection import PRIOR, Projected
 from friction_audit.diagnosis.validation import held_out
 from friction_audit.joint_log import Float
 
@@ -29,24 +30,17 @@ LINE_P = 1e-5
 SCATTER_S, PAIRS_S, BLOCK_S = 0.3, 0.9, 1.2  # memory of friction within a stroke, longest distance of a pair, blocks
 
 
-def run(gram: Gram, active: Sequence[Block]) -> tuple[ResidualCheck, ...]:
+def run(model: FittedModel) -> tuple[ResidualCheck, ...]:
     """All checks that found more than the threshold, the largest share first."""
-    least = SHARE if active else SHARE_OF_NONE
+    least = SHARE if model.active else SHARE_OF_NONE
     checks = (_curves, _lines, _scatter, _changes)
-    found = [one for check in checks for one in check(gram, active)]
+    found = [one for check in checks for one in check(model)]
     return tuple(sorted((c for c in found if c.share > least), key=lambda c: -c.share))
 
 
-def residual_of(gram: Gram, active: Sequence[Block]) -> Float:
-    """What the model leaves of all samples, in the order of time, shape (m,). [N m]"""
-    fit = Training(gram).fit(active)
-    raw = np.vstack([gram.base_raw[fit.kept], *(b.columns for b in active)])
-    return np.asarray(gram.problem.y - fit.coefficients @ raw)
-
-
-def _curves(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
+def _curves(model: FittedModel) -> list[ResidualCheck]:
     """Curves, and a response to past motion, that are significant in the whitened residual, on folds not fitted on."""
-    given, problem = Projected(Training(gram), active), gram.problem
+    gram, problem, given = model.gram, model.problem, Projected(model.training, model.active)
     found = [("curve", c.axis.name, c.columns, c.columns[:0]) for c in problem.curves]
     found = [one for one in found if given.evidence(gram.whiten(one[2])) > PRIOR]
     smoothed = given.and_also(gram.whiten(problem.smoothed))
@@ -55,7 +49,7 @@ def _curves(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
         found.append(("response", "past motion", problem.responses[best], problem.smoothed))
 
     def rms(*columns: Float) -> float:
-        return held_out(gram, active, np.vstack(columns)).rms
+        return held_out(gram, model.active, np.vstack(columns)).rms
 
     return [
         ResidualCheck(code=code, along=along, share=1.0 - (rms(columns, known) / rms(known)) ** 2)
@@ -70,7 +64,7 @@ def _integrated(given: Projected, white: Sequence[Float]) -> tuple[float, int]:
     return float(evidence[best] + 2.0 * np.log(np.mean(np.exp(0.5 * (evidence - evidence[best]))))), best
 
 
-def competing_structure(gram: Gram, active: Sequence[Block], block: Block) -> str:
+def competing_structure(training: Training, active: Sequence[Block], block: Block) -> str:
     """Quantity a curve over which replaces an effect, or a linear response to past motion; empty without one.
 
     It has more evidence, its knots paid for, explains clearly more, and leaves no evidence for the effect: a formula
@@ -81,7 +75,8 @@ def competing_structure(gram: Gram, active: Sequence[Block], block: Block) -> st
     """
     if block.effect.misses == "nothing":
         return ""
-    given, own = Projected(Training(gram), [b for b in active if b is not block]), gram.of(block)
+    gram, given = training.gram, Projected(training, [b for b in active if b is not block])
+    own = gram.of(block)
     evidence, effect_rss = given.evidence(own), given.and_also(own).rss
     others = {c.axis.name: [gram.whiten(c.columns)] for c in gram.problem.curves}
     others["past motion"] = [gram.whiten(one) for one in gram.problem.responses]
@@ -97,8 +92,8 @@ def competing_structure(gram: Gram, active: Sequence[Block], block: Block) -> st
     return ""
 
 
-def _lines(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
-    problem, left = gram.problem, residual_of(gram, active)
+def _lines(model: FittedModel) -> list[ResidualCheck]:
+    problem, left = model.problem, model.residual
     _, dq, _ = problem.kinematics
     path = np.cumsum(np.abs(problem.data.dq) * problem.data.moving)[problem.samples.fine] * problem.data.step_s
     highest = min(0.9 * problem.samples.corner_hz, 40.0)
@@ -139,12 +134,12 @@ def spectral_line(residual: Float, x: Float, low: float, high: float, weight: Fl
     return float(frequency[k]), float(2.0 * (power[k] - level) / max(np.sum(weight**2) * np.sum(residual**2), 1e-300))
 
 
-def _scatter(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
+def _scatter(model: FittedModel) -> list[ResidualCheck]:
     """Friction too high or too low for a while: products of samples within a stroke against those across a reversal.
 
     Noise knows no direction; friction that scatters changes its sign with it.
     """
-    problem, left = gram.problem, residual_of(gram, active)
+    problem, left = model.problem, model.residual
     t, sign = problem.samples.t, np.sign(problem.kinematics[1])
     step = float(np.median(np.diff(t)))
     slot = np.round((t - t[0]) / step).astype(int)
@@ -168,9 +163,9 @@ def _scatter(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
     return [ResidualCheck(code="scatter", along="stroke", share=share)]
 
 
-def _changes(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
+def _changes(model: FittedModel) -> list[ResidualCheck]:
     """Effects whose coefficients differ by more than half between two halves of the data."""
-    fit, given = Training(gram).fit(active), Projected(Training(gram), active)
+    gram, given = model.gram, Projected(model.training, model.active)
     variance = given.rss / given.samples
     _, dq, ddq = gram.problem.kinematics
     t = gram.problem.samples.t
@@ -181,9 +176,8 @@ def _changes(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
         "acceleration": np.abs(ddq) > np.median(np.abs(ddq)),
         "time": t > np.median(t),
     }
-    power, found = float(np.sum(residual_of(gram, active) ** 2)), []
-    for block, coefficients in zip(active, split(fit, active), strict=True):
-        torque = coefficients @ block.columns
+    power, found = float(np.sum(model.residual**2)), []
+    for block, torque in zip(model.active, model.torques, strict=True):
         for half in halves.values():
             column = np.where(half, 0.5, -0.5) * torque
             whole = gram.whiten(column)[0]

@@ -8,13 +8,13 @@ over their grid, which is the price of trying them all. One number is the prior 
 from collections.abc import Callable, Collection, Sequence
 from copy import copy
 from dataclasses import dataclass, field
-from itertools import combinations, pairwise
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
 
 from friction_audit.diagnosis.dictionary import Block
-from friction_audit.diagnosis.gram import Fit, Gram, Training
+from friction_audit.diagnosis.gram import Gram, Training
 from friction_audit.diagnosis.result import Evidence
 from friction_audit.effects.registry import GRAVITY, PART_OF, same_as
 from friction_audit.joint_log import Float
@@ -162,7 +162,7 @@ class Search:
 
     def _impossible(self, active: Sequence[Block]) -> list[Block]:
         fit = self.training.fit(active)
-        return [b for b, c in zip(active, split(fit, active), strict=True) if not b.possible(c)]
+        return [b for b, c in zip(active, fit.split(active), strict=True) if not b.possible(c)]
 
     def best(self, active: Sequence[Block]) -> list[Score]:
         """Effects given an active set, the best first, the best of them refined."""
@@ -262,12 +262,6 @@ def ranked(scores: dict[str, Score]) -> list[Score]:
     return sorted(scores.values(), key=lambda one: -round(one.evidence, 6))
 
 
-def split(fit: Fit, active: Sequence[Block]) -> list[Float]:
-    """Coefficients of each block."""
-    ends = np.cumsum([len(fit.kept), *(b.p for b in active)])
-    return [fit.coefficients[a:b] for a, b in pairwise(ends.tolist())]
-
-
 def shares_of_folds(gram: Gram, active: Sequence[Block], numbers: int) -> dict[str, int]:
     """In how many of the selections without one fold each an effect, or one that stands for it there, is chosen."""
     count, given = dict.fromkeys((b.name for b in active), 0), Projected(Training(gram), ())
@@ -332,7 +326,7 @@ def _small_to_chain(gram: Gram, block: Block, active: Sequence[Block]) -> bool:
     load = gram.problem.data.load
     if load is None or block.name == GRAVITY or not len(gram.problem.chain):
         return False
-    torque = split(Training(gram).fit(active), active)[list(active).index(block)] @ block.columns
+    torque = Training(gram).fit(active).split(active)[list(active).index(block)] @ block.columns
     return bool(np.std(torque) < CHAIN_ERROR * np.std(load[gram.problem.samples.fine]))
 
 
@@ -343,5 +337,5 @@ def _leans(training: Training, block: Block, other: Block, others: Sequence[Bloc
     (effects_joint_elasticity_90003, pairs_asymmetric_viscous+time_delay_120014).
     """
     sets = [block, *others], [block, *(b for b in others if b is not other)]
-    whole, without = (split(training.fit(chosen), chosen)[0] @ block.columns for chosen in sets)
+    whole, without = (training.fit(chosen).split(chosen)[0] @ block.columns for chosen in sets)
     return bool(np.linalg.norm(whole - without) > LEANING * np.linalg.norm(whole))
