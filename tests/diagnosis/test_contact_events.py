@@ -9,8 +9,9 @@ from scipy.signal import lfilter
 
 from friction_audit.api import diagnose_log
 from friction_audit.diagnosis.contact_events import Contact, detect, touched, without_impulses
+from friction_audit.diagnosis.noise import NoiseModel
 from friction_audit.diagnosis.problem import RegressionProblem
-from friction_audit.diagnosis.samples import NoiseModel, least_squares
+from friction_audit.diagnosis.samples import least_squares
 from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 from friction_audit.simulation import BenchSettings, simulate

@@ -13,8 +13,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.diagnosis.noise import NoiseModel
 from friction_audit.diagnosis.problem import RegressionProblem
-from friction_audit.diagnosis.samples import Index, NoiseModel
+from friction_audit.diagnosis.samples import Index
 from friction_audit.joint_log import Float
 
 Marks = NDArray[np.bool_]

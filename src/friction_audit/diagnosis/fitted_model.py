@@ -8,6 +8,7 @@ import numpy as np
 
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.gram import RIDGE, Training
+from friction_audit.diagnosis.samples import ols
 from friction_audit.effects.joint_data import Nominal
 from friction_audit.effects.registry import GRAVITY
 from friction_audit.joint_log import Float
@@ -105,14 +106,6 @@ class FittedModel:
 
 def _of_chain(block: Block) -> bool:
     return block.effect.axis == "neighbour" or block.name == GRAVITY
-
-
-def ols(columns: Float, y: Float) -> Float:
-    """Coefficients of least squares, shape (p,), columns (p, m); exactly 0 for a column of zeros."""
-    scale = np.sqrt(np.mean(columns**2, axis=1))
-    scale = np.where(scale > 0, scale, 1.0)
-    scaled = columns / scale[:, None]
-    return np.asarray(np.linalg.lstsq(scaled @ scaled.T, scaled @ y, rcond=1e-12)[0] / scale)
 
 
 def _rms_without(known: Float, torque: Float) -> float:

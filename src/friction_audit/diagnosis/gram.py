@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.compiled import compiled
 from friction_audit.diagnosis.dictionary import Block
+from friction_audit.diagnosis.noise import NoiseModel
 from friction_audit.diagnosis.problem import Nuisance, RegressionProblem
-from friction_audit.diagnosis.samples import Index, NoiseModel
+from friction_audit.diagnosis.samples import Index
 from friction_audit.effects.effect import Effect
 from friction_audit.joint_log import Float
 
@@ -46,7 +46,7 @@ class Gram:
         self.used = 0
         self.own: dict[int, Float] = {}
         # By block; of None: the response, then the base. Products within each fold, shape (folds, k, columns).
-        self._left: dict[int | None, Float] = {None: self.transposed(white)}
+        self._left: dict[int | None, Float] = {None: self.sorted_noise.transposed(white)}
         self.cross: dict[int | None, Float] = {None: np.empty((problem.folds, len(white), 0))}
         self.version = 0
         # Blocks of one effect with the same parameters: which they are, and for each its columns and parameters.
@@ -56,12 +56,6 @@ class Gram:
     def whiten(self, columns: Float) -> Float:
         """Innovations in the order of the folds, shape (k, m)."""
         return self.sorted_noise.whiten(np.atleast_2d(columns)[:, self.order])
-
-    def transposed(self, innovations: Float) -> Float:
-        """The transpose of whitening, on innovations in the order of the folds, shape (k, m)."""
-        noise = self.sorted_noise
-        rows = np.ascontiguousarray(np.atleast_2d(innovations))
-        return np.asarray(_transposed(rows, noise.predictors, noise.scales, noise.age) * noise.weight)
 
     def add(self, blocks: Sequence[Block]) -> None:
         """Append blocks."""
@@ -106,7 +100,7 @@ class Gram:
     def products(self, block: Block) -> Float:
         """Products of a block with all others within each fold, shape (folds, p, columns)."""
         if id(block) not in self.cross:
-            self._left[id(block)] = self.transposed(self.of(block))
+            self._left[id(block)] = self.sorted_noise.transposed(self.of(block))
             self.cross[id(block)] = self._products(self._left[id(block)], self.blocks)
         return self.cross[id(block)]
 
@@ -144,19 +138,6 @@ class Gram:
         for p in np.unique(widths).tolist():
             rows = white[starts[widths == p][:, None] + np.arange(p)]
             yield p, np.stack([rows[..., f] @ rows[..., f].transpose(0, 2, 1) for f in self.slices])
-
-
-@compiled("f8[:, ::1](f8[:, ::1], f8[:, ::1], f8[::1], i8[::1])")
-def _transposed(rows: Float, predictors: Float, scales: Float, age: Index) -> Float:
-    out = np.zeros_like(rows)
-    for k in range(rows.shape[0]):
-        for i in range(rows.shape[1]):
-            order = age[i]
-            scaled = rows[k, i] * scales[order]
-            out[k, i] += scaled
-            for j in range(order):
-                out[k, i - 1 - j] -= predictors[order, j] * scaled
-    return out
 
 
 class Fit(NamedTuple):

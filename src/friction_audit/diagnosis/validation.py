@@ -171,7 +171,7 @@ def wild_cluster_bootstrap(gram: Gram, active: Sequence[Block], seed: int) -> Sc
     starts = np.flatnonzero(np.diff(cycle, prepend=cycle[0] - 1))
     own = np.add.reduceat(basis * left, starts, axis=1)
     # Of the blocks the same in parts, without a whitened copy; of copies of the model nothing is left.
-    fit, back = training.fit(active), gram.transposed(left)[0]
+    fit, back = training.fit(active), gram.sorted_noise.transposed(left)[0]
     of_blocks = [np.add.reduceat(rows * back, starts, axis=1) for _, rows in gram.chunks(gram.blocks)]
     along = np.linalg.solve(fit.factor, training.cross(active, fit))
     squares = np.empty(gram.used)

@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from friction_audit.diagnosis.dictionary import Block, Dictionary
+from friction_audit.diagnosis.noise import NoiseModel
 from friction_audit.diagnosis.problem import RegressionProblem
-from friction_audit.diagnosis.samples import NoiseModel
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.effects.registry import same_as
