@@ -43,7 +43,7 @@ class SampledJoint:
     def residual(self, *torques: Float) -> Float:
         """What least squares of the nominal model and some torques leaves, shape (m,). [N m]"""
         columns = np.column_stack([self.nominal.columns, *torques])
-        return np.asarray(self.nominal.y - columns @ least_squares(columns, self.nominal.y))
+        return np.asarray(self.nominal.y - columns @ least_squares(columns.T, self.nominal.y))
 
 
 def samples_of(data: JointData, model: JointModel | None, corner_hz: float | None = None) -> SampledJoint:
@@ -109,7 +109,7 @@ def limits_of(row: Row) -> list[Row]:
     data = prepared(simulate(settings_of(case, (1.0,) * len(names)), seed).log)[joint]
     samples = samples_of(data, None if model is None else model.joints[joint])
     torques = [torque_alone(case, k, samples) for k in range(len(names))]
-    baseline = samples.nominal.baseline(least_squares(samples.nominal.columns, samples.nominal.y))
+    baseline = samples.nominal.baseline(least_squares(samples.nominal.columns.T, samples.nominal.y))
     catalogue = {one.name: one for one in effects()}
     return [
         {

@@ -121,7 +121,7 @@ class _Free:
             data=samples.data, samples=samples.rows, nominal=nominal, age=zeros, fold=zeros, curves=()
         )
         self.y, self.basis = samples.residual(), np.linalg.qr(nominal.columns)[0]
-        self.baseline = nominal.baseline(linear_fit(nominal.columns, nominal.y))
+        self.baseline = nominal.baseline(linear_fit(nominal.columns.T, nominal.y))
         self.dictionary = Dictionary.build(problem, asked, self.baseline)
         self.blocks: dict[str, list[Block]] = {}
         for block in [*self.dictionary.blocks, *self.dictionary.scan_orders(self.y)]:

@@ -37,7 +37,7 @@ def left_over(log: JointLog, joint: int, model: ArmModel | None = None, corner_h
         data, RegressionProblem.build(data, stated).samples.corner_hz if corner_hz is None else corner_hz
     )
     declared = nominal_model(data, rows, stated)
-    left = declared.y - declared.columns @ least_squares(declared.columns, declared.y)
+    left = declared.y - declared.columns @ least_squares(declared.columns.T, declared.y)
     return float(np.sqrt(np.mean(left**2)))
 
 

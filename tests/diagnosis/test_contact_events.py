@@ -36,7 +36,7 @@ def box(start_s: float, length_s: float, size_nm: float) -> Float:
 
 def found(torque: Float, data: JointData = MOTION) -> tuple[Contact, ...]:
     problem = RegressionProblem.build(replace(data, torque=baseline(data).torque + torque), None)
-    factors = least_squares(problem.nominal.columns, problem.y)
+    factors = least_squares(problem.X, problem.y)
     residual = problem.y - factors @ problem.X
     model_error = problem.model_error(problem.nominal.baseline(factors))
     return detect(problem, residual, NoiseModel.fit(problem.age, [residual], model_error))

@@ -99,7 +99,7 @@ def test_without_a_model_the_dynamics_of_the_chain_leave_the_friction_of_a_joint
     gravity = ARM.gravity(data.others.q)[:, 1]
     assert np.std(np.asarray(problem.data.load) - gravity) < 0.1 * np.std(gravity)
     own = np.column_stack([np.cos(data.q), np.sin(data.q), data.others.ddq, data.others.dq**2])  # effects of their own
-    assert least_squares(np.vstack([problem.X, problem.columns(own)]).T, problem.y)[0] == pytest.approx(3.0, rel=0.03)
+    assert least_squares(np.vstack([problem.X, problem.columns(own)]), problem.y)[0] == pytest.approx(3.0, rel=0.03)
     # Projected out, the chain leaves little of viscous friction, as smooth as its torque; as noise it leaves enough.
     whole = problem.with_chain
     assert whole is not None
@@ -107,7 +107,7 @@ def test_without_a_model_the_dynamics_of_the_chain_leave_the_friction_of_a_joint
     _, size, basis = np.linalg.svd(chain_columns(motion, np.ones(len(whole.y)), whole.X, whole.y), full_matrices=False)
     rows = np.vstack([whole.X, whole.columns(own), whole.y])
     rows -= (rows @ basis.T * (1.0 - 1.0 / np.hypot(1.0, size))) @ basis
-    found = least_squares(rows[:-1].T, rows[-1])
+    found = least_squares(rows[:-1], rows[-1])
     assert (found[0], found[1]) == (pytest.approx(3.0, rel=0.03), pytest.approx(2.0, rel=0.1))
 
 

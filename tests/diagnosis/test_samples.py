@@ -119,7 +119,7 @@ SIMPLE = (FittedTerm("coulomb", (9.0,)), FittedTerm("viscous", (9.0,)))
 
 def test_exact_data_give_the_exact_coefficients() -> None:
     nominal = nominal_model(EXACT, make_samples(EXACT), None)
-    values = least_squares(nominal.columns, nominal.y)
+    values = least_squares(nominal.columns.T, nominal.y)
     assert dict(zip(nominal.names, values, strict=True)) == pytest.approx(TRUTH, rel=1e-9)
     baseline = nominal.baseline(values)
     assert baseline.torque == pytest.approx(EXACT.torque)

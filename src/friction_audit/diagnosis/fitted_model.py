@@ -8,7 +8,7 @@ import numpy as np
 
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.gram import RIDGE, Training
-from friction_audit.diagnosis.samples import ols
+from friction_audit.diagnosis.samples import least_squares
 from friction_audit.effects.joint_data import Nominal
 from friction_audit.effects.registry import GRAVITY
 from friction_audit.joint_log import Float
@@ -109,4 +109,4 @@ def _of_chain(block: Block) -> bool:
 
 
 def _rms_without(known: Float, torque: Float) -> float:
-    return float(np.sqrt(np.mean((torque - ols(known, torque) @ known) ** 2)))
+    return float(np.sqrt(np.mean((torque - least_squares(known, torque) @ known) ** 2)))

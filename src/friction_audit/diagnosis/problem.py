@@ -122,7 +122,7 @@ class RegressionProblem:
         nominal = nominal_model(data, samples, model)
         # Noise of the acceleration makes its coefficient too small, below the first corner hardly (Fuller 1987).
         for least in (1.0, SETTLED):
-            inertia = abs(nominal.baseline(least_squares(nominal.columns, nominal.y)).inertia_kg_m2)
+            inertia = abs(nominal.baseline(least_squares(nominal.columns.T, nominal.y)).inertia_kg_m2)
             corner, coarse = corner_for(data, inertia)
             if coarse > 1.0:
                 step = 12.0**0.5 * data.rounding

@@ -11,7 +11,7 @@ from friction_audit.diagnosis.gram import Gram, Training
 from friction_audit.diagnosis.noise import NoiseModel
 from friction_audit.diagnosis.nonlinear import refine
 from friction_audit.diagnosis.problem import AXES, PLAUSIBLE_SD, SIGNS, Nuisance, RegressionProblem, curve, knots_of
-from friction_audit.diagnosis.samples import ols
+from friction_audit.diagnosis.samples import least_squares
 from friction_audit.diagnosis.validation import gains
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData, Nominal
@@ -85,7 +85,7 @@ def select(data: JointData, model: JointModel | None, effects: Sequence[Effect])
 def _selected(problem: RegressionProblem, effects: Sequence[Effect]) -> State:
     gravity = problem.columns((problem.data.torque - problem.data.without_gravity)[:, None])[0]
     rows = np.vstack([problem.X, problem.left_to_effects])
-    baseline = problem.nominal.baseline(ols(rows, problem.y - gravity)[: len(problem.X)])
+    baseline = problem.nominal.baseline(least_squares(rows, problem.y - gravity)[: len(problem.X)])
     nuisances = plausible(problem, baseline)
     noise = NoiseModel.fit(problem.age, _plain_and_bent(problem, nuisances, problem.X), problem.model_error(baseline))
     dictionary = Dictionary.build(problem, effects, baseline, whole=False)
@@ -152,7 +152,7 @@ def _refitted(state: State) -> State:
     problem, fitted = state.problem, state.fitted()
     baseline = fitted.nominal
     rows = np.vstack([state.gram.base_raw, *(b.columns for b in state.active)])
-    left = problem.y - ols(rows, problem.y) @ rows
+    left = problem.y - least_squares(rows, problem.y) @ rows
     torques = [*zip(state.active, fitted.torques, strict=True)]
     # The variance function of the largest likelihood (R. J. Carroll, D. Ruppert, Transformation and Weighting in
     # Regression (1988), ch. 3): with a tenth of all gravity as noise a clean joint has presliding.
@@ -248,4 +248,4 @@ def _may_absorb_error(state: State, active: Sequence[Block], block: Block, other
 def _plain_and_bent(problem: RegressionProblem, nuisances: Sequence[Nuisance], given: Float) -> list[Float]:
     plain = np.vstack([given, *(one.column for one in nuisances)])
     bent = np.vstack([plain, *(c.columns for c in problem.curves)])
-    return [problem.y - ols(one, problem.y) @ one for one in (plain, bent)]
+    return [problem.y - least_squares(one, problem.y) @ one for one in (plain, bent)]

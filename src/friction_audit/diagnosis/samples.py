@@ -229,8 +229,8 @@ def _motion_of(term: FittedTerm, model: JointModel, data: JointData, samples: Sa
     simple = (data.direction, data.dq, data.ddq)
     left = []
     for motion in motions:
-        columns = samples.of(np.column_stack([*simple, *_columns(term, motion).values()]))
-        left.append(np.linalg.norm(samples.y - columns @ least_squares(columns, samples.y)))
+        columns = samples.of(np.column_stack([*simple, *_columns(term, motion).values()])).T
+        left.append(np.linalg.norm(samples.y - least_squares(columns, samples.y) @ columns))
     return motions[int(np.argmin(left))]
 
 
@@ -245,14 +245,7 @@ def _columns(term: FittedTerm, motion: Motion) -> dict[str, Float]:
 
 
 def least_squares(columns: Float, y: Float) -> Float:
-    """Coefficients of least norm, shape (p,); exactly 0 for a column of zeros."""
-    size = np.sqrt(np.mean(columns**2, axis=0))
-    scale = np.where(size > 0, size, 1.0)
-    return np.asarray(np.where(size > 0, np.linalg.lstsq(columns / scale, y, rcond=1e-10)[0] / scale, 0.0))
-
-
-def ols(columns: Float, y: Float) -> Float:
-    """Coefficients of least squares, shape (p,), columns (p, m); exactly 0 for a column of zeros."""
+    """Coefficients of least norm, shape (p,), of columns, shape (p, m); exactly 0 for a column of zeros."""
     scale = np.sqrt(np.mean(columns**2, axis=1))
     scale = np.where(scale > 0, scale, 1.0)
     scaled = columns / scale[:, None]
