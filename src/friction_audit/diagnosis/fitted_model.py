@@ -22,17 +22,14 @@ class FittedModel:
         self.gram, self.problem = training.gram, training.gram.problem
         self.fit = training.fit(active)
         self.coefficients = self.fit.split(active)  # of each effect
+        # torque of each effect on the samples, shape (m,) [N m]
+        self.torques = [c @ block.columns for block, c in zip(active, self.coefficients, strict=True)]
         self._known = self.gram.base_raw[self.gram.precision == 0.0]  # the nominal model, and an offset that may be any
 
     @cached_property
     def nominal(self) -> Nominal:
         """The nominal model as fitted together with the effects."""
         return self.problem.nominal.baseline(self.fit.coefficients[: len(self.problem.X)])
-
-    @cached_property
-    def torques(self) -> list[Float]:
-        """Torque of each effect on the samples, shape (m,). [N m]"""
-        return [c @ block.columns for block, c in zip(self.active, self.coefficients, strict=True)]
 
     @cached_property
     def residual(self) -> Float:
