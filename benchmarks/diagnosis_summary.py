@@ -45,7 +45,10 @@ Figure = tuple[str, str, str, str, str]
 DETAILS = frozenset(
     {
         "all of these: `unexplained` [%]",
+        "only wrong names [%]",
+        "only wrong names there [%]",
         "hidden effect listed as negligible [%]",
+        "of those whose log holds twice what chance brings [%]",
         "the same, in the answer or listed as negligible [%]",
         "any wrong name at 0.2 [%]",
         "resampled or filtered, nothing hidden: `unexplained` [%]",
