@@ -7,6 +7,7 @@ import re
 from collections.abc import Collection, Sequence
 from difflib import get_close_matches
 from traceback import format_exception
+from types import NoneType
 from typing import Any
 
 
@@ -77,3 +78,8 @@ def near_misses(word: str, names: Collection[str]) -> str:
 def few(items: Sequence[str], most: int = 5, kind: str = "") -> list[str]:
     """Return the first of many items for a message, and how many more there are of their kind."""
     return [*items[:most], *([f"and {len(items) - most} more{kind}"] if len(items) > most else [])]
+
+
+def kind_name(kind: type) -> str:
+    """Return the name of a class as the command line has it, e.g. ``slow_sweep``; of None, ``none``."""
+    return "none" if kind is NoneType else re.sub(r"(?<=[a-z])(?=[A-Z])", "_", kind.__name__).lower()

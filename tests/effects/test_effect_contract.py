@@ -16,7 +16,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from friction_audit.dynamics.motion import Motion, Others
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_model import FittedTerm
-from friction_audit.effects.registry import MODULES, NAMES, PART_OF, effect_of, effects, motion_between, same_as, terms
+from friction_audit.effects.registry import NAMES, PART_OF, effect_of, effects, motion_between, same_as, terms
 from friction_audit.joint_log import Float
 from friction_audit.simulation.effects import EFFECTS, velocity
 from friction_audit.simulation.effects.effect import Setting
@@ -142,7 +142,7 @@ def test_stated_numbers_make_what_needs_them_identifiable() -> None:
         assert "no_inertia" in repr(effect_of(link).not_identifiable(MOVING, replace(NOMINAL, inertia_kg_m2=-0.01)))
 
 
-# The name of an effect stands in its module, in its simulator module and in the lines of the two registries.
+# The name of an effect stands in the lines of the two registries; its classes have it.
 
 SOURCE = Path(__file__).parents[2] / "src" / "friction_audit"
 # Where the simulator applies what an effect does: compiled code calls each by its name.
@@ -171,9 +171,9 @@ def written() -> dict[str, set[str]]:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_an_effect_is_defined_in_one_module_of_either_side(name: str) -> None:
-    own = {f"effects/{MODULES[name]}.py", "effects/registry.py", "simulation/effects/__init__.py"}
-    # Its own class carries the name too; in other effects it is the other side of a pair that is easily confused.
+def test_an_effect_stands_in_one_line_of_either_registry(name: str) -> None:
+    own = {"effects/registry.py", "simulation/effects/__init__.py"}
+    # In modules of other effects it is the other side of a pair that is easily confused.
     assert own <= written()[name]
     elsewhere = (path for path in written()[name] - own if not path.startswith(("effects/", "simulation/effects/")))
     others = sorted(path for path in elsewhere if not path.startswith(APPLIED))

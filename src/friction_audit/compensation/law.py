@@ -1,16 +1,14 @@
 """What the compensators share: bounds of numbers, passivity controller and limits, a ramped sign; and the paper's."""
 
 import math
-import re
 import sys
 from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from math import inf, ulp
-from types import NoneType
 from typing import Any, ClassVar, Self, dataclass_transform
 
 from friction_audit.compiled import compiled
-from friction_audit.errors import UsageError
+from friction_audit.errors import UsageError, kind_name
 
 MODELS = {"viscous": 1, "coulomb": 1, "combined": 2}  # coefficients of each
 LONGEST_WINDOW = 64  # cycles that the memory of a compensator holds
@@ -18,11 +16,6 @@ LONGEST_WINDOW = 64  # cycles that the memory of a compensator holds
 # step of friction takes more than the two cycles that it spans (benchmarks/bench_compensation.py).
 RIDGE, PUBLISHED = 0.003, 0.0
 ABOVE_ZERO, FINITE = ulp(0.0), sys.float_info.max  # the least number that is, and the largest
-
-
-def kind_name(kind: type) -> str:
-    """Return the name of a class as the command line has it, e.g. ``slow_sweep``; of None, ``none``."""
-    return "none" if kind is NoneType else re.sub(r"(?<=[a-z])(?=[A-Z])", "_", kind.__name__).lower()
 
 
 def within(usual: Any = 0.0, low: float = 0.0, high: float = FINITE) -> Any:  # noqa: ANN401 - the field of a dataclass

@@ -165,7 +165,6 @@ FEWEST_BREAKAWAYS = 6
 
 
 class Stiction(Effect):
-    name = "stiction"
     label = "higher torque at breakaway"
     axis = "displacement"
     coefficients = (Parameter("breakaway_excess_nm", "N m", "break-away minus sliding friction", lower=0.0),)

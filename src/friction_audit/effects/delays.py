@@ -30,7 +30,6 @@ class FrictionalLag(Effect):
     Tribol. 112 (1990) 147). The excess e at rest is 0 for viscous friction alone.
     """
 
-    name = "frictional_lag"
     label = "friction follows speed late"
     axis = "acceleration"
     coefficients = (Parameter("lagging_share", "1", "share of friction that lags", lower=0.0, upper=LARGEST_SHARE),)
@@ -88,7 +87,6 @@ class TimeDelay(Effect):
     early.
     """
 
-    name = "time_delay"
     label = "torque and velocity are not simultaneous"
     axis = "acceleration"
     coefficients = (Parameter("delay_s", "s", "delay of the torque", lower=-1.0, upper=1.0),)

@@ -13,6 +13,7 @@ import numpy as np
 from friction_audit.dynamics.motion import Forward, Motion
 from friction_audit.effects.joint_data import FEWEST_SAMPLES, JointData, Nominal
 from friction_audit.effects.parameter import Parameter
+from friction_audit.errors import kind_name
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.interaction import Caution
 
@@ -25,7 +26,8 @@ Each: TypeAlias = Any  # a number or an answer of one point, or of each of k, sh
 class Effect:
     """One effect: a subclass has its words, its formula, ``columns`` or ``columns_of_many``, and what is its own."""
 
-    name: ClassVar[str]  # from the vocabulary of the program, or ``inertia``, ``coulomb``, ``viscous``, ``offset``
+    # That of its class, from the vocabulary of the program, or ``inertia``, ``coulomb``, ``viscous``, ``offset``.
+    name: ClassVar[str]
     label: ClassVar[str]  # a few words for people
     # Quantity on which it shows: position, displacement, time, acceleration, load, neighbour, or speed, where its
     # torque follows from the velocity alone.
@@ -47,6 +49,9 @@ class Effect:
     like_gravity: ClassVar[bool] = False
     screened: ClassVar[int] = 1  # every so many points of its grid come first, the others where these show promise
     recorder: ClassVar[str] = ""  # what in the recording makes the same torque, and what to do
+
+    def __init_subclass__(cls) -> None:
+        cls.name = kind_name(cls)
 
     @staticmethod
     def requires(data: JointData, nominal: Nominal, /) -> Caution | None:

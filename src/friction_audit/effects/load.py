@@ -27,7 +27,6 @@ class LoadDependentFriction(Effect):
     load.
     """
 
-    name = "load_dependent_friction"
     label = "friction grows with load"
     axis = "load"
     coefficients = (
@@ -112,7 +111,6 @@ class GravityError(Effect):
     columns of gravity in the arm's regressor; Atkeson, An, Hollerbach, Int. J. Robotics Research 5(3), 1986).
     """
 
-    name = "gravity_error"
     label = "gravity not fully compensated"
     axis = "position"
     coefficients = (

@@ -18,7 +18,6 @@ CHANGE_PER_COULOMB = 0.5
 class TorqueCrosstalk(Effect):
     """Crosstalk: a torque sensor also feels what the sensors before and after it feel."""
 
-    name = "torque_crosstalk"
     label = "torque of a neighbour leaks in"
     axis = "neighbour"
     coefficients = (
@@ -77,7 +76,6 @@ class InertialCoupling(Effect):
     speeds of the others, with constant coefficients.
     """
 
-    name = "inertial_coupling"
     label = "acceleration of other joints"
     axis = "neighbour"
     coefficients = (

@@ -27,7 +27,6 @@ class OneColumn(Effect):
 
 
 class Inertia(OneColumn):
-    name = "inertia"
     label = "inertia"
     axis = "acceleration"
     coefficients = (Parameter("inertia_kg_m2", "kg m^2", "reflected inertia", lower=0.0),)
@@ -35,7 +34,6 @@ class Inertia(OneColumn):
 
 
 class Coulomb(SpeedFriction, OneColumn):
-    name = "coulomb"
     label = "Coulomb friction"
     coefficients = (Parameter("coulomb_nm", "N m", "friction at any speed", lower=0.0),)
     of = staticmethod(lambda motion: motion.direction)  # 0 at rest, where friction is what holds the joint
@@ -43,7 +41,6 @@ class Coulomb(SpeedFriction, OneColumn):
 
 
 class Viscous(SpeedFriction, OneColumn):
-    name = "viscous"
     label = "viscous friction"
     coefficients = (Parameter("viscous_nms_per_rad", "N m s/rad", "friction per velocity", lower=0.0),)
     of = staticmethod(lambda motion: motion.dq)
@@ -51,7 +48,6 @@ class Viscous(SpeedFriction, OneColumn):
 
 
 class Offset(OneColumn):
-    name = "offset"
     label = "constant torque"
     axis = "time"
     coefficients = (Parameter("offset_nm", "N m", "torque offset"),)
@@ -62,7 +58,6 @@ NOMINAL = (Inertia(), Coulomb(), Viscous(), Offset())
 
 
 class AsymmetricCoulomb(OneColumn):
-    name = "asymmetric_coulomb"
     label = "friction differs by direction"
     axis = "speed"
     coefficients = (Parameter("coulomb_half_difference_nm", "N m", "half of the difference, forward minus backward"),)
@@ -81,7 +76,6 @@ class AsymmetricCoulomb(OneColumn):
 
 
 class AsymmetricViscous(OneColumn):
-    name = "asymmetric_viscous"
     label = "viscous friction differs by direction"
     axis = "speed"
     coefficients = (
@@ -97,7 +91,6 @@ class AsymmetricViscous(OneColumn):
 
 
 class TorqueBias(OneColumn):
-    name = "torque_bias"
     label = "offset of the torque sensor"
     axis = "time"
     coefficients = (Parameter("torque_bias_nm", "N m", "interaction torque as read without a load"),)
@@ -112,7 +105,6 @@ class TorqueBias(OneColumn):
 
 
 class InertiaError(Inertia):
-    name = "inertia_error"
     label = "the stated inertia is wrong"
     coefficients = (Parameter("extra_inertia_kg_m2", "kg m^2", "true minus stated inertia"),)
     record = "repeat the motions at two or more clearly different speeds"

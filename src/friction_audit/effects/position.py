@@ -48,7 +48,6 @@ class PositionDependentFriction(Effect):
     the position. A wave under a bell is a patch where the bell is narrower than the wave is long.
     """
 
-    name = "position_dependent_friction"
     label = "friction changes with position"
     axis = "position"
     coefficients = (
@@ -115,7 +114,6 @@ class TorqueRipple(Effect):
     alternative, Biometrika 74 (1987) 33.
     """
 
-    name = "torque_ripple"
     label = "torque periodic in position"
     axis = "position"
     coefficients = (
@@ -164,7 +162,6 @@ class CableSpring(Effect):
     other. A linear spring about another centre is one about this centre with a preload.
     """
 
-    name = "cable_spring"
     label = "a cable pulls the joint back"
     axis = "position"
     coefficients = (
@@ -227,7 +224,6 @@ class JointLimitStop(Effect):
     Mechanics 42 (1975) 440: the torque grows with a power of the depth, and so does the damping; a plain damper too.
     """
 
-    name = "joint_limit_stop"
     label = "a stop near the end of the range"
     axis = "position"
     coefficients = (

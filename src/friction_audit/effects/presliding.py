@@ -35,7 +35,6 @@ KINDS = ((0.02, 1e-4), (0.5, 1e-4), (1.0, 1e-4), (2.0, 1e-4), (1.0, 0.01))
 
 
 class Presliding(Effect):
-    name = "presliding"
     label = "friction builds up after a reversal"
     axis = "displacement"
     coefficients = (Parameter("bristle_nm", "N m", "Coulomb friction of the bristles", lower=0.0),)

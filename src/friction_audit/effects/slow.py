@@ -39,7 +39,6 @@ class TorqueDrift(Effect):
     others catch more of one with as many numbers, and a ramp or a settling needs only the first of them.
     """
 
-    name = "torque_drift"
     label = "the torque drifts slowly"
     axis = "time"
     coefficients = tuple(
@@ -91,7 +90,6 @@ class WarmUp(Effect):
     viscosity falls exponentially with the temperature (O. Reynolds, Philosophical Transactions 177 (1886) 157).
     """
 
-    name = "warm_up"
     label = "friction falls as the joint warms"
     axis = "time"
     coefficients = (
@@ -137,7 +135,6 @@ class WarmUp(Effect):
 class FrictionStep(Effect):
     """Friction that changes once, at a moment of the recording, at once or within some seconds."""
 
-    name = "friction_step"
     label = "friction changes at one moment"
     axis = "time"
     coefficients = (
@@ -179,7 +176,6 @@ class FrictionStep(Effect):
 class ContactEvent(Effect):
     """A contact, found by a detector of its own, which leaves out its samples: it has no columns."""
 
-    name = "contact_event"
     label = "short contact with the arm"
     axis = "time"
     requires = staticmethod(lambda data, _: Caution("unknown_gravity") if data.unknown_gravity else None)

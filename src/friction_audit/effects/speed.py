@@ -43,7 +43,6 @@ class Stribeck(SpeedFriction):
     exp(-|dq / v_s|^delta).
     """
 
-    name = "stribeck"
     label = "more friction at low speed"
     coefficients = (Parameter("stribeck_excess_nm", "N m", "static minus Coulomb friction", lower=0.0),)
     nonlinear = (
@@ -84,7 +83,6 @@ class NonlinearViscous(SpeedFriction):
     the error function: all by which a sign is usually smoothed.
     """
 
-    name = "nonlinear_viscous"
     label = "friction curved in speed"
     coefficients = (Parameter("curved_viscous_nm", "N m", "curved friction at 1 rad/s"),)
     nonlinear = (
@@ -159,7 +157,6 @@ class UnloggedCompensation(Effect):
     Dynamic identification of the Franka Emika Panda robot, RA-L 4 (2019) 4147, is a sigmoid shifted through the origin.
     """
 
-    name = "unlogged_compensation"
     label = "less friction than stated: an unlogged compensator"
     axis = "speed"
     coefficients = (Parameter("unlogged_nm", "N m", "compensator torque at high speed", lower=0.0),)

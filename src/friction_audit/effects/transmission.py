@@ -150,7 +150,6 @@ class JointElasticity(Link):
     compliance as long as the joint rings faster than it is moved, and no longer does where it rings with the motion.
     """
 
-    name = "joint_elasticity"
     label = "a spring between motor and link"
     axis = "acceleration"
     coefficients = (Parameter("compliance_rad_per_nm", "rad/(N m)", "twist per torque", lower=0.0, upper=1.0),)
@@ -229,7 +228,6 @@ class Backlash(Link):
     gap and strikes it on the other flank.
     """
 
-    name = "backlash"
     label = "free play at a reversal"
     axis = "displacement"
     coefficients = (

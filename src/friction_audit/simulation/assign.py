@@ -11,8 +11,7 @@ from math import inf, isfinite, nan
 from types import NoneType, UnionType
 from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
 
-from friction_audit.compensation.law import kind_name
-from friction_audit.errors import UsageError, near_misses
+from friction_audit.errors import UsageError, kind_name, near_misses
 from friction_audit.joint_numbers import parse_joint_numbers, require_joints, write_joint_numbers
 
 Settings = TypeVar("Settings")

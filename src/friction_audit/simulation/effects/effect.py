@@ -7,10 +7,9 @@ from functools import partial
 from math import inf, isclose, nan, sqrt
 from typing import Any, ClassVar, NamedTuple, Self, dataclass_transform
 
-from friction_audit.compensation.law import kind_name
 from friction_audit.effects.parameter import Parameter
 from friction_audit.effects.registry import FAMILY_OF, effect_of
-from friction_audit.errors import UsageError, near_misses
+from friction_audit.errors import UsageError, kind_name, near_misses
 from friction_audit.simulation.settings import JointParameters
 
 FORM = "form"
