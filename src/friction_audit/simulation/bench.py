@@ -1,7 +1,7 @@
 """One joint that moves, on a bench or in a Panda, by a hand or its own motor; the mechanism of every simulation."""
 
 from collections.abc import Callable
-from dataclasses import field, fields
+from dataclasses import field
 from math import atan2, hypot, inf, pi
 from typing import Any
 
@@ -19,7 +19,7 @@ from friction_audit.simulation.effects.sensors import torque_drift_nm
 from friction_audit.simulation.effects.slow_and_events import draw_events
 from friction_audit.simulation.effects.structure import coupled_mass
 from friction_audit.simulation.mechanics.records import KEPT, ROWS, STATE, Loop, Mechanism, make_body, pack
-from friction_audit.simulation.mechanics.tick import run, settle
+from friction_audit.simulation.mechanics.tick import load_masses, run, settle
 from friction_audit.simulation.periodic import MotionSettings
 from friction_audit.simulation.sensors import draw_noise
 from friction_audit.simulation.strokes import StopAndGo
@@ -81,10 +81,8 @@ def move(
     position = start_rad + intended.position
     push = hand.stiffness_nm_per_rad * position + hand.damping_nms_per_rad * intended.velocity
     mechanism = assemble(settings, ticks, np.array([start_rad]), streams)
-    body, rotor = mechanism.body, rotor_mass(settings.joints, settings.hidden)
-    body.inner_mass[0, 0] = rotor[0, 0]
-    body.mass[0, 0] += hand.inertia_kg_m2
-    body.mass[body.inner[0], body.inner[0]] += rotor[0, 0]
+    body = mechanism.body
+    load_masses(body, np.array([[hand.inertia_kg_m2]]), rotor_mass(settings.joints, settings.hidden))
     body.stiffness[0, 0], body.drive_damping[0, 0] = hand.stiffness_nm_per_rad, hand.damping_nms_per_rad
     gravity = np.array([settings.gravity_nm, settings.gravity_phase_rad])
     weight = settings.gravity_nm * np.sin(start_rad + settings.gravity_phase_rad)
@@ -100,12 +98,8 @@ def move(
 
 def moved_by(mechanism: Mechanism, path: str, gravity: Float | None = None) -> shared.Moved:
     """Return what was written down, by its names."""
-    row = dict(zip(KEPT, np.swapaxes(mechanism.out, 0, 1), strict=True))
-    q, dq = row.pop("outer_q"), row.pop("outer_dq")
-    if mechanism.states[0]["driven"]:
-        q, dq = row["inner_q"], row["inner_dq"]
     t = np.arange(len(mechanism.out), dtype=np.float64) * mechanism.dt
-    motion = shared.TrueMotion(t=t, q=q, dq=dq, interaction_nm=row["port_nm"] + row["support_nm"], **row)
+    motion = shared.TrueMotion(t=t, **dict(zip(KEPT, np.swapaxes(mechanism.out, 0, 1), strict=True)))
     names = (TRACE.names or ()) if mechanism.traced.shape[2] else ()
     traces = {name: mechanism.traced.view(TRACE)[:, :, 0][name] for name in names}
     return shared.Moved(shared.require_sane(motion, path), mechanism.loop, traces, gravity)
@@ -250,23 +244,16 @@ class HandGuidedPanda(shared.RecordingSettings):
         given |= {"gravity_nm": hypot(sine, cosine), "gravity_phase_rad": atan2(sine, cosine)}
         bench = BenchSettings(**given, logs_sensor=True)
         own = streams._replace(events=(streams.events[moved],), drifts=(streams.drifts[moved],))
-        alone = moved_by(move(bench, own, progress, start_rad=self.pose_rad[moved]), path)
-
-        def widened(column: Float, others: Float | None = None) -> Float:
-            wide = np.zeros((len(column), JOINTS)) if others is None else np.tile(others, (len(column), 1))
-            wide[:, moved] = column[:, 0]
-            return wide
-
-        pose = np.array(self.pose_rad)
-        columns = {item.name: getattr(alone.motion, item.name) for item in fields(alone.motion) if item.name != "t"}
-        wide = {name: widened(column, pose if name in ("q", "inner_q") else None) for name, column in columns.items()}
-        gravity = arm.gravity(wide["q"])
-        rest = np.arange(JOINTS) != moved
-        wide["support_nm"][:, rest] = gravity[:, rest]
-        wide["port_nm"][:, rest] = -gravity[:, rest]
+        alone = move(bench, own, progress, start_rad=self.pose_rad[moved])
+        ticks, rest = len(alone.out), np.arange(JOINTS) != moved
+        out, traced = np.zeros((ticks, ROWS, JOINTS)), np.zeros((ticks, JOINTS, alone.traced.shape[2]), np.int64)
+        out[:, :, moved], traced[:, moved] = alone.out[:, :, 0], alone.traced[:, 0]
+        row = dict(zip(KEPT, np.swapaxes(out, 0, 1), strict=True))
+        row["q"][:, rest] = row["inner_q"][:, rest] = np.array(self.pose_rad)[rest]
+        gravity = arm.gravity(row["q"])
+        row["support_nm"][:, rest], row["port_nm"][:, rest] = gravity[:, rest], -gravity[:, rest]
         # The noise of the moved joint has been drawn.
-        loop = make_loop(self, len(gravity) - 1, streams)
+        loop = make_loop(self, ticks - 1, streams)
         for name in ("torque_noise", "velocity_noise", "position_noise"):
             getattr(loop, name)[:, moved] = getattr(alone.loop, name)[:, 0]
-        traces = {name: widened(trace) for name, trace in alone.compensators.items()}
-        return shared.Moved(shared.TrueMotion(t=alone.motion.t, **wide), loop, traces, gravity)
+        return moved_by(alone._replace(out=out, traced=traced, loop=loop), path, gravity)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from friction_audit.joint_log import Float
 from friction_audit.simulation.effects.velocity import BRISTLES, LAG_MEMORY
+from friction_audit.simulation.settings import TrueMotion
 
 LOOP_MEMORY = 64  # steps of 0.1 ms; the longest dead time is 5 ms
 
@@ -114,11 +115,7 @@ def pack(settings: Sequence[Any]) -> np.ndarray[Any, Any]:
     return np.array([astuple(item) for item in settings], record_type(settings[0].__class__))
 
 
-# What ``tick.keep`` keeps of every tick and joint: position and speed of the outer side, the rest as in ``TrueMotion``.
-KEPT = (
-    *("outer_q", "outer_dq", "inner_q", "inner_dq", "inner_ddq", "port_nm", "support_nm", "friction_nm"),
-    *("compensation_nm", "passivity_nm", "unlogged_nm", "dissipated_j", "warmth"),
-)
+KEPT = tuple(item.name for item in fields(TrueMotion))[1:]  # what ``tick.keep`` keeps of every tick and joint
 ROWS = len(KEPT)
 
 

@@ -69,9 +69,11 @@ def evaluate(joints: Record, states: Record, events: Float, body: Record, t: flo
 def keep(states: Record, body: Record, out: Float) -> None:
     """Write the truth of an instant into ``out``, shape (ROWS, n)."""
     for j in range(len(states)):
-        c = body.inner[j]
-        kept = (
-            *(body.y[j], body.v[j], body.y[c], body.v[c], body.a[c], body.port[j], body.support[j], body.friction[j]),
+        c, interaction = body.inner[j], body.port[j] + body.support[j]
+        link = c if states[j].driven else j
+        kept = (  # in the order of ``TrueMotion``
+            *(body.y[link], body.v[link], body.y[c], body.v[c], body.a[c]),
+            *(interaction, body.support[j], body.port[j], body.friction[j]),
             *(states[j].compensation_nm - states[j].passivity_nm, states[j].passivity_nm, states[j].unlogged_nm),
             *(states[j].dissipated_j, states[j].warmth),
         )
