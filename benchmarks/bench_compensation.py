@@ -24,8 +24,8 @@ from friction_audit.compensation.comparison.result import find_reference, measur
 from friction_audit.compensation.competitors import DisturbanceObserver
 from friction_audit.compensation.law import PUBLISHED, RIDGE, Coefficients, EnergyCompensator, payback_s
 from friction_audit.parallel import own_process
+from friction_audit.reproduce.checks import LOW_PEAK_NM, compensated, peak_nm
 from friction_audit.reproduce.claims import SECOND, make_course
-from friction_audit.reproduce.one_joint import LOW_PEAK_NM, compensated, peak_nm
 from friction_audit.simulation import PANDA_SENSORS, JointParameters, Operator
 from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.bench import BenchSettings

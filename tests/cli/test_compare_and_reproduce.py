@@ -64,7 +64,7 @@ def test_document_of_claims(run: Run, tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("sketched")
 def test_a_claim_that_does_not_hold_is_a_result(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("friction_audit.reproduce.one_joint.ESTIMATE_BOUND", 0.0)
+    monkeypatch.setattr("friction_audit.reproduce.checks.ESTIMATE_BOUND", 0.0)
     answer = run("reproduce", "--figures", "6", "-q")
     assert (answer.code, "0 of 3 claims of the paper hold" in answer.out) == (0, True), answer
     assert "NO" in answer.out

@@ -11,8 +11,7 @@ import pytest
 from friction_audit.compensation.comparison.experiment import compare
 from friction_audit.compensation.comparison.methods import METHODS, SCENES
 from friction_audit.reproduce import REPRODUCTIONS, Claim, Simulations, simulate_figures
-from friction_audit.reproduce.arm import KEPT, ORDER, SLOPE_BOUND
-from friction_audit.reproduce.one_joint import tolerance_j
+from friction_audit.reproduce.checks import KEPT, ORDER, SLOPE_BOUND, tolerance_j
 from tests.each_case import thorough
 
 SEEDS = 3
