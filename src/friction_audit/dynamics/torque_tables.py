@@ -81,19 +81,12 @@ def certain(motion: Motion) -> Float:
 
 def _holds(share: Tables, term: Term, motion: Motion) -> bool:
     """Whether the tables of a term give its torque along the recording, where the direction is certain."""
-    sure = certain(motion) != 0.0
-    torque = term.torque(motion)
-    error = (torque - read_along(share, motion))[sure]
+    held = share.bristles.along(motion.q)
+    held = held + share.bristles.damping_s * np.gradient(held, motion.t)
+    found = share.inertia_kg_m2 * motion.ddq + taken_along(read_only(motion.q), read_only(motion.dq), share) + held
+    sure, torque = certain(motion) != 0.0, term.torque(motion)
     allowed = BRISTLE_TOLERANCE if term.effect.forward == "bristle" else TOLERANCE
-    return bool(rms(error) <= allowed * rms(torque[sure]) + ROUNDING_NM)
-
-
-def read_along(tables: Tables, motion: Motion) -> Float:
-    """Read tables along the recording that they were made from: the torque it takes, shape (n,). [N m]"""
-    held = tables.bristles.along(motion.q)
-    held = held + tables.bristles.damping_s * np.gradient(held, motion.t)
-    instant = taken_along(read_only(motion.q), read_only(motion.dq), tables)
-    return np.asarray(tables.inertia_kg_m2 * motion.ddq + instant + held)
+    return bool(rms((torque - found)[sure]) <= allowed * rms(torque[sure]) + ROUNDING_NM)
 
 
 def rms(signal: Float) -> float:

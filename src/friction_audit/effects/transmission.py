@@ -115,20 +115,16 @@ class Link(Effect):
 
 
 def motion_below(data: JointData, below_hz: float) -> Motion:
-    """Return the motion below a frequency, without a torque."""
+    """Return the motion below a frequency, at which half of the amplitude passes, without a torque."""
     if below_hz not in data.smooth:
-        q, dq, ddq = (_low_passed(signal, below_hz, data.step_s) for signal in (data.q, data.dq, data.ddq))
+        q, dq, ddq = signals = np.stack([data.q, data.dq, data.ddq])
+        if below_hz < 0.5 / data.step_s:  # the log holds nothing above its Nyquist frequency
+            kernel = windowed_sinc(2.0 * below_hz * data.step_s, np.hamming(2 * round(FILTER_S / data.step_s) + 1))
+            # Symmetrically, the ends held; from the first values, so that rest is rest to the last digit.
+            first = signals[:, :1]
+            q, dq, ddq = first + filtered(signals - first, kernel, np.arange(len(data.t)))
         data.smooth[below_hz] = replace(data.motion(), q=q, dq=dq, ddq=ddq, smooth_direction=mean_sign(data.t, dq, ddq))
     return data.smooth[below_hz]
-
-
-def _low_passed(signal: Float, below_hz: float, step_s: float) -> Float:
-    """A signal filtered symmetrically, its ends held; half of the amplitude passes at the frequency."""
-    if below_hz >= 0.5 / step_s:  # the log holds nothing above its Nyquist frequency
-        return signal
-    kernel = windowed_sinc(2.0 * below_hz * step_s, np.hamming(2 * round(FILTER_S / step_s) + 1))
-    # From its first value, so that rest is rest to the last digit.
-    return np.asarray(signal[0] + filtered((signal - signal[0])[None], kernel, np.arange(len(signal)))[0])
 
 
 # Strain-wave gears damp little: a few hundredths (T. D. Tuttle, W. P. Seering, IEEE Trans. Robot. Autom. 12, 1996).
