@@ -22,7 +22,7 @@ FIND = -1  # value of ``cut``: the joint finds its cycles itself
 # Cycles that the hand of an arm ends for all joints at once (paper, section V.B).
 FILTERED_M_S, UNDER_WAY = range(2)  # state of the hand: its filtered speed, and whether a cycle is under way
 CYCLE_STATE = 2
-INITIATION_M_S, TERMINATION_M_S = 0.1, 0.025  # hand speeds at which a cycle begins and ends
+THRESHOLDS_M_S = (0.1, 0.025)  # hand speeds at which a cycle begins and ends
 CORNER_RAD_S = 2.0 * math.pi * 20.0  # of the low-pass on the hand's speed
 
 SPEED_BOUND_RAD_S, TORQUE_BOUND_NM = 100.0, 1e4  # beyond all arms with torque sensors: the loop has diverged
@@ -279,12 +279,15 @@ def run(
 
 
 @compiled()
-def hand_rests(cycle: Float, speed: float, dt: float, initiation: float, termination: float) -> bool:
-    """Return True if the hand has moved and come to rest again; the caller then resets ``cycle[UNDER_WAY]``."""
+def hand_ends(cycle: Float, speed: float, dt: float, thresholds: tuple[float, float], moved: bool) -> bool:
+    """Return True if the hand has come to rest again, which ends a cycle in which all joints have moved enough."""
     cycle[FILTERED_M_S] += (1.0 - math.exp(-CORNER_RAD_S * dt)) * (speed - cycle[FILTERED_M_S])
-    if cycle[FILTERED_M_S] > initiation:
+    if cycle[FILTERED_M_S] > thresholds[0]:
         cycle[UNDER_WAY] = 1.0
-    return bool(cycle[UNDER_WAY] == 1.0 and cycle[FILTERED_M_S] <= termination)
+    ends = cycle[UNDER_WAY] == 1.0 and cycle[FILTERED_M_S] <= thresholds[1] and moved
+    if ends:
+        cycle[UNDER_WAY] = 0.0
+    return bool(ends)
 
 
 @compiled()
@@ -303,13 +306,11 @@ def hand_cuts(
     path, added = np.zeros(joints), np.zeros(joints)
     for i in range(1, len(t)):
         dt = t[i] - t[i - 1]
-        rests = hand_rests(cycle, speed[i], dt, thresholds[0], thresholds[1])
         for j in range(joints):
             path[j] += added[j]
             a, b = abs(dq[i - 1, j]), abs(dq[i, j])
             added[j] = 0.5 * ((a if a > rest_rad_s else 0.0) + (b if b > rest_rad_s else 0.0)) * dt
-        if rests and path.min() >= minimum_path_rad:
-            cycle[UNDER_WAY] = 0.0
+        if hand_ends(cycle, speed[i], dt, thresholds, path.min() >= minimum_path_rad):
             cuts[i] = 1
             path[:] = 0.0
             added[:] = 0.0

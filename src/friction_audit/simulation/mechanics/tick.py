@@ -151,13 +151,10 @@ def hand_cut(body: Record, loop: Record, jacobian: Float, cycle: Float, k: int, 
             velocity = rounded(loop.velocity_step[j], body.v[j] + loop.velocity_noise[k, j])
             along += jacobian[a, j] * velocity
         square += along * along
-    if not controller.hand_rests(cycle, math.sqrt(square), dt, controller.INITIATION_M_S, controller.TERMINATION_M_S):
-        return 0
+    moved = True
     for j in range(body.joints):
-        if loop.memory[j].path_rad < loop.settings[j].minimum_path_rad:
-            return 0
-    cycle[controller.UNDER_WAY] = 0.0
-    return 1
+        moved = moved and loop.memory[j].path_rad >= loop.settings[j].minimum_path_rad
+    return 1 if controller.hand_ends(cycle, math.sqrt(square), dt, controller.THRESHOLDS_M_S, moved) else 0
 
 
 @compiled(inline=True)
