@@ -10,7 +10,7 @@ from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.robot.arm import STANDARD_GRAVITY, load_arm
 from friction_audit.simulation import settings as shared
-from friction_audit.simulation.bench import JOINTS, PANDA_JOINTS, READY_RAD, Progress, assemble, moved_by, rotor_mass
+from friction_audit.simulation.bench import JOINTS, PandaSettings, Progress, assemble, moved_by, rotor_mass
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.mechanics.records import Mechanism
 from friction_audit.simulation.mechanics.tick import guide, load_masses, run, settle
@@ -43,16 +43,10 @@ class Servo(Checked):
     motion: Commanded = field(default_factory=Commanded)  # what the joints are commanded to do
 
 
-class ArmSettings(shared.RecordingSettings):
-    """A Panda, who moves it, one recording; the tuples have one entry per joint."""
+class ArmSettings(PandaSettings):
+    """A Panda, who moves it, one recording."""
 
-    robot = "panda"
-
-    joints: tuple[shared.JointParameters, ...] = PANDA_JOINTS  # motors and friction
-    hidden: tuple[Hidden, ...] = (Hidden(),) * 7  # what is hidden in each joint
-    sensors: tuple[shared.Sensors, ...] = (
-        shared.PANDA_SENSORS
-    )  # sensors of each joint; the recorder is that of the first
+    duration_s: float = within(60.0, 0.0, shared.LONGEST_S)  # length of the recording [s]
     hand: Hand = field(default_factory=Hand)  # the person's hand at the flange
     servo: Servo = field(default_factory=Servo)  # the controller of an arm that moves by itself
     # False: the hand guides the arm and friction is on the motors' side of the sensors. True: the motors move it
@@ -62,20 +56,15 @@ class ArmSettings(shared.RecordingSettings):
     compensator: shared.AnyCompensator | None = None
     # True: the speed of the hand ends the cycles of all compensators at once (paper, section V.B)
     hand_cycles: bool = True
-    pose_rad: tuple[float, ...] = READY_RAD  # pose at the start [rad]
     braked: tuple[int, ...] = ()  # numbers of joints that do not move
     carried_kg: float = within(0.0, 0.0, 100.0)  # mass at the flange that gravity compensation does not know of [kg]
     compensates_gravity: bool = True  # whether the motors hold the arm against gravity
     logs_temperature: bool = False  # True: the log holds the temperature too
-    duration_s: float = within(60.0, 0.0, shared.LONGEST_S)  # length of the recording [s]
-    rate_hz: float = within(1000.0, 0.0, shared.CONTROL_RATE_HZ)  # at which states are kept [Hz]
 
     def __post_init__(self) -> None:
-        shared.RecordingSettings.__post_init__(self)
-        counts = [len(part) for part in (self.joints, self.hidden, self.sensors, self.pose_rad)]
-        if set(counts) != {JOINTS} or not set(self.braked) <= set(range(1, JOINTS + 1)):
-            found = f"{', '.join(map(str, counts))} joints, hidden, sensors and angles, braked {self.braked}"
-            raise UsageError(f"arm: {found}: expected {JOINTS} of each, and braked joints from 1 to {JOINTS}")
+        PandaSettings.__post_init__(self)
+        if not set(self.braked) <= set(range(1, JOINTS + 1)):
+            raise UsageError(f"arm: braked {self.braked}: expected joints from 1 to {JOINTS}")
 
     @property
     def moving(self) -> tuple[int, ...]:

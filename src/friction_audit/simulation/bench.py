@@ -56,8 +56,6 @@ class BenchSettings(shared.RecordingSettings):
     # True: the log holds the torque at the sensor and gravity; False: the interaction torque itself
     logs_sensor: bool = False
     logs_temperature: bool = False  # True: the log holds the temperature too
-    duration_s: float = within(120.0, 0.0, shared.LONGEST_S)  # length of the recording [s]
-    rate_hz: float = within(1000.0, 0.0, shared.CONTROL_RATE_HZ)  # at which states are kept [Hz]
 
     def __post_init__(self) -> None:
         shared.RecordingSettings.__post_init__(self)
@@ -196,29 +194,36 @@ PANDA_JOINTS = tuple(
 JOINTS = 7
 
 
-class HandGuidedPanda(shared.RecordingSettings):
-    """One joint of a Panda moved by hand; of the others only the sensors matter."""
+class PandaSettings(shared.RecordingSettings):
+    """A Panda and a recording of it; the tuples have one entry per joint."""
 
     robot = "panda"
-    driven = logs_temperature = False
 
-    joint: int = 1  # number of the joint that is moved, 1..7
-    joints: tuple[shared.JointParameters, ...] = PANDA_JOINTS  # the seven joints
-    hidden: tuple[Hidden, ...] = (Hidden(),) * JOINTS  # what is hidden in them
-    sensors: tuple[shared.Sensors, ...] = shared.PANDA_SENSORS  # their sensors; the recorder is that of the first
-    operator: Operator = field(default_factory=Operator)  # who moves the joint
-    # an active friction compensator of the joint, whose torque is logged, or None
-    compensator: Compensator | None = None
+    joints: tuple[shared.JointParameters, ...] = PANDA_JOINTS  # motors and friction
+    hidden: tuple[Hidden, ...] = (Hidden(),) * JOINTS  # what is hidden in each joint
+    sensors: tuple[shared.Sensors, ...] = shared.PANDA_SENSORS  # of each joint; the recorder is that of the first
     pose_rad: tuple[float, ...] = READY_RAD  # pose at the start [rad]
-    duration_s: float = within(120.0, 0.0, shared.LONGEST_S)  # length of the recording [s]
-    rate_hz: float = within(1000.0, 0.0, shared.CONTROL_RATE_HZ)  # at which states are kept [Hz]
 
     def __post_init__(self) -> None:
         shared.RecordingSettings.__post_init__(self)
         counts = [len(part) for part in (self.joints, self.hidden, self.sensors, self.pose_rad)]
-        if not 1 <= self.joint <= JOINTS or set(counts) != {JOINTS}:
-            found = f"joint {self.joint}, {', '.join(map(str, counts))} joints, hidden, sensors and angles"
-            raise UsageError(f"Panda: {found}: expected a joint from 1 to {JOINTS} and {JOINTS} of each")
+        if set(counts) != {JOINTS}:
+            found = f"{', '.join(map(str, counts))} joints, hidden, sensors and angles"
+            raise UsageError(f"Panda: {found}: expected {JOINTS} of each")
+
+
+class HandGuidedPanda(PandaSettings):
+    """One joint of a Panda moved by hand; of the others only the sensors matter."""
+
+    driven = logs_temperature = False
+
+    joint: int = within(1, 1, JOINTS)  # number of the joint that is moved
+    operator: Operator = field(default_factory=Operator)  # who moves the joint
+    # an active friction compensator of the joint, whose torque is logged, or None
+    compensator: Compensator | None = None
+
+    def __post_init__(self) -> None:
+        PandaSettings.__post_init__(self)
         # Effects that do nothing in a joint at rest would stand in the truth.
         for number, hidden in enumerate(self.hidden, start=1):
             groups, rests = hidden.present(), number != self.joint

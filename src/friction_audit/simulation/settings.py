@@ -29,7 +29,10 @@ def count_ticks(duration_s: float, rate_hz: float) -> int:
 
 
 class RecordingSettings(Checked):
-    """Settings of a recording: its length, and who moves the joints."""
+    """Settings of a recording; those of what is recorded say too who moves the joints."""
+
+    duration_s: float = within(120.0, 0.0, LONGEST_S)  # length of the recording [s]
+    rate_hz: float = within(1000.0, 0.0, CONTROL_RATE_HZ)  # at which states are kept [Hz]
 
     def __post_init__(self: SomeSettings) -> None:
         """Refuse one that is too short, and what takes a person's hand where motors move the joints."""
