@@ -64,13 +64,10 @@ def _accelerations(arm: Arm, origin: Float, axis: Float, dq: Float, ddq: Float) 
 
 def _chain(arm: Arm, link: int) -> list[int]:
     """Return the joints of the model that move a link, from its own to the first."""
-    model = arm.model
-    joint_of = {int(body): joint for joint, body in enumerate(model.jnt_bodyid)}
-    body, found = int(model.jnt_bodyid[link]), []
-    while body > 0:
-        if body in joint_of:
-            found.append(joint_of[body])
-        body = int(model.body_parentid[body])
+    found = []
+    while link >= 0:
+        found.append(link)
+        link = int(arm.model.dof_parentid[link])
     return found
 
 
