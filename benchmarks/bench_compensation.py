@@ -127,7 +127,6 @@ def _of_motor(joint: Joint) -> DisturbanceObserver:
         inertia_kg_m2=inertia,
         observer_gain_per_s=gain,
         compensation_gain=OBSERVED_SHARE,
-        **joint.limits,
     )
 
 

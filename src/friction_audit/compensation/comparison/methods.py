@@ -52,6 +52,7 @@ class Tuning(NamedTuple):
     name: str  # short name
     meaning: str  # what it means, in words
     make: Callable[[Joint], Any]  # joint -> compensator
+    limited: bool = True  # whether the limits of the joint hold for it
 
 
 class Sweep(NamedTuple):
@@ -91,13 +92,11 @@ OBSERVER = (0.8, 20.0)  # its motor inertia over the true one, and its gain [1/s
 SHARES = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)  # of the observed friction, compensated
 
 
-def _bristles(joint: Joint, coulomb_nm: float, viscous: float = 0.0) -> competitors.Compensator:
-    return competitors.LugreCompensation(
-        coulomb_nm=coulomb_nm, breakaway_nm=coulomb_nm, viscous_nms_per_rad=viscous, **joint.limits
-    )
+def _bristles(coulomb_nm: float, viscous: float = 0.0) -> Law:
+    return competitors.LugreCompensation(coulomb_nm=coulomb_nm, breakaway_nm=coulomb_nm, viscous_nms_per_rad=viscous)
 
 
-Modelled = Callable[[Joint, float, float], competitors.Compensator]
+Modelled = Callable[[float, float], Law]  # Coulomb and viscous friction -> compensator
 
 
 def _model_based(name: str, label: str, law: Modelled, meaning: str, other: Callable[[Joint], Any]) -> Method:
@@ -107,7 +106,7 @@ def _model_based(name: str, label: str, law: Modelled, meaning: str, other: Call
         words = f"{100 * (scale - 1):+.0f} %", f"friction {scale:g} times the true one"
         return Tuning(
             *(("right", "the true friction") if scale == 1.0 else words),
-            lambda joint: law(joint, scale * joint.parameters.coulomb_nm, scale * joint.parameters.viscous_nms_per_rad),
+            lambda joint: law(scale * joint.parameters.coulomb_nm, scale * joint.parameters.viscous_nms_per_rad),
         )
 
     another = Tuning("another arm", meaning, other)
@@ -124,7 +123,6 @@ def _observer(inertia_ratio: float, gain_per_s: float, share: float = 1.0) -> Tu
             inertia_kg_m2=inertia_ratio * joint.parameters.inertia_kg_m2,
             observer_gain_per_s=gain_per_s,
             compensation_gain=share,
-            **joint.limits,
         ),
     )
 
@@ -138,7 +136,6 @@ def _regulation(gain: float) -> Tuning:
         lambda joint: competitors.TorqueRegulation(
             inertia_kg_m2=joint.parameters.inertia_kg_m2,
             desired_inertia_kg_m2=joint.parameters.inertia_kg_m2 / (1.0 + gain),
-            **joint.limits,
         ),
     )
 
@@ -147,13 +144,13 @@ def _energy(window: float) -> Tuning:
     return Tuning(
         f"k = {window:g}",
         f"estimated from {window:g} cycles",
-        lambda joint: EnergyCompensator(window=int(window), payback_s=joint.payback_s, **joint.limits),
+        lambda joint: EnergyCompensator(window=int(window), payback_s=joint.payback_s),
     )
 
 
 # A compensator that does nothing, but counts the cycles.
 IDLE = competitors.FixedCompensation(coulomb_nm=0.0, viscous_nms_per_rad=0.0)
-NO_COMPENSATION = Tuning("none", "no compensation", lambda _: IDLE)
+NO_COMPENSATION = Tuning("none", "no compensation", lambda _: IDLE, limited=False)
 OBSERVER_SWEEPS = (
     Sweep("share", "share of the observed friction", SHARES, partial(_observer, *OBSERVER)),
     *(
@@ -167,15 +164,12 @@ METHODS: tuple[Method, ...] = (
     Method(NONE, "none", NO_COMPENSATION),
     _model_based(
         "sigmoid", "model-based",
-        lambda joint, coulomb, viscous: replace(
-            competitors.fit_sigmoid(coulomb, viscous, TOP_SPEED_RAD_S), **joint.limits
-        ),
-        "as published for another Panda",
-        lambda joint: replace(competitors.PUBLISHED[joint.column], **joint.limits),
+        lambda coulomb, viscous: competitors.fit_sigmoid(coulomb, viscous, TOP_SPEED_RAD_S),
+        "as published for another Panda", lambda joint: competitors.PUBLISHED[joint.column],
     ),
     _model_based(
         "lugre", "LuGre", _bristles, "plateaus as published for another Panda",
-        lambda joint: _bristles(joint, sum(competitors.PUBLISHED[joint.column].plateaus_nm) / 2),
+        lambda joint: _bristles(sum(competitors.PUBLISHED[joint.column].plateaus_nm) / 2),
     ),
     Method(
         "disturbance_observer", "disturbance observer", _observer(*OBSERVER, OBSERVED_SHARE),
@@ -196,6 +190,7 @@ METHODS: tuple[Method, ...] = (
             lambda joint: competitors.FixedCompensation(
                 coulomb_nm=joint.parameters.coulomb_nm, viscous_nms_per_rad=joint.parameters.viscous_nms_per_rad
             ),
+            limited=False,
         ),
     ),
 )  # fmt: skip
@@ -220,7 +215,8 @@ class Scene:
     def compensated(self, tuning: Tuning, factor: float | None = None) -> BenchSettings | ArmSettings:
         """Return the settings with a compensator in every joint, its gains times a factor if there is one."""
         gears = (hidden.joint_elasticity for hidden in self.settings.hidden)
-        made = tuple(map(tuning.make, map(panda_joint, count(), self.settings.joints, gears)))
+        joints = list(map(panda_joint, count(), self.settings.joints, gears))
+        made = tuple(replace(tuning.make(joint), **(joint.limits if tuning.limited else {})) for joint in joints)
         made = made if factor is None else tuple(one.scaled(factor) for one in made)
         if isinstance(self.settings, BenchSettings):
             return replace(self.settings, compensator=made[0])
