@@ -8,7 +8,7 @@ import numpy as np
 
 from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.transmission import far_side, simple_torque
-from friction_audit.effects.effect import Each, Effect, Points
+from friction_audit.effects.effect import LARGEST_SHARE, Each, Effect, Points
 from friction_audit.effects.joint_data import JointData, Nominal, reversals
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
@@ -18,8 +18,6 @@ from friction_audit.preprocessing.interaction import Caution
 LAGS_S = np.geomspace(3e-3, 0.5, 8)
 # Excess at rest over Coulomb friction, and the speed at which it fades as a share of the usual top speed.
 STRIBECK = ((1e-3, 0.3), *((excess, float(share)) for excess in (0.2, 1.0) for share in np.geomspace(0.05, 0.5, 4)))
-# The coefficient over what it follows from is 1 but for the errors of a nominal model that was fitted without it.
-LARGEST_SHARE = 1.6
 
 
 class FrictionalLag(Effect):

@@ -17,6 +17,10 @@ from friction_audit.errors import kind_name
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.interaction import Caution
 
+# Coefficient of an effect over what it follows from, at most: 1 but for the errors of a nominal model that was fitted
+# without it.
+LARGEST_SHARE = 1.6
+
 # Values of nonlinear parameters by name: a point of the grid; of one point or of k of them, shape (k,) each.
 Nonlinear = Mapping[str, float]
 Points = Mapping[str, Any]

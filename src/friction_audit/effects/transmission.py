@@ -21,7 +21,7 @@ from friction_audit.dynamics.transmission import (
     flank_stiffness,
     simple_torque,
 )
-from friction_audit.effects.effect import Each, Effect, Nonlinear, Points
+from friction_audit.effects.effect import LARGEST_SHARE, Each, Effect, Nonlinear, Points
 from friction_audit.effects.joint_data import (
     CORNER_HZ,
     JointData,
@@ -39,8 +39,6 @@ from friction_audit.preprocessing.interaction import Caution
 # Above, the noise of the position is amplified ten times and more; what people and motors mean to do is below 4 Hz.
 MOTION_BELOW_HZ = 18.0
 FILTER_S = 0.2  # reach of the low-pass to either side
-# Coefficient over what it follows from: 1 but for the errors of a nominal model that was fitted without the link.
-LEAST_OF_SPRING, LEAST_OF_GAP, LARGEST_SHARE = 0.5, 0.4, 1.6
 # Of the inertia, on the far side: a rotor may move with the measured side.
 FAR_SHARES = (0.8, 0.6)
 
@@ -170,7 +168,7 @@ class JointElasticity(Link):
         "backlash": "reverse slowly with hardly any load: a gap gives no torque at all, a spring does",
         "inertia_error": "repeat the motions slowly and fast: what a spring adds grows with frequency",
     }
-    least = LEAST_OF_SPRING
+    least = 0.5
 
     def link(self, far: FarSide, usual_nm: float, values: Sequence[float]) -> Transmission:
         stiffness, soft_nm, damping_ratio, share = values
@@ -238,7 +236,7 @@ class Backlash(Link):
     forward = "gap"
     record = "reverse slowly at least 20 times with hardly any load"
     separate = {"contact_event": "reverse again at the same places: a gap opens at every reversal"}
-    least = LEAST_OF_GAP
+    least = 0.4
 
     def link(self, far: FarSide, usual_nm: float, values: Sequence[float]) -> Transmission:
         gap, contact_hz, damping_ratio, share = values
