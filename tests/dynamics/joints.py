@@ -8,7 +8,7 @@ import numpy as np
 
 from friction_audit.dynamics import forward
 from friction_audit.dynamics.motion import Forward, Motion, Others
-from friction_audit.dynamics.stick_slip import Step, advance
+from friction_audit.dynamics.stick_slip import run_pieces
 from friction_audit.dynamics.torque_tables import Tables, tabulate
 from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.joint_log import Float
@@ -80,15 +80,7 @@ class Moved(NamedTuple):
 
 
 def simulate(model: JointModel, t: Float, drive: Float, *, q: float = 0.0, dq: float = 0.0) -> Moved:
-    """A joint whose friction follows from the velocity under a torque that is linear between samples."""
-    tables, v, sign, bent = tables_of(model), dq, float(np.sign(dq)), np.zeros(1)
-    rows = np.zeros((2, len(t)))
-    for i in range(len(t)):
-        if i > 0:
-            steps = max(1, int(np.ceil((t[i] - t[i - 1]) / STEP_S - 1e-6)))
-            h, rise = (t[i] - t[i - 1]) / steps, (drive[i] - drive[i - 1]) / steps
-            for k in range(steps):
-                start = drive[i - 1] + k * rise
-                q, v, sign = advance(q, v, sign, Step(h, start, start + rise, 0.0, 0.0), bent, tables)
-        rows[:, i] = q, v
-    return Moved(*rows)
+    """A joint whose friction follows from the velocity under a torque that is linear between even samples."""
+    n, step_s = len(t), float(t[1] - t[0])
+    start, whole, steps = (np.full(n, q), np.full(n, dq)), np.array([[0, n - 1]]), int(np.ceil(step_s / STEP_S - 1e-6))
+    return Moved(*run_pieces(step_s, steps, drive, *start, whole, np.zeros((n, 1)), tables_of(model)))
