@@ -3,7 +3,7 @@
 Every call raises ``UsageError`` for an option or a value that it cannot use; the message says which ones there are.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 from os import PathLike
@@ -115,7 +115,7 @@ class DiagnosisOptions(TypedDict, total=False):
 def audit_settings(options: EstimateOptions) -> AuditSettings:
     """Return the settings of the chain; refuse options that there are not."""
     given: dict[str, Any] = dict(options)
-    _check_names("estimate_log", given, EstimateOptions)
+    _check_names("estimate_log", given, EstimateOptions.__annotations__)
     if (joints := given.get("joints")) is not None:
         given["joints"] = (joints,) if isinstance(joints, int) else tuple(joints)
     steps: dict[str, Any] = {"torque": TorqueSettings, "cycles": CycleSettings, "friction": FrictionSettings}
@@ -125,9 +125,8 @@ def audit_settings(options: EstimateOptions) -> AuditSettings:
     return AuditSettings(**given)
 
 
-def _check_names(call: str, given: Mapping[str, Any], known: type) -> None:
+def _check_names(call: str, given: Mapping[str, Any], names: Collection[str]) -> None:
     """Refuse options that a call does not know; the message names the near ones."""
-    names = tuple(known.__annotations__)
     for name in given:
         if name not in names:
             raise UsageError(f"{call}: no option {name}; expected some of {', '.join(names)}{near_misses(name, names)}")
@@ -140,7 +139,7 @@ def read_log(path: str | Path, **options: Unpack[ReadingOptions]) -> JointLog:
     ``time_scale``, ``allow_short``, and the part from ``t_start_s`` to ``t_end_s``. What was noticed about the log is
     in ``log.source.findings``; what cannot be read as one raises ``InputError``, which says what was found.
     """
-    _check_names("read_log", options, ReadingOptions)
+    _check_names("read_log", options, ReadingOptions.__annotations__)
     if not isinstance(path, str | PathLike):
         found = type(path).__name__
         raise UsageError(f"read_log: found a {found}, expected a path; log_from_frame reads frames and arrays")
@@ -153,7 +152,7 @@ def log_from_frame(frame: Any, *, name: str = "frame", **options: Unpack[Reading
     ``frame``: a pandas or polars DataFrame, or a dict of arrays by name, of shape (n,) or (n, joints); ``name``: what
     messages and results call it.
     """
-    _check_names("log_from_frame", options, ReadingOptions)
+    _check_names("log_from_frame", options, ReadingOptions.__annotations__)
     return ingest.log_from_frame(frame, ingest.ReadOptions(**options), name=name)
 
 
@@ -173,7 +172,7 @@ def simulate_log(scenario: str, *, seed: int = 0, effects: Sequence[str] = (), *
     gives the same log to the bit.
     """
     settings: Any = find_scenario(scenario).settings
-    _check_names("simulate_log", changes, type(settings))
+    _check_names("simulate_log", changes, settings.__dataclass_fields__)
     hidden = (effects,) if isinstance(effects, str) else effects  # one alone is a sequence of letters to Python
     return simulate(hide(replace(settings, **changes), hidden), seed, path=scenario)
 
@@ -200,7 +199,7 @@ def replay_log(log: JointLog | Estimate, **options: Unpack[ReplayOptions]) -> Lo
     ``joint_model``, ``operator``, ``max_torque_nm``, ``max_torque_rate_nm_s``. Raises ``AnalysisError`` where the log
     cannot be replayed.
     """
-    _check_names("replay_log", options, ReplayOptions)
+    _check_names("replay_log", options, ReplayOptions.__annotations__)
     estimate = log if isinstance(log, Estimate) else estimate_log(log)
     return audit.replay_estimate(estimate, replay_settings(estimate, options))
 
@@ -211,7 +210,7 @@ def diagnose_log(log: JointLog | Estimate, **options: Unpack[DiagnosisOptions]) 
     ``log``: a log, or what ``estimate_log`` made of it. Options: ``candidates``, ``min_effect_nm``, ``seed``,
     ``at_most_s``, ``model``. Raises ``AnalysisError`` where the log cannot be diagnosed.
     """
-    _check_names("diagnose_log", options, DiagnosisOptions)
+    _check_names("diagnose_log", options, DiagnosisOptions.__annotations__)
     estimate = log if isinstance(log, Estimate) else estimate_log(log)
     return audit.diagnose_estimate(estimate, DiagnosisSettings(**options))
 
