@@ -137,6 +137,13 @@ def test_auto_trusts_the_vendor_s_estimate_if_a_payload_is_missing_from_the_mode
     assert_allclose(with_hand.torque, friction(), atol=0.01)
 
 
+def test_a_dead_torque_is_no_missing_payload() -> None:
+    torque = np.where(np.arange(7) == 1, 3.0, load_arm().gravity(Q) - friction())
+    log = log_of("panda", tau_J=torque, tau_ext_hat_filtered=-friction())
+    dead = replace(log.source, findings=(Finding(code="torque_dead", message="", joint=2),))
+    assert [extract(one).choice.source for one in (log, replace(log, source=dead))] == ["tau_ext", "tau_J"]
+
+
 def test_no_robot_is_assumed_that_neither_log_nor_user_names() -> None:
     found = extract(robot_log("unknown"), drive="robot")
     assert (found.choice.robot, found.choice.gravity, found.choice.inertia) == ("none", "in-torque", "none")

@@ -162,6 +162,7 @@ def _payload_missing(log: JointLog, coarse: CoarseLog, settings: TorqueSettings,
         return False  # the user described the arm, or there is nothing to compare
     # What is left holds inertial torque too, which has no preferred sign: hence the median.
     left = coarse.mean(log.tau_J) - coarse.mean(log.tau_ext_hat_filtered) - arm.gravity(coarse.q)
+    left = np.delete(left, [number - 1 for number in log.source.dead_torque], axis=1)
     return bool((np.abs(np.median(left, axis=0)) > VENDOR_DISAGREES_NM).any())
 
 
