@@ -8,7 +8,8 @@ import pytest
 
 from friction_audit.batch.find_logs import LogFile, ManifestRow
 from friction_audit.batch.identity import identify, parse_time, time_in_name
-from friction_audit.drift.session import Session
+from friction_audit.drift.session import LOST_JOINT, Session
+from friction_audit.preprocessing.interaction import Caution
 from tests.drift.made_sessions import make_joint, make_session
 
 
@@ -70,6 +71,23 @@ def test_unlike_arms_in_a_folder_are_parted_and_said() -> None:
     found, warnings = identify([(file(f"a/{n}.csv"), one) for n, one in enumerate(unlike)])
     assert set(robots(found)) == {"a (1 joint, unknown)", "a (7 joints, fr3)", "a (7 joints, panda)"}
     assert "robot a: its logs are of unlike arms" in warnings[0]
+
+
+@pytest.mark.parametrize(
+    ("codes", "arms", "numbers"),
+    [((LOST_JOINT,), {"a"}, [1, 3]), ((), {"a (2 joints, panda)", "a (3 joints, panda)"}, [1, 2])],
+    ids=["lost", "another arm"],
+)
+def test_a_log_that_lost_a_joint_is_of_the_same_arm(codes: tuple[str, ...], arms: set[str], numbers: list[int]) -> None:
+    """A joint without a torque is not in its log, and those after it have other numbers there."""
+    left = tuple(replace(make_joint(number, 0.3), name=f"joint{own}") for number, own in ((1, 1), (2, 3)))
+    warned = Caution("sign_disagrees", 2), Caution("sign_turned"), "a sentence"
+    lost = replace(recorded(start=3.0), joints=left, codes=codes, log_joints=2, warnings=warned)
+    found, _ = identify([(file("a/0.csv"), recorded(start=1.0, joints=3)), (file("a/1.csv"), lost)])
+    assert set(robots(found)) == arms
+    (own,) = [session for session in found if session.path == "a/1.csv"]
+    assert [joint.joint for joint in own.joints] == numbers
+    assert own.warnings == (Caution("sign_disagrees", numbers[1]), *warned[1:])
 
 
 def test_one_name_in_two_folders_is_said_but_a_serial_number_is_trusted() -> None:

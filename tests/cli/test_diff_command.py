@@ -12,7 +12,7 @@ from scipy.special import stdtrit
 from scipy.stats import t as student
 from statsmodels.stats.multitest import multipletests
 
-from friction_audit.drift.session import Session
+from friction_audit.drift.session import LOST_JOINT, Session
 from friction_audit.drift.two_sides import compare_sides
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from tests.drift.made_sessions import make_joint, make_session
@@ -188,6 +188,15 @@ def test_what_cannot_be_compared(words: tuple[str, ...], code: int, message: str
     answer = run("diff", *words, "-o", "out")
     assert (answer.code, message in answer.err) == (code, True), answer
     assert not (tmp_path / "out").exists()
+
+
+def test_a_recording_that_lost_a_joint_is_compared_by_the_names_of_the_others() -> None:
+    whole, lost = (make_session(i, [make_joint(1, 0.3), make_joint(2, 0.4 - 0.1 * i)]) for i in range(2))
+    whole = replace(whole, joints=(*whole.joints, make_joint(3, 0.3)), log_joints=3)
+    lost = replace(lost, joints=(lost.joints[0], replace(lost.joints[1], name="joint3")), codes=(LOST_JOINT,))
+    sides = compare_sides([lost], [whole])
+    assert ([joint.joint for joint in sides.joints], sides.one_sided) == ([1, 3], ((2, False),))
+    assert sides.joints[1].coefficients[0].found.change.value == pytest.approx(0.0)
 
 
 @pytest.mark.parametrize(

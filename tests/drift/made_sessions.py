@@ -58,6 +58,7 @@ def make_session(
         duration_s=60.0,
         conditions=conditions,
         joints=tuple(joints),
+        log_joints=len(joints),
     )
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from friction_audit.batch.find_logs import LogFile, ManifestRow
-from friction_audit.drift.session import Session, natural, put_in_order
+from friction_audit.drift.session import Session, natural, put_in_order, restore_joints
 from friction_audit.errors import InputError
 
 # Columns that are read; "path" has to be there. Others may be there, and are left alone.
@@ -89,7 +89,7 @@ def identify(found: Sequence[tuple[LogFile, Session]]) -> tuple[tuple[Session, .
     sessions: list[Session] = []
     warnings = _shared_names(found)
     for robot in sorted(named, key=natural):
-        groups = _alike_arms(named[robot])
+        groups = _alike_arms(restore_joints(named[robot]))
         if len(groups) > 1:
             warnings.append(
                 f"robot {robot}: its logs are of unlike arms ({'; '.join(groups)}), which are not compared with each "
@@ -138,10 +138,10 @@ def _alike_arms(sessions: Sequence[Session]) -> dict[str, list[Session]]:
     """Group sessions by number of joints and make; a log without its make is of the only one that is known."""
     makes: dict[int, set[str]] = {}
     for session in sessions:
-        makes.setdefault(len(session.joints), set()).add(session.kind)
+        makes.setdefault(session.log_joints, set()).add(session.kind)
     groups: dict[str, list[Session]] = {}
     for session in sessions:
-        joints = len(session.joints)
+        joints = session.log_joints
         known = makes[joints] - {"unknown"}
         make = next(iter(known)) if len(known) == 1 else session.kind
         groups.setdefault(f"{joints} joint{'' if joints == 1 else 's'}, {make}", []).append(session)

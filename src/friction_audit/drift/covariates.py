@@ -10,7 +10,6 @@ import numpy as np
 
 from friction_audit.drift.session import Order, Series, Session
 from friction_audit.joint_log import Float
-from friction_audit.joint_numbers import write_joint_numbers
 from friction_audit.preprocessing.interaction import Caution, Reason
 
 RATE_RATIO = 2.0  # rates further apart filter noise differently
@@ -25,7 +24,6 @@ INVALID = ("drive", "torque", "gravity", "friction model")  # where these differ
 LIKE: Mapping[str, Callable[[Session], object]] = {
     **{name: attrgetter(f"conditions.{name}") for name in ("drive", "torque", "gravity", "inertia")},
     "payload": lambda session: session.conditions.payload or "none given",
-    "joints": lambda session: write_joint_numbers(joint.joint for joint in session.joints),
 }
 
 
@@ -146,7 +144,6 @@ def differences(before: Sequence[Session], after: Sequence[Session]) -> Iterator
     """Yield the conditions that differ, those that forbid a comparison first."""
     values = {name: [{str(of(one)) for one in side} for side in (before, after)] for name, of in LIKE.items()}
     values["friction model"] = [{one.method for one in side} for side in (before, after)]
-    del values["joints"]
     for name, sides in sorted(values.items(), key=lambda one: one[0] not in INVALID):
         if sides[0] != sides[1]:
             words = [", ".join(sorted(side)) for side in sides]

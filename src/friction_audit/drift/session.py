@@ -16,6 +16,7 @@ COEFFICIENTS = ("coulomb_nm", "viscous_nms_per_rad")
 NORMAL_95 = 1.959964  # half of a 95 % interval, in standard errors
 LARGEST_RELATIVE_ERROR = 0.25  # less certain estimates are too skewed for a logarithm
 SECONDS_A_DAY = 86400.0
+LOST_JOINT = "empty_joint"  # code of a log that has a joint less than its arm: a channel of the joint holds no number
 # A change of method from session to session would look like drift.
 BY_REGRESSION: Reason = (Caution("by_regression"),)
 
@@ -110,6 +111,33 @@ def put_in_order(sessions: Sequence[Session]) -> Order:
     unknown = [session for session in named if session.start_s is None]
     left_out = tuple((len(known) + i, (Caution("no_start"),)) for i in range(len(unknown)))
     return Order(sessions=(*known, *unknown), by="start", left_out=left_out)
+
+
+def restore_joints(sessions: Sequence[Session]) -> tuple[Session, ...]:
+    """Return sessions; where a log lost joints, the others have their numbers in the whole logs of the same arm.
+
+    A log has no joint whose channel holds no number. The names say which are left, if logs of one arm alone have them.
+    """
+    whole = {
+        (one.log_joints, tuple((joint.name, joint.joint) for joint in one.joints))
+        for one in sessions
+        if LOST_JOINT not in one.codes
+    }
+
+    def restored(session: Session) -> Session:
+        arms = [(count, dict(own)) for count, own in whole if {one.name for one in session.joints} <= dict(own).keys()]
+        if LOST_JOINT not in session.codes or len(arms) != 1:
+            return session
+        ((count, numbers),) = arms
+        number = {joint.joint: numbers[joint.name] for joint in session.joints}
+        joints = tuple(replace(joint, joint=number[joint.joint]) for joint in session.joints)
+        warnings = tuple(
+            replace(one, joint=number[one.joint]) if isinstance(one, Caution) and one.joint in number else one
+            for one in session.warnings
+        )
+        return replace(session, joints=joints, warnings=warnings, log_joints=count)
+
+    return tuple(map(restored, sessions))
 
 
 def natural(path: str) -> tuple[tuple[int, int, str], ...]:

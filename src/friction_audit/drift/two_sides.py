@@ -11,7 +11,7 @@ from scipy.special import stdtr, stdtrit
 from friction_audit.drift.covariates import Condition, differences, known_by
 from friction_audit.drift.regression import holm, random_effects, relative_change
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, DriftSettings, JointDrift
-from friction_audit.drift.session import COEFFICIENTS, JointSummary, Session, SpeedCurve
+from friction_audit.drift.session import COEFFICIENTS, JointSummary, Session, SpeedCurve, restore_joints
 from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.friction.history import NAN, UNDETERMINED, Coefficient
 from friction_audit.friction.weighted import CONFIDENCE
@@ -103,8 +103,9 @@ _Sides = Sequence[Sequence[JointSummary]]  # a joint in the recordings of each s
 
 def compare_sides(before: Sequence[Session], after: Sequence[Session]) -> TwoSides:
     """Compare the friction of every joint that both sides have."""
-    _check_alike([*before, *after])
-    sides = (before, after)
+    restored = restore_joints([*before, *after])
+    _check_alike(restored)
+    sides = before, after = restored[: len(before)], restored[len(before) :]
     numbers = [{joint.joint for one in side for joint in one.joints} for side in sides]
     own = {
         number: [[joint for one in side for joint in one.joints if joint.joint == number] for side in sides]
@@ -129,8 +130,8 @@ def compare_sides(before: Sequence[Session], after: Sequence[Session]) -> TwoSid
         raise AnalysisError(why, [(joint.joint, joint.reason) for joint in joints if joint.reason])
     content = {key for one in before for key in known_by(one)}
     return TwoSides(
-        before=tuple(before),
-        after=tuple(after),
+        before=before,
+        after=after,
         joints=tuple(joints),
         one_sided=tuple((number, number in numbers[0]) for number in sorted(numbers[0] ^ numbers[1])),
         conditions=tuple(differences(before, after)),
