@@ -12,7 +12,7 @@ from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.reporting.figures.drift import CONTROL, CURVES, DRIFT, MOST_MARKED, draw_changes, stretches
 from friction_audit.reporting.figures.registry import FigureKind, figures_of
 from friction_audit.reporting.figures.style import figure_bytes
-from friction_audit.reporting.html.batch_page import as_drawn, drawings_of
+from friction_audit.reporting.html.batch_page import as_drawn, drawings_of, write_page
 from friction_audit.reporting.html.page import ON_A_SHEET
 from tests.each_case import with_thorough
 from tests.reporting import batch_by_hand as by_hand
@@ -33,11 +33,27 @@ def one_joint(joint: int, coefficient: CoefficientDrift) -> ArmDrift:
 @KINDS
 def test_a_joint_that_never_moves_takes_no_room_on_a_sheet(kind: FigureKind) -> None:
     sheet = kind.draw(ARM, None)
-    assert f"joint {by_hand.STILL_JOINT}: no " in words_in(sheet)
+    assert f"joint {by_hand.STILL_JOINT}: no" in words_in(sheet)
     still = replace(ARM, joints=ARM.joints[by_hand.STILL_JOINT - 1 :])
     assert f"joint {by_hand.STILL_JOINT}" in words_in(kind.draw(still, None))
     words = words_in(kind.draw(ARM, by_hand.STILL_JOINT))
     assert any(reason in words for reason in ("0 comparable", "no session moves", "not testable"))
+
+
+def test_too_few_sessions_show_their_values_and_no_figure_is_empty() -> None:
+    arm = by_hand.arm(3, 2)
+    untested = [replace(one, shape="too_few", control=(), total=UNDETERMINED) for one in arm.joints[0].coefficients]
+    few = replace(arm, joints=(replace(arm.joints[0], coefficients=tuple(untested)), arm.joints[1]))
+    sheet = DRIFT(few, None)
+    assert line(sheet.axes[0], "session")[0].tolist() == [1, 2, 3]
+    assert "drift needs 4 sessions" in words_in(sheet)
+    assert "joint 1: not testable" in words_in(CONTROL(few, None))
+    assert "3 comparable sessions, at least 4" in " ".join(words_in(CONTROL(few, 1)).split())
+    assert [one.kind.name for one in drawings_of([few], {}, ())] == [kind.name for kind in figures_of("drift")]
+    none = replace(few, joints=few.joints[:1])
+    assert [one.kind.name for one in drawings_of([none], {}, ())] == ["drift", "curves"]
+    html = write_page(by_hand.batch(none), {})
+    assert "There is no figure of changes and no control chart: 3 comparable sessions, at least 4 are needed" in html
 
 
 STRANGE = replace(by_hand.arm(3, 1, dated=False), reference=(), compared=())

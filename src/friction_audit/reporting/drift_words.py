@@ -45,6 +45,11 @@ def drift_verdict(*found: drift.CoefficientDrift) -> str:
     return min(verdicts, key=VERDICTS.index, default=UNTESTED)
 
 
+def is_tested(joint: drift.JointDrift) -> bool:
+    """Return whether a coefficient of a joint has sessions enough to be tested for drift."""
+    return any(found.shape != "too_few" for found in joint.coefficients)
+
+
 def describe(found: drift.CoefficientDrift, sessions: Sequence[Session]) -> str:
     """Return one sentence on a coefficient over the sessions of its arm, without a full stop."""
     parts = [headline(found, sessions)]
@@ -162,8 +167,10 @@ def arm_sentence(arm: drift.ArmDrift) -> str:
     drifting = [joint for joint in arm.joints if joint.drift]
     together = [joint for joint in arm.joints if any(one.shape == "temperature" for one in joint.coefficients)]
     compared = len(arm.compared)
-    if not drifting and compared < drift.FEWEST_SESSIONS:
-        return f"{count_of(compared, 'comparable session')}, {NEEDED}"
+    if not any(map(is_tested, arm.joints)):
+        few = compared < drift.FEWEST_SESSIONS
+        found = count_of(compared, "comparable session") if few else "no joint has an estimate in enough sessions"
+        return f"{found}, {NEEDED}"
     if drifting or together:
         stated = drifting[:MOST_STATED] or together[:1]
         said = [f"joint {joint.joint}: {joint_sentence(arm, joint)}" for joint in stated]
@@ -225,9 +232,11 @@ def total_text(found: drift.CoefficientDrift) -> str:
 
 def smallest_text(found: drift.CoefficientDrift) -> str:
     """Return the smallest change that these sessions would have shown: relative, or absolute near a level of zero."""
-    if math.isnan(found.smallest_drift) and not math.isnan(found.smallest_change):
-        return amount(math.nan, found.smallest_change, found.coefficient)
-    return words.format_share(found.smallest_drift)
+    if found.smallest_drift > LARGEST_DETECTABLE:
+        return f">{words.percent(LARGEST_DETECTABLE)} %"
+    if not isfinite(found.smallest_change):
+        return NOTHING
+    return amount(found.smallest_drift, found.smallest_change, found.coefficient)
 
 
 def slope_text(found: drift.CoefficientDrift, slope: Coefficient) -> str:

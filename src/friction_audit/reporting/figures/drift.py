@@ -4,13 +4,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from friction_audit.drift.report import ArmDrift, CoefficientDrift, JointDrift
+from friction_audit.drift.report import FEWEST_SESSIONS, ArmDrift, CoefficientDrift, JointDrift
 from friction_audit.drift.session import SpeedCurve
 from friction_audit.drift.two_sides import JointChange, TwoSides
 from friction_audit.friction.history import UNDETERMINED, Coefficient
@@ -28,6 +29,8 @@ TITLES = {coefficient: word.capitalize() for coefficient, word in drift_words.NA
 
 def _verdict(found: CoefficientDrift) -> str:
     """Return the verdict on a coefficient in the few words that fit above a panel."""
+    if found.shape == "too_few":
+        return f"drift needs {FEWEST_SESSIONS} sessions"
     word, total = drift_words.drift_verdict(found), drift_words.total_text(found)
     if word == drift_words.DRIFT and len(found.change_points) == 1:
         (change,) = found.change_points
@@ -35,7 +38,11 @@ def _verdict(found: CoefficientDrift) -> str:
     return f"{total} in all" if word == drift_words.DRIFT and total != NOTHING else word
 
 
-def _draw_both(draw: Any, panels: Sequence[Axes], arm: ArmDrift, joint: JointDrift) -> None:
+def _has_values(found: CoefficientDrift) -> bool:
+    return any(math.isfinite(one.value) for one in found.values)
+
+
+def _draw_both(draw: Any, has: Any, panels: Sequence[Axes], arm: ArmDrift, joint: JointDrift) -> None:
     """Draw Coulomb above or left of viscous friction over the sessions, or why there is nothing."""
     places = range(1, len(arm.sessions) + 1, max(1, -(-len(arm.sessions) // MOST_TICKS)))
     dates, (_, part) = [format_date(arm.sessions[place - 1].start_s) for place in places], _dates(arm)
@@ -46,9 +53,10 @@ def _draw_both(draw: Any, panels: Sequence[Axes], arm: ArmDrift, joint: JointDri
         axes.set_xlim(0.2, len(arm.sessions) + 0.8)
         axes.set_xticks(places, ticks)
         axes.set_ylabel(TITLES[found.coefficient])
-        if not any(math.isfinite(one.value) for one in found.values):
+        if not has(found):
             axes.set_yticks([])
-            parts.write_message(axes, drift_words.headline(found, arm.sessions).partition(";")[0])
+            reason = drift_words.headline(found, arm.sessions).partition(";")[0]
+            parts.write_message(axes, reason if found.shape == "too_few" else "no reference")
             continue
         words, alert = draw(axes, arm, joint, found)
         # No panel has ticks above; to look for them takes a third of the time, and a place given ends it.
@@ -158,8 +166,8 @@ def _draw_trend(axes: Axes, found: CoefficientDrift) -> None:
 
 
 DRIFT = parts.Layout(
-    joints=lambda arm: arm.joints, lacks="no estimate", draw=partial(_draw_both, _draw_coefficient), panels=2,
-    has=lambda _, joint: any(math.isfinite(one.value) for found in joint.coefficients for one in found.values),
+    joints=lambda arm: arm.joints, lacks="no estimate", draw=partial(_draw_both, _draw_coefficient, _has_values),
+    has=lambda _, joint: any(map(_has_values, joint.coefficients)), panels=2,
     height_in=(1.15, 1.3), head_in=0.6,
     x=lambda arm: _dates(arm)[0], shared=True,
     legend=(SESSION, INTERVAL, "reference sessions", ALONE, ISOLATED, HELD, TREND, BAND, STEP, WHERE),
@@ -171,8 +179,6 @@ LEGEND = ("limits of a steady joint", "within the limits", "outside", "reference
 def _draw_chart(axes: Axes, arm: ArmDrift, _: JointDrift, found: CoefficientDrift) -> tuple[str, bool]:
     """Draw deviations and limits: in percent, or in the coefficient's unit near a level of zero."""
     control = found.control
-    if not control:
-        return "no reference", False
     relative = any(math.isfinite(point.relative.value) for point in control)
     unit = "%" if relative else drift_words.UNITS[found.coefficient]
     axes.set_ylabel(f"{TITLES[found.coefficient]}\n[{unit}]")
@@ -199,7 +205,10 @@ def _draw_chart(axes: Axes, arm: ArmDrift, _: JointDrift, found: CoefficientDrif
     return words, bool(outside.any())
 
 
-CONTROL = replace(DRIFT, draw=partial(_draw_both, _draw_chart), legend=LEGEND)
+CONTROL = replace(
+    DRIFT, lacks=drift_words.UNTESTED, draw=partial(_draw_both, _draw_chart, attrgetter("control")), legend=LEGEND,
+    has=lambda _, joint: any(found.control for found in joint.coefficients),
+)  # fmt: skip
 
 MARKS = {
     drift_words.DRIFT: (FITTED, "s", "changed"),
@@ -213,7 +222,7 @@ FARTHEST = 2.0  # times the changes and their intervals that the undetectable ma
 @theme.figure_style()
 def draw_changes(arm: ArmDrift, numbers: parts.Numbers = None) -> Figure:
     """Draw one joint at column width, or every joint on a sheet, a line for each; Coulomb next to viscous."""
-    joints, note = parts.choose(arm.joints, numbers, partial(DRIFT.has, arm), DRIFT.lacks)
+    joints, note = parts.choose(arm.joints, numbers, drift_words.is_tested, drift_words.UNTESTED)
     width = theme.COLUMN_IN if isinstance(numbers, int) else theme.SHEET_IN
     figure = Figure(figsize=(width, 0.85 + max(0.24 * len(joints), 0.6)), layout="constrained")
     both = figure.subplots(1, 2, sharey=True)
