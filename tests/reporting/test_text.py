@@ -145,6 +145,10 @@ def test_drift_in_detail_of_many_and_of_nothing() -> None:
     assert batch_lines(batch_by_hand.empty())[0].startswith("0 sessions of 0 arms: 0 computed, 0 known from the ledger")
     fall = Coefficient(value=-3.97, low=-6.2, high=-0.25)
     assert drift_words.how_much(fall, UNDETERMINED, "N m") == "397 % (25 to 620 %)"
+    wide = replace(ARM.joints[0].coefficients[0], smallest_drift=2.28)
+    assert drift_words.smallest_text(wide) == "228 %"
+    assert "a change of 228 % is" in drift_words.headline(wide, ())
+    assert drift_words.smallest_text(replace(wide, smallest_drift=math.inf)) == ">1000 %"
 
 
 def test_sessions_that_do_not_fit_are_named_with_the_fault_of_their_torque() -> None:
