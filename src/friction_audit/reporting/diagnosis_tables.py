@@ -9,7 +9,7 @@ from friction_audit.effects.registry import motion_to_decide
 from friction_audit.friction.history import Coefficient
 from friction_audit.reporting import diagnosis_words as words
 from friction_audit.reporting.notices import sentence_of
-from friction_audit.reporting.table import ALL, INTERVAL, JOINT, NAME, PEOPLE, Column, Get, Record, Tone, joint_column
+from friction_audit.reporting.table import ALL, INTERVAL, JOINTS, PEOPLE, Column, Get, Record, Tone, joint_column
 
 WORDS = {verdict: verdict.replace("_", " ") for verdict in VERDICTS}
 TONES: dict[str, Tone] = dict.fromkeys(WORDS.values(), "alert")
@@ -202,9 +202,7 @@ def _people(title: str, short: str, unit: str, get: Get, form: Any = ".3g", file
 
 
 JOINT_DIAGNOSIS = Record(
-    JOINT,
-    NAME,
-    joint_column(),
+    *JOINTS,
     Column("verdict", VERDICTS, "the answer", form=WORDS, tone=TONES, on=ALL),
     Column("message", str, "the answer: cause, size, what to do", words.joint_message),
     Column("missing", str, get=lambda joint: " and ".join(row.names for row in effect_rows([joint])), on="p"),

@@ -10,7 +10,7 @@ from friction_audit.friction.history import Coefficient
 from friction_audit.reporting.documents import SETTINGS, WARNINGS
 from friction_audit.reporting.drift_words import NAMES, UNITS, amount, how_much, limit_lines, total_text, verb_of
 from friction_audit.reporting.notices import Notice, notice, reason_lines, session_sentences, text_of
-from friction_audit.reporting.table import JOINT, NAME, Column, Document, Record, joint_column
+from friction_audit.reporting.table import JOINTS, Column, Document, Record
 from friction_audit.reporting.words import NOTHING, format_p, in_unit, iso_start, joints_label, signed
 
 ADJUSTED = "p value of no change, adjusted over all joints and coefficients (Holm)"
@@ -66,9 +66,7 @@ def _people(place: int, title: str, unit: str) -> tuple[Column, ...]:
 
 
 JOINT_CHANGE = Record(
-    JOINT,
-    NAME,
-    joint_column(on="t"),
+    *JOINTS,
     Column("coulomb", _coefficient("N m"), "Coulomb friction", "coefficients.0"),
     Column("viscous", _coefficient("N m s/rad"), "viscous friction", "coefficients.1"),
     Column("law", LAW, "Coulomb plus viscous friction over the speed", on="j", null=True),

@@ -15,7 +15,7 @@ from friction_audit.presets import PRESETS, candidates
 from friction_audit.reporting.documents import WARNING, log_columns, torque_choice
 from friction_audit.reporting.estimate import SIGN
 from friction_audit.reporting.notices import Notice, log_notices, notice, notices
-from friction_audit.reporting.table import ALL, JOINT, NAME, Column, Document, Record, joint_column
+from friction_audit.reporting.table import ALL, JOINTS, Column, Document, Record
 from friction_audit.reporting.words import NEWTON_METRES, count_of
 
 SHOWN = ("first_part", "joints_left_out")  # codes of findings that have a line of their own
@@ -81,9 +81,7 @@ class InfoEntry(NamedTuple):
 
 
 MOTION = Record(
-    JOINT,
-    NAME,
-    joint_column(),
+    *JOINTS,
     Column("peak_speed", float, "largest speed", unit="rad/s", on=ALL),
     Column("range", float, "largest less smallest position", unit="rad", on=ALL),
     Column("moving", float, "time above the initiation threshold", unit="s", on=ALL),

@@ -15,7 +15,7 @@ from friction_audit.io.writers.tables import TidyTable
 from friction_audit.pipeline import LogReplay
 from friction_audit.reporting.documents import ResultDocument
 from friction_audit.reporting.notices import log_line, physics_of, reason_lines, replay_notices, sentence_of, text_of
-from friction_audit.reporting.table import ALL, JOINT, NAME, PEOPLE, Column, Record, joint_column, to_json
+from friction_audit.reporting.table import ALL, JOINTS, PEOPLE, Column, Record, to_json
 from friction_audit.reporting.words import in_unit, with_unit
 
 DIVERGED = "div."
@@ -104,9 +104,7 @@ def _number(name: str, meaning: str, unit: str = "", **more: Any) -> Column:  # 
 
 
 JOINT_REPLAY = Record(
-    JOINT,
-    NAME,
-    joint_column(),
+    *JOINTS,
     Column("compensator", dict, "kind and settings in force", lambda one: _compensator(one.compensator), on="j"),
     Column("compensator", str, get=lambda one: one.compensator.name, on="f"),
     Column("limits", dict, "`torque_nm` and `rate_nm_s`, null for none", on="j"),

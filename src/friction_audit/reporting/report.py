@@ -23,7 +23,7 @@ from friction_audit.reporting.documents import SETTINGS, SOURCE, WARNINGS, setti
 from friction_audit.reporting.estimate import ESTIMATE, estimate_tables
 from friction_audit.reporting.notices import Notice, diagnose_notices, estimate_notices, replay_notices, text_of
 from friction_audit.reporting.replay import REPLAY, replay_tables
-from friction_audit.reporting.table import JOINT, NAME, Column, Document, Record, Tone, joint_column
+from friction_audit.reporting.table import JOINTS, Column, Document, Record, Tone
 from friction_audit.reporting.words import count_of, enumerate_words, with_unit
 
 T = TypeVar("T")
@@ -228,9 +228,7 @@ def report_tables(report: LogReport) -> tuple[TidyTable, ...]:
 
 UNANSWERED = Record(Column("part", str, "the command"), Column("message", str, "why it has no answer"))
 VERDICT = Record(
-    JOINT,
-    NAME,
-    joint_column(),
+    *JOINTS,
     Column("coulomb", Coefficient, get="friction.coulomb", unit="N m", title="Coulomb", on="p"),
     Column("viscous", Coefficient, get="friction.viscous", unit="N m s/rad", on="p"),
     Column("verdict", str, "the verdict of the page", verdict_word, tone=VERDICT_TONES, on="jfp"),

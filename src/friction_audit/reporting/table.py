@@ -121,6 +121,7 @@ def joint_column(get: str = "", on: str = PEOPLE) -> Column:
 
 
 JOINT, NAME = Column("joint", int, "number, from 1", on="j"), Column("name", str, "name in the log", on="j")
+JOINTS = (JOINT, NAME, joint_column())  # what rows of joints begin with, for documents and for people
 
 
 class Record:
