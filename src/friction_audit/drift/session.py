@@ -75,10 +75,10 @@ class Session:
     sha256: str  # content hash
     robot: str  # which arm, as distinguished by serial, namespace, manifest or folder; empty where nothing names it
     start_s: float | None  # Unix time of the start, or None where it is not known [s]
-    start_from: str  # ``"manifest"``, ``"log"``, ``"name"`` or ``"nothing"``
     duration_s: float  # length [s]
     conditions: Conditions  # under what it was recorded
     joints: tuple[JointSummary, ...]  # one summary per joint
+    start_from: str = "nothing"  # ``"manifest"``, ``"log"``, ``"name"`` or ``"nothing"``, decided among all logs
     temperature_c: float | None = None  # from the manifest, or None [degC]
     note: str = ""  # from the manifest
     warnings: tuple[str | Caution, ...] = ()  # findings of the reader as sentences, and cautions

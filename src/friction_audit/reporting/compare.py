@@ -26,13 +26,10 @@ def _shown(text: Callable[[Row], str], title: str) -> Column:
     return Column("shown", float, get="", form=shown, title=title, on="t")
 
 
-def _with_interval(name: str, factor: float, digits: int) -> Callable[[Row], str]:
-    def text(row: Row) -> str:
-        found = row.interval(name)
-        half = "" if isnan(found.low) else f" ± {factor * (found.value - found.low):.{digits}f}"
-        return NOTHING if isnan(found.value) else f"{factor * found.value:.{digits}f}{half}"
-
-    return text
+def _with_interval(row: Row, name: str, factor: float, digits: int) -> str:
+    found = row.interval(name)
+    half = "" if isnan(found.low) else f" ± {factor * (found.value - found.low):.{digits}f}"
+    return NOTHING if isnan(found.value) else f"{factor * found.value:.{digits}f}{half}"
 
 
 def _margin(row: Row) -> str:
@@ -68,9 +65,9 @@ METHOD = Record(
         "row", str, get=lambda row: row if isinstance(row, str) else f"{ROLES[row.role]} {row.tuning.name}",
         title="method and tuning", on="t",
     ),
-    _shown(_with_interval("energy_slope_w", 1000.0, 1), "slope [mW]"),
-    _shown(_with_interval("peak_torque_nm", 1.0, 2), "peak [N m]"),
-    _shown(_with_interval("rms_torque_nm", 1.0, 3), "rms [N m]"),
+    _shown(lambda row: _with_interval(row, "energy_slope_w", 1000.0, 1), "slope [mW]"),
+    _shown(lambda row: _with_interval(row, "peak_torque_nm", 1.0, 2), "peak [N m]"),
+    _shown(lambda row: _with_interval(row, "rms_torque_nm", 1.0, 3), "rms [N m]"),
     _shown(lambda row: f"{row.stable_share:.0%}", "stable"),
     _shown(_margin, "margin"),
 )  # fmt: skip

@@ -4,7 +4,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -24,6 +23,7 @@ from friction_audit.reporting.words import NOTHING, count_of, format_date, scale
 MOST_MARKED = 150  # sessions in a panel above which markers would only be a blot; a line takes their place
 MOST_TICKS = 6
 
+Head = tuple[str, bool] | None  # what stands above a panel, and whether it is an alert; None where nothing is drawn
 TITLES = {coefficient: word.capitalize() for coefficient, word in drift_words.NAMES.items()}
 
 
@@ -38,11 +38,7 @@ def _verdict(found: CoefficientDrift) -> str:
     return f"{total} in all" if word == drift_words.DRIFT and total != NOTHING else word
 
 
-def _has_values(found: CoefficientDrift) -> bool:
-    return any(math.isfinite(one.value) for one in found.values)
-
-
-def _draw_both(draw: Any, has: Any, panels: Sequence[Axes], arm: ArmDrift, joint: JointDrift) -> None:
+def _draw_both(draw: Any, panels: Sequence[Axes], arm: ArmDrift, joint: JointDrift) -> None:
     """Draw Coulomb above or left of viscous friction over the sessions, or why there is nothing."""
     places = range(1, len(arm.sessions) + 1, max(1, -(-len(arm.sessions) // MOST_TICKS)))
     dates, (_, part) = [format_date(arm.sessions[place - 1].start_s) for place in places], _dates(arm)
@@ -53,12 +49,12 @@ def _draw_both(draw: Any, has: Any, panels: Sequence[Axes], arm: ArmDrift, joint
         axes.set_xlim(0.2, len(arm.sessions) + 0.8)
         axes.set_xticks(places, ticks)
         axes.set_ylabel(TITLES[found.coefficient])
-        if not has(found):
+        if (drawn := draw(axes, arm, joint, found)) is None:
             axes.set_yticks([])
             reason = drift_words.headline(found, arm.sessions).partition(";")[0]
             parts.write_message(axes, reason if found.shape == "too_few" else "no reference")
             continue
-        words, alert = draw(axes, arm, joint, found)
+        words, alert = drawn
         # No panel has ticks above; to look for them takes a third of the time, and a place given ends it.
         axes.set_title(words, loc="right", y=1.0, color=FITTED if alert else "black")
 
@@ -75,8 +71,7 @@ def _shade_reference(axes: Axes, arm: ArmDrift) -> None:
     """Shade each run of neighbouring sessions of the reference along the axis."""
     places = np.sort(np.array(arm.reference, np.int64)) + 1
     for run in np.split(places, np.flatnonzero(np.diff(places) > 1) + 1) if len(places) else ():
-        look: Look = {"facecolor": GREEN, "alpha": 0.12, "lw": 0, "zorder": 0, "label": "reference sessions"}
-        axes.axvspan(run[0] - 0.5, run[-1] + 0.5, **look)
+        axes.axvspan(run[0] - 0.5, run[-1] + 0.5, fc=GREEN, alpha=0.12, lw=0, zorder=0, label="reference sessions")
 
 
 SESSION, INTERVAL, ALONE, ISOLATED = "session", "95 % of a session", "not compared", "isolated, not counted"
@@ -85,8 +80,10 @@ NEAR = 1.5  # times the range of the values that intervals may reach beyond it; 
 SMALLEST_SHARE = 0.1  # of the value: a panel is never higher resolved, so that noise does not look like drift
 
 
-def _draw_coefficient(axes: Axes, arm: ArmDrift, joint: JointDrift, found: CoefficientDrift) -> tuple[str, bool]:
+def _draw_coefficient(axes: Axes, arm: ArmDrift, joint: JointDrift, found: CoefficientDrift) -> Head:
     """Draw values, levels or trend; return the verdict in words, and whether it is drift."""
+    if not any(math.isfinite(one.value) for one in found.values):
+        return None
     separator = " " if parts.is_narrow(axes) else "\n"
     axes.set_ylabel(f"{TITLES[found.coefficient]}{separator}[{drift_words.UNITS[found.coefficient]}]")
     _shade_reference(axes, arm)
@@ -99,8 +96,7 @@ def _draw_coefficient(axes: Axes, arm: ArmDrift, joint: JointDrift, found: Coeff
     axes.plot(place, value, color=FILTERED, label=SESSION, **style)
     ringed = np.isin(found.sessions, found.isolated)
     if ringed.any():
-        ring: Look = {"ls": "none", "marker": "D", "ms": 5.0, "mfc": "none", "mec": FITTED, "mew": 0.8}
-        axes.plot(place[ringed], value[ringed], label=ISOLATED, **ring)
+        axes.plot(place[ringed], value[ringed], "D", ms=5.0, mfc="none", mec=FITTED, mew=0.8, label=ISOLATED)
     if found.change_points:
         _draw_levels(axes, found)
     elif math.isfinite(found.trend_per_session.value):
@@ -119,8 +115,7 @@ def _draw_coefficient(axes: Axes, arm: ArmDrift, joint: JointDrift, found: Coeff
     axes.set_ylim(bottom, top)
     left_out = left_out[(left_out[:, 1] > bottom) & (left_out[:, 1] < top)]
     if len(left_out):
-        look: Look = {"ls": "none", "marker": "o", "ms": 2.8, "mfc": "none", "mec": MUTED, "mew": 0.6}
-        axes.plot(*left_out.T, label=ALONE, **look)
+        axes.plot(*left_out.T, "o", ms=2.8, mfc="none", mec=MUTED, mew=0.6, label=ALONE)
     return _verdict(found), found.drift
 
 
@@ -166,8 +161,8 @@ def _draw_trend(axes: Axes, found: CoefficientDrift) -> None:
 
 
 DRIFT = parts.Layout(
-    joints=lambda arm: arm.joints, lacks="no estimate", draw=partial(_draw_both, _draw_coefficient, _has_values),
-    has=lambda _, joint: any(map(_has_values, joint.coefficients)), panels=2,
+    joints=lambda arm: arm.joints, lacks="no estimate", draw=partial(_draw_both, _draw_coefficient), panels=2,
+    has=lambda _, joint: any(math.isfinite(one.value) for found in joint.coefficients for one in found.values),
     height_in=(1.15, 1.3), head_in=0.6,
     x=lambda arm: _dates(arm)[0], shared=True,
     legend=(SESSION, INTERVAL, "reference sessions", ALONE, ISOLATED, HELD, TREND, BAND, STEP, WHERE),
@@ -176,9 +171,10 @@ DRIFT = parts.Layout(
 LEGEND = ("limits of a steady joint", "within the limits", "outside", "reference sessions")
 
 
-def _draw_chart(axes: Axes, arm: ArmDrift, _: JointDrift, found: CoefficientDrift) -> tuple[str, bool]:
+def _draw_chart(axes: Axes, arm: ArmDrift, _: JointDrift, found: CoefficientDrift) -> Head:
     """Draw deviations and limits: in percent, or in the coefficient's unit near a level of zero."""
-    control = found.control
+    if not (control := found.control):
+        return None
     relative = any(math.isfinite(point.relative.value) for point in control)
     unit = "%" if relative else drift_words.UNITS[found.coefficient]
     axes.set_ylabel(f"{TITLES[found.coefficient]}\n[{unit}]")
@@ -199,14 +195,14 @@ def _draw_chart(axes: Axes, arm: ArmDrift, _: JointDrift, found: CoefficientDrif
     line: Look = {"lw": 0.7} if many else {"lw": 0.4, "marker": "o", "ms": 2.6, "mew": 0.0}
     axes.plot(place, value, color=FILTERED, label=LEGEND[1], **line)
     if outside.any():
-        mark: Look = {"ls": "none", "marker": "s", "ms": 1.6 if many else 3.4, "mew": 0.0, "zorder": 4}
-        axes.plot(place[outside], value[outside], color=FITTED, label=LEGEND[2], **mark)
+        size = 1.6 if many else 3.4
+        axes.plot(place[outside], value[outside], "s", color=FITTED, ms=size, mew=0.0, zorder=4, label=LEGEND[2])
     words = f"{count_of(int(outside.sum()), 'session')} outside" if outside.any() else "all within"
     return words, bool(outside.any())
 
 
 CONTROL = replace(
-    DRIFT, lacks=drift_words.UNTESTED, draw=partial(_draw_both, _draw_chart, attrgetter("control")), legend=LEGEND,
+    DRIFT, lacks=drift_words.UNTESTED, draw=partial(_draw_both, _draw_chart), legend=LEGEND,
     has=lambda _, joint: any(found.control for found in joint.coefficients),
 )  # fmt: skip
 

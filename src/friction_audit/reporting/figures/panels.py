@@ -116,8 +116,7 @@ def grid(
     across = min(across, count)
     rows = [max(heights_in[k : k + across]) for k in range(0, count, across)]
     figure = Figure(figsize=(width_in, head_in + sum(rows)), layout="constrained")
-    ratios: Look = {"height_ratios": rows}
-    panels = figure.subplots(len(rows), across, squeeze=False, sharex=sharex, sharey=sharey, gridspec_kw=ratios).ravel()
+    panels = figure.subplots(len(rows), across, squeeze=False, sharex=sharex, sharey=sharey, height_ratios=rows).ravel()
     for k in range(count, len(panels)):
         panels[k - across].tick_params(labelbottom=True)  # it is the lowest of its column now
         panels[k].remove()

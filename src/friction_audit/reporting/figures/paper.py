@@ -45,8 +45,7 @@ def _draw_energy(course: Course, title: str, axes: Axes, plateau: float | None =
     _shade(axes, course)
     parts.mark_zero(axes)
     parts.draw_curve(axes, course.t, course.energy_j, DRAWN, color=theme.FILTERED, label="net energy $E_m$")
-    look: theme.Look = {"color": theme.BORDER, "ms": 2.4, "mew": 0, "zorder": 5, "label": "end of a cycle"}
-    axes.plot(course.ends_s, course.ends_j, "o", **look)
+    axes.plot(course.ends_s, course.ends_j, "o", color=theme.BORDER, ms=2.4, mew=0, zorder=5, label="end of a cycle")
     if plateau is not None:
         axes.axhline(plateau, color=theme.FITTED, lw=0.7, ls=theme.DASHED, label="$E^2_{cyclic}$")
     parts.label_panel(axes, title, y="Energy [J]")
@@ -199,8 +198,7 @@ def draw_whole_arm(courses: Sequence[Course]) -> Figure:
             parts.label_panel(axes, across=6)
         for axes, signal, look in curves:
             parts.draw_curve(axes, t, signal, DRAWN_ON_SHEET, **look)
-        dots: theme.Look = {"color": theme.BORDER, "ms": 2.0, "mew": 0, "zorder": 5, "label": "end of a cycle"}
-        middle.plot(course.ends_s, course.ends_j, "o", **dots)
+        middle.plot(course.ends_s, course.ends_j, "o", c=theme.BORDER, ms=2.0, mew=0, zorder=5, label="end of a cycle")
         left.set_ylabel(f"joint {number}")
     titles = ("(a) velocity [rad/s], torque [N m]", "(b) net energy [J]", "(c) coefficients [N m], [N m s/rad]")
     for axes, title in zip(rows[0], titles, strict=True):

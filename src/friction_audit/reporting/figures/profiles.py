@@ -160,8 +160,7 @@ def _draw_nothing_missing(axes: Axes, joint: JointDiagnosis) -> None:
     parts.label_panel(axes, f"{parts.joint_title(joint.joint, joint.name)}: {words}, no effect named", across=4)
     draw_profile(axes, profile, traces.along[profile.axis], traces.dq, traces.measured - traces.before)
     if np.isfinite(limit):
-        look: theme.Look = {"color": theme.SHADE, "lw": 0, "zorder": 0, "label": "below the detection limit"}
-        axes.axhspan(-limit, limit, **look)
+        axes.axhspan(-limit, limit, color=theme.SHADE, lw=0, zorder=0, label="below the detection limit")
 
 
 def _draw_effect(axes: Axes, joint: JointDiagnosis, effect: NamedEffect) -> None:
@@ -204,8 +203,7 @@ def _draw_contacts(axes: Axes, joint: JointDiagnosis, title: str, ends: tuple[fl
     least = LEAST_WIDTH * (ends[1] - ends[0])
     for start, stop in contacts.spans_s:
         more = 0.5 * max(least - (stop - start), 0.0)
-        look: theme.Look = {"facecolor": theme.ZOOMED, "edgecolor": theme.REJECTED, "lw": 0.4, "zorder": 0}
-        axes.axvspan(start - more, stop + more, label="contact", **look)
+        axes.axvspan(start - more, stop + more, fc=theme.ZOOMED, ec=theme.REJECTED, lw=0.4, zorder=0, label="contact")
     axes.set_xlim(*ends)
     axes.set_xlabel("Time [s]")
 

@@ -65,8 +65,7 @@ def _pictures(arms: tuple[ArmDrift, ...], drawn: Mapping[str, html.Figure]) -> d
 def _arm_section(arm: ArmDrift, anchor: str, figures: tuple[html.Figure, ...], most: int) -> html.Section:
     no_room = f"This page has no room for more figures; those of {arm.robot} are in files next to it."
     no_test = f"There is no figure of changes and no control chart: {phrases.arm_sentence(arm)}."
-    tested = any(map(phrases.is_tested, arm.joints))
-    pictures = (*(figures or (html.Text((no_room,)),)), *(() if tested else (html.Text((no_test,)),)))
+    lacking = html.Text([no_room] * (not figures) + [no_test] * (not any(map(phrases.is_tested, arm.joints))))
     rows = tables.coefficient_rows(arm)
     steps = [row._replace(change=change) for row in rows for change in row.found.change_points]
     after = "the first session after each (with the range that holds it with 95 % confidence)"
@@ -78,7 +77,7 @@ def _arm_section(arm: ArmDrift, anchor: str, figures: tuple[html.Figure, ...], m
     within = tables.COEFFICIENT.people(rows, "w", caption=sentences()["lines"]["within"]).filled()
     sections = (
         html.Section(f"{anchor}-joints", "Joints", joints),
-        html.Section(f"{anchor}-figures", "Figures", pictures),
+        html.Section(f"{anchor}-figures", "Figures", (*figures, lacking)),
         html.Section(f"{anchor}-within", "Within a session", (within,)),
         html.Section(f"{anchor}-diagnosis", "What the model misses", (_diagnosed(arm),)),
         html.Section(f"{anchor}-sessions", "Sessions", tuple(_session_tables(arm, most))),
@@ -138,7 +137,8 @@ def drawings_of(arms: Sequence[ArmDrift], prefixes: Mapping[str, str], formats: 
     More joints than fit on a sheet of paper make several on the page and one of all for the files.
     """
     for number, arm in enumerate(arms, start=1):
-        for kind in drawn_of(arm):
+        tested = any(map(phrases.is_tested, arm.joints))
+        for kind in (kind for kind in figures_of("drift") if tested or kind.name not in OF_A_TEST):
             sheets, name = list(html.sheets_of(arm.joints)), f"{prefixes.get(arm.robot, '')}{kind.name}"
             for k, (joints, which) in enumerate(sheets):
                 part = as_drawn(replace(arm, joints=tuple(joints)))
@@ -147,12 +147,6 @@ def drawings_of(arms: Sequence[ArmDrift], prefixes: Mapping[str, str], formats: 
                 yield sheet if sheets[1:] else sheet._replace(name=name, formats=formats)
             if sheets[1:]:
                 yield Drawing(kind, as_drawn(arm), name=name, formats=formats)
-
-
-def drawn_of(arm: ArmDrift) -> list[FigureKind]:
-    """Return the kinds of figures of an arm, without those that would be empty since no joint is tested."""
-    tested = any(map(phrases.is_tested, arm.joints))
-    return [kind for kind in figures_of("drift") if tested or kind.name not in OF_A_TEST]
 
 
 def as_drawn(arm: ArmDrift) -> ArmDrift:
