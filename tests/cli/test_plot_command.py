@@ -8,7 +8,6 @@ import pytest
 
 from friction_audit import parallel
 from friction_audit.cli.parameters import PLOTTED
-from friction_audit.reporting.figures.style import RC
 from tests.each_case import thorough
 from tests.in_this_process import Run
 
@@ -70,7 +69,7 @@ def test_a_style_sheet_holds_in_the_figures_of_every_command(command: str, run: 
     assert run(*words, "-o", "own", "--style", "paper.mplstyle").code == 0
     assert run(*words, "-o", "usual").code == 0
     own, usual = (plt.imread(f"{folder}/{kind}.png").shape[:2] for folder in ("own", "usual"))
-    assert own == pytest.approx([50 / RC["savefig.dpi"] * one for one in usual], abs=1)
+    assert own == pytest.approx([50 / 300 * one for one in usual], abs=1)
 
 
 @pytest.mark.parametrize(("content", "found"), [

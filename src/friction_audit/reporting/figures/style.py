@@ -7,6 +7,7 @@ from contextvars import ContextVar
 from importlib import import_module
 from io import BytesIO
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from friction_audit.errors import UsageError, shortened
@@ -32,45 +33,31 @@ REJECTED = "#cc79a7"
 MUTED = "#555555"
 DASHED = (0, (4, 1.5))
 
-RC: dict[str, Any] = {
-    "font.size": 7.5, "figure.labelsize": 7.5, "figure.constrained_layout.h_pad": 0.02,
-    "figure.constrained_layout.w_pad": 0.02, "axes.labelsize": 7.5, "axes.titlesize": 7.5, "axes.titlelocation": "left",
-    "axes.titlepad": 3.0, "axes.linewidth": 0.5, "axes.spines.top": False, "axes.spines.right": False,
-    "xtick.labelsize": 7, "ytick.labelsize": 7, "xtick.major.width": 0.5, "ytick.major.width": 0.5,
-    "xtick.major.size": 2.5, "ytick.major.size": 2.5, "legend.fontsize": 7, "legend.frameon": False,
-    "legend.handlelength": 1.6, "legend.columnspacing": 1.2, "lines.linewidth": 0.8, "hatch.linewidth": 0.4,
-    "savefig.dpi": 300, "pdf.fonttype": 42, "svg.hashsalt": "friction-audit",
-}  # fmt: skip
-SERIF = {"font.family": "serif", "font.size": 8, "axes.labelsize": 8, "axes.titlesize": 8}
-STYLES: dict[str, dict[str, Any]] = {  # fonts: as on the page, as in a journal's columns, as LaTeX sets text
-    "sans": {},
-    "ieee": SERIF | {"font.serif": ["STIXGeneral", "DejaVu Serif"], "mathtext.fontset": "stix"},
-    "latex": SERIF
-    | {"font.serif": ["cmr10", "DejaVu Serif"], "mathtext.fontset": "cm", "axes.formatter.use_mathtext": True},
-}
-STYLE: ContextVar[Mapping[str, Any]] = ContextVar("STYLE", default=STYLES["sans"])
+# Style sheets here by name: that of all figures with the fonts of a page, and fonts of a journal and of LaTeX upon it.
+STYLES = {name: Path(__file__).with_name("styles") / f"{name}.mplstyle" for name in ("sans", "ieee", "latex")}
+STYLE: ContextVar[Mapping[str, Any]] = ContextVar("STYLE", default=MappingProxyType({}))
 """rcParams that come before those of the figures."""
 LONGEST_FAULT = 120  # characters of what matplotlib says of a style sheet
 
 
 def load_style(name: str) -> Mapping[str, Any]:
-    """Return the rcParams of a style: by its name here or in matplotlib, or of a style sheet."""
-    if name in STYLES:
-        return STYLES[name]
+    """Return the rcParams of a style on that of all figures: by its name here or in matplotlib, or of a style sheet."""
+    if name == "sans":
+        return {}
     from logging.handlers import BufferingHandler
 
     from matplotlib import rc_params_from_file, style
 
     if name in style.library:
         return dict(style.library[name].items())  # with the type of every name, mypy takes them for no names
-    where, expected = f"--style {name}", "expected lines like `axes.grid: True`"
-    if not Path(name).is_file():
+    where, expected, path = f"--style {name}", "expected lines like `axes.grid: True`", STYLES.get(name, Path(name))
+    if not path.is_file():
         known = f"{', '.join(STYLES)}, or one of matplotlib, e.g. ggplot"
         raise UsageError(f"{where}: neither a file nor a style; give a style sheet (.mplstyle), or a name: {known}")
     logger, heard = logging.getLogger("matplotlib"), BufferingHandler(capacity=10**6)
     logger.addHandler(heard)  # matplotlib warns of a line that it does not understand, and leaves it out
     try:
-        found = rc_params_from_file(name, use_default_template=False)
+        found = rc_params_from_file(path, use_default_template=False)
     except (OSError, UnicodeError) as error:
         raise UsageError(f"{where}: cannot be read ({error}); {expected}; give a style sheet of matplotlib") from error
     finally:
@@ -94,11 +81,12 @@ def figure_style(*, mathematics: bool = False) -> Iterator[None]:
     """Use the figures' style; ``mathematics``: words between dollar signs are formulas, and none is from a log."""
     import warnings
 
-    from matplotlib import rc_context, rcParamsDefault
+    from matplotlib import rc_context, rc_params_from_file, rcParamsDefault
 
     # A matplotlibrc must not change what a command draws; in a program STYLE holds it.
     defaults: dict[Any, Any] = rcParamsDefault  # with the type of every name, mypy looks at this line for seconds
-    settings = {name: value for name, value in defaults.items() if name != "backend"} | RC | dict(STYLE.get())
+    settings = {name: value for name, value in defaults.items() if name != "backend"}
+    settings |= rc_params_from_file(STYLES["sans"], use_default_template=False) | dict(STYLE.get())
     # Words from a log are no LaTeX: panda_joint1 ends its run.
     settings |= {"text.parse_math": mathematics, "text.usetex": False}
     with rc_context(settings), warnings.catch_warnings():
