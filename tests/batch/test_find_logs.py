@@ -102,11 +102,11 @@ def test_urls_without_fsspec(monkeypatch: pytest.MonkeyPatch) -> None:
         find_logs(["s3://lab/a.csv"], {})
 
 
-def write(folder: Path, text: str) -> Path:
-    (folder / "run1.csv").touch()
-    (folder / "run2.csv").touch()
+def write(folder: Path, content: str | bytes) -> Path:
+    for name in ("run1.csv", "run2.csv"):
+        (folder / name).touch()
     path = folder / "manifest.csv"
-    path.write_text(text, encoding="utf-8")
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
     return path
 
 
@@ -126,7 +126,7 @@ def test_rows_by_place(tmp_path: Path) -> None:
     assert (second.robot, second.start_s, second.temperature_c, second.note) == ("", None, None, "")
 
 
-FAULTY = {
+FAULTY: dict[str, tuple[str | bytes, str]] = {
     "empty": ("", "no column at all; found an empty file"),
     "header alone": ("path\n", "no rows below the header"),
     "misspelt": ("path,temprature\nrun1.csv,20\n", "column temprature: did you mean temperature?"),
@@ -137,6 +137,7 @@ FAULTY = {
     ),
     "same log twice": ("path\nrun1.csv\n./run1.csv\n", "line 3: ./run1.csv comes twice, first in line 2"),
     "too many cells": ("path,note\nrun1.csv,a,b\n", "line 2: 3 cells under 2 columns; put text with commas in quotes"),
+    "no text": (b"path\n\xff\xfe\n", "is not text in UTF-8"),
 }
 
 
@@ -149,10 +150,6 @@ def test_faults_are_named(fault: str, tmp_path: Path) -> None:
     assert str(caught.value).startswith(str(tmp_path / "manifest.csv"))
 
 
-def test_what_is_no_text(tmp_path: Path) -> None:
-    path = tmp_path / "manifest.csv"
-    path.write_bytes(b"path\n\xff\xfe\n")
-    with pytest.raises(InputError, match="is not text in UTF-8"):
-        read_manifest(path)
+def test_a_manifest_that_is_not_there(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="cannot be read"):
         read_manifest(tmp_path / "absent.csv")

@@ -73,21 +73,17 @@ def test_unlike_arms_in_a_folder_are_parted_and_said() -> None:
     assert "robot a: its logs are of unlike arms" in warnings[0]
 
 
-@pytest.mark.parametrize(
-    ("codes", "arms", "numbers"),
-    [((LOST_JOINT,), {"a"}, [1, 3]), ((), {"a (2 joints, panda)", "a (3 joints, panda)"}, [1, 2])],
-    ids=["lost", "another arm"],
-)
-def test_a_log_that_lost_a_joint_is_of_the_same_arm(codes: tuple[str, ...], arms: set[str], numbers: list[int]) -> None:
+@pytest.mark.parametrize(("codes", "arms"), [((LOST_JOINT,), 1), ((), 2)], ids=["lost", "another arm"])
+def test_a_log_that_lost_a_joint_is_of_the_same_arm(codes: tuple[str, ...], arms: int) -> None:
     """A joint without a torque is not in its log, and those after it have other numbers there."""
     left = tuple(replace(make_joint(number, 0.3), name=f"joint{own}") for number, own in ((1, 1), (2, 3)))
     warned = Caution("sign_disagrees", 2), Caution("sign_turned"), "a sentence"
     lost = replace(recorded(start=3.0), joints=left, codes=codes, log_joints=2, warnings=warned)
     found, _ = identify([(file("a/0.csv"), recorded(start=1.0, joints=3)), (file("a/1.csv"), lost)])
-    assert set(robots(found)) == arms
+    assert len(robots(found)) == arms
     (own,) = [session for session in found if session.path == "a/1.csv"]
-    assert [joint.joint for joint in own.joints] == numbers
-    assert own.warnings == (Caution("sign_disagrees", numbers[1]), *warned[1:])
+    assert [joint.joint for joint in own.joints] == [1, 3 if codes else 2]
+    assert own.warnings == (Caution("sign_disagrees", 3 if codes else 2), *warned[1:])
 
 
 def test_one_name_in_two_folders_is_said_but_a_serial_number_is_trusted() -> None:

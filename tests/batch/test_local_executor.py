@@ -2,13 +2,15 @@
 
 import os
 import time
-from collections.abc import Callable, Generator, Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
-from friction_audit.batch.executor import Asked, Done, LocalExecutor, Lost
+from friction_audit.batch.executor import LocalExecutor, Lost
 from friction_audit.batch.find_logs import LogFile
 from friction_audit.batch.identity import Worked
 from friction_audit.batch.run_batch import drift_of_arms
@@ -84,14 +86,6 @@ def test_giving_up_ends_the_work_under_way(tmp_path: Path) -> None:
 QUICK = DriftSettings(permutations=199)
 
 
-class Nobody:
-    """Loses whatever it is given."""
-
-    def run(self, work: Callable[[Asked], Done], tasks: Iterable[Asked]) -> Generator[tuple[Asked, Done | Lost]]:
-        del work
-        yield from ((task, Lost("no memory")) for task in tasks)
-
-
 def sessions_of(*robots: str) -> list[Session]:
     levels = (noisy(8, seed) for seed in range(len(robots)))
     made = ((make_sessions(level), robot) for level, robot in zip(levels, robots, strict=True))
@@ -107,5 +101,6 @@ def test_processes_find_what_is_found_here() -> None:
 
 
 def test_an_unfinished_arm_is_named() -> None:
+    losing: Any = SimpleNamespace(run=lambda _, tasks: ((task, Lost("no memory")) for task in tasks))
     with pytest.raises(AnalysisError, match=r"^left: its drift cannot be analysed: no memory$"):
-        drift_of_arms(sessions_of("right", "left"), QUICK, Nobody())
+        drift_of_arms(sessions_of("right", "left"), QUICK, losing)

@@ -12,8 +12,7 @@ from friction_audit.reporting.words import NOTHING
 
 ROLES = {"paper": "*", "full": "=", "best": "+", "other": " "}
 ENDLESS = ">32"  # margin above what is searched
-CI95 = Column("ci95", INTERVAL, "95 % interval", "")
-VALUE = Record(Column("value", float, "mean, or median"), CI95)
+VALUE = Record(Column("value", float, "mean, or median"), Column("ci95", INTERVAL, "95 % interval", ""))
 
 
 def _measured(name: str, meaning: str) -> Column:

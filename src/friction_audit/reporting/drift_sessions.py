@@ -2,11 +2,11 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from itertools import islice
+from itertools import islice, product
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
-from friction_audit.drift.report import ArmDrift, ControlPoint, JointDrift
+from friction_audit.drift.report import ArmDrift, JointDrift
 from friction_audit.drift.session import Session
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.reporting.drift_words import UNITS
@@ -147,22 +147,17 @@ def session_columns(arms: Sequence[ArmDrift]) -> tuple[dict[str, type], Iterator
 
 
 def _value_rows(arm: ArmDrift) -> Iterator[SimpleNamespace]:
-    compared: dict[tuple[int, str, int], tuple[Coefficient, bool]] = {}
-    control: dict[tuple[int, str, int], ControlPoint] = {}
-    for drift in arm.joints:
-        for one in drift.coefficients:
-            for index, value in zip(one.sessions, one.values, strict=True):
-                compared[drift.joint, one.coefficient, index] = value, index in one.isolated
-            control |= {(drift.joint, one.coefficient, point.session): point for point in one.control}
+    drifts = {(drift.joint, one.coefficient): one for drift in arm.joints for one in drift.coefficients}
+    compared = {(key, k): own for key, one in drifts.items() for k, own in zip(one.sessions, one.values, strict=True)}
+    control = {(key, point.session): point for key, one in drifts.items() for point in one.control}
     used, reference, left_out = set(arm.compared), set(arm.reference), dict(arm.left_out)
     for k, session in enumerate(arm.sessions):
-        for joint in session.joints:
-            for name in UNITS:
-                key = joint.joint, name, k
-                value, isolated = compared.get(key) or (UNDETERMINED, None)
-                yield SimpleNamespace(
-                    place=k, session=session, joint=joint, coefficient=name,
-                    own=joint.coefficients.get(name, UNDETERMINED), within=joint.within.get(name, UNDETERMINED),
-                    left_out=text_of(left_out.get(k, ())), is_compared=k in used, reference=k in reference,
-                    compared=value, isolated=isolated, control=control.get(key),
-                )  # fmt: skip
+        for joint, name in product(session.joints, UNITS):
+            key = joint.joint, name
+            yield SimpleNamespace(
+                place=k, session=session, joint=joint, coefficient=name,
+                own=joint.coefficients.get(name, UNDETERMINED), within=joint.within.get(name, UNDETERMINED),
+                left_out=text_of(left_out.get(k, ())), is_compared=k in used, reference=k in reference,
+                compared=compared.get((key, k), UNDETERMINED), control=control.get((key, k)),
+                isolated=k in drifts[key].isolated if (key, k) in compared else None,
+            )  # fmt: skip

@@ -55,12 +55,7 @@ OPERATOR = Record(
 MODEL = Record(
     Column("inertia", float, "inertia", unit="kg m²"),
     Column("provenance", dict, "method, log, sha256 and cycles that it was made from"),
-    Column(
-        "terms",
-        dict,
-        "terms by name, each its numbers by name",
-        lambda model: {one.name: one.numbers for one in model.terms},
-    ),
+    Column("terms", dict, "terms by name, each its numbers by name", lambda m: {t.name: t.numbers for t in m.terms}),
 )
 PASSIVITY = Record(
     Column("violations", int, "samples with the ledger below zero by more than two samples and the payback exchange"),

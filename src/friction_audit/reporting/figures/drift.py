@@ -201,10 +201,7 @@ def _draw_chart(axes: Axes, arm: ArmDrift, _: JointDrift, found: CoefficientDrif
     return words, bool(outside.any())
 
 
-CONTROL = replace(
-    DRIFT, lacks=drift_words.UNTESTED, draw=partial(_draw_both, _draw_chart), legend=LEGEND,
-    has=lambda _, joint: any(found.control for found in joint.coefficients),
-)  # fmt: skip
+CONTROL = replace(DRIFT, draw=partial(_draw_both, _draw_chart), legend=LEGEND)
 
 MARKS = {
     drift_words.DRIFT: (FITTED, "s", "changed"),
@@ -218,7 +215,7 @@ FARTHEST = 2.0  # times the changes and their intervals that the undetectable ma
 @theme.figure_style()
 def draw_changes(arm: ArmDrift, numbers: parts.Numbers = None) -> Figure:
     """Draw one joint at column width, or every joint on a sheet, a line for each; Coulomb next to viscous."""
-    joints, note = parts.choose(arm.joints, numbers, drift_words.is_tested, drift_words.UNTESTED)
+    joints, note = parts.choose(arm.joints, numbers, partial(DRIFT.has, arm), DRIFT.lacks)
     width = theme.COLUMN_IN if isinstance(numbers, int) else theme.SHEET_IN
     figure = Figure(figsize=(width, 0.85 + max(0.24 * len(joints), 0.6)), layout="constrained")
     both = figure.subplots(1, 2, sharey=True)
