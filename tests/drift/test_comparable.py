@@ -100,17 +100,10 @@ def test_proven_change_beyond_the_limit(stepped: tuple[ArmDrift], text: str) -> 
     assert "exceeded" not in {one.verdict for one in judge(stepped, [parse_limit(below)])}
 
 
-@pytest.mark.parametrize(
-    ("sessions", "text", "told"),
-    [
-        (16, "coulomb=20%", True),
-        (16, "coulomb=0.1%", False),
-        (16, "coulomb=0%", True),
-        (16, "coulomb=0.00001", False),
-        (3, "coulomb=50%", False),
-        (16, "joint2.coulomb=20%", False),
-    ],
-)
+@pytest.mark.parametrize(("sessions", "text", "told"), [
+    (16, "coulomb=20%", True), (16, "coulomb=0.1%", False), (16, "coulomb=0%", True),
+    (16, "coulomb=0.00001", False), (3, "coulomb=50%", False), (16, "joint2.coulomb=20%", False),
+])  # fmt: skip
 def test_a_limit_below_what_would_have_been_seen_is_not_tested(sessions: int, text: str, told: bool) -> None:
     arm = analyse_arm(make_sessions(noisy(sessions)), DriftSettings(permutations=199))
     _, sentences = limit_sentences([arm], [parse_limit(text)])
