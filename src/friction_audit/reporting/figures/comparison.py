@@ -33,8 +33,7 @@ LOST: dict[str, Any] = {"color": theme.BORDER, "marker": "x", "ls": ""}  # where
 def _draw_energies(comparison: Comparison) -> Figure:
     """Draw the net energies of all methods over time, in one panel as in the paper."""
     rows = [row for row in comparison.rows if row.role == PAPER]
-    figure = Figure(figsize=(theme.COLUMN_IN, 2.9), layout="constrained")
-    axes = figure.subplots()
+    figure, (axes,) = parts.grid([2.9], 1, theme.COLUMN_IN, 0.0)
     parts.mark_zero(axes)
     for row in rows:
         (colour, dashes), course = LOOKS[row.method], row.course
@@ -146,8 +145,7 @@ def _draw_summary(comparison: Comparison) -> Figure:
     """Draw the setting of the paper's order and the best one of every method, with 95 % intervals."""
     rows = [row for row in comparison.rows if row.role in SHIFTS]
     labels = list(dict.fromkeys(row.label for row in rows))
-    figure = Figure(figsize=(theme.COLUMN_IN, 0.9 + 0.27 * len(labels)), layout="constrained")
-    left, right = figure.subplots(1, 2, sharey=True)
+    figure, (left, right) = parts.grid([0.27 * len(labels)] * 2, 2, theme.COLUMN_IN, 0.9, sharey=True)
     for row in rows:
         alone = sum(other.label == row.label for other in rows) == 1
         place = labels.index(row.label) + (0.0 if alone else SHIFTS[row.role])

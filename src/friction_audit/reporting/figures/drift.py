@@ -217,8 +217,7 @@ def draw_changes(arm: ArmDrift, numbers: parts.Numbers = None) -> Figure:
     """Draw one joint at column width, or every joint on a sheet, a line for each; Coulomb next to viscous."""
     joints, note = parts.choose(arm.joints, numbers, partial(DRIFT.has, arm), DRIFT.lacks)
     width = theme.COLUMN_IN if isinstance(numbers, int) else theme.SHEET_IN
-    figure = Figure(figsize=(width, 0.85 + max(0.24 * len(joints), 0.6)), layout="constrained")
-    both = figure.subplots(1, 2, sharey=True)
+    figure, both = parts.grid([max(0.24 * len(joints), 0.6)] * 2, 2, width, 0.85, sharey=True)
     for k, (axes, title) in enumerate(zip(both, TITLES.values(), strict=True)):
         parts.label_panel(axes, title)
         axes.tick_params(axis="y", length=0)

@@ -68,10 +68,10 @@ def _draw_loop(course: Course, title: str, axes: Axes) -> None:
 
 
 @theme.figure_style(mathematics=True)
-def _column(height_in: float, *draws: Callable[[Axes], None], ratios: Sequence[float] | None = None) -> Figure:
+def _column(height_in: float, *draws: Callable[[Axes], None], ratios: Sequence[float] = ()) -> Figure:
     """Return panels over time below each other, the time below the last one."""
-    figure = Figure(figsize=(theme.COLUMN_IN, height_in), layout="constrained")
-    panels = figure.subplots(len(draws), 1, squeeze=False, height_ratios=ratios).ravel()
+    shares = np.array(ratios or [1.0] * len(draws))
+    figure, panels = parts.grid((height_in * shares / shares.sum()).tolist(), 1, theme.COLUMN_IN, 0.0)
     for axes, draw in zip(panels, draws, strict=True):
         draw(axes)
     over_time = [axes for axes in panels if not axes.get_xlabel()]
