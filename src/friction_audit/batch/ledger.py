@@ -30,7 +30,7 @@ from friction_audit.preprocessing.interaction import Caution
 if TYPE_CHECKING:
     from friction_audit.diagnosis.settings import DiagnosisSettings
 
-RESULTS_VERSION = 17  # raised with every change after which the same log gives other numbers: ledgers compute anew
+RESULTS_VERSION = 18  # raised with every change after which the same log gives other numbers: ledgers compute anew
 APPLICATION_ID = 0x46414C47  # "FALG" in the head of the file: an SQLite database without it is not a ledger
 SCHEMA_VERSION = 7  # in user_version; raised with every change of ledger.sql
 REMEMBER = "INSERT OR REPLACE INTO files VALUES (?, ?, ?, ?)"
