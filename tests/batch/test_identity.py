@@ -77,7 +77,7 @@ def test_unlike_arms_in_a_folder_are_parted_and_said() -> None:
 def test_a_log_that_lost_a_joint_is_of_the_same_arm(codes: tuple[str, ...], arms: int) -> None:
     """A joint without a torque is not in its log, and those after it have other numbers there."""
     left = tuple(replace(make_joint(number, 0.3), name=f"joint{own}") for number, own in ((1, 1), (2, 3)))
-    warned = Caution("sign_disagrees", 2), Caution("sign_turned"), "a sentence"
+    warned = Caution("sign_disagrees", 2), Caution("sign_turned")
     lost = replace(recorded(start=3.0), joints=left, codes=codes, log_joints=2, warnings=warned)
     found, _ = identify([(file("a/0.csv"), recorded(start=1.0, joints=3)), (file("a/1.csv"), lost)])
     assert len(robots(found)) == arms

@@ -25,7 +25,7 @@ from friction_audit.errors import InputError
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.io.writers.write_log import write_log
 from friction_audit.joint_log import JointLog
-from friction_audit.preprocessing.interaction import Caution
+from friction_audit.preprocessing.interaction import Caution, quoted
 from friction_audit.preprocessing.settings import TorqueSettings
 from tests.batch.conftest import Batch, Inline
 from tests.drift.made_sessions import make_joint, make_session
@@ -51,7 +51,7 @@ SESSION = replace(
     make_session(0, JOINTS, start=1.7e9 + THIRD, robot="left"),
     path="a.csv",
     sha256="f00",
-    warnings=("one", Caution(code="dq_late", joint=2, numbers={"joints": [2], "lags_s": [THIRD]})),
+    warnings=(*quoted("one"), Caution(code="dq_late", joint=2, numbers={"joints": [2], "lags_s": [THIRD]})),
     damaged=True,
     kind="panda",
     named_by_serial=True,

@@ -71,7 +71,7 @@ def session_of(index: int, joints: int, robot: str, rng: np.random.Generator, *,
         conditions=Conditions(drive="hand", torque="tau_J", gravity="model", inertia="none", payload=payload),
         joints=tuple(joint_summary(j + 1, index, rng) for j in range(joints)),
         note="after grease" if index == STEP_SESSION else "",
-        warnings=("3 repeated rows were left out",) if index == 2 else (), damaged=index == 2,
+        warnings=quoted("3 repeated rows were left out") if index == 2 else (), damaged=index == 2,
     )  # fmt: skip
 
 
@@ -142,7 +142,7 @@ def batch(*arms: ArmDrift) -> BatchSummary:
 
 def hostile() -> BatchSummary:
     plain = arm(LEFT_OUT + 4, 3)
-    words: dict[str, Any] = {"path": f"{HOSTILE}.csv", "robot": HOSTILE, "note": HOSTILE, "warnings": (HOSTILE,)}
+    words: dict[str, Any] = {"path": f"{HOSTILE}.csv", "robot": HOSTILE, "note": HOSTILE, "warnings": quoted(HOSTILE)}
     sessions = tuple(
         replace(one, joints=tuple(replace(joint, name=HOSTILE, effects=(HOSTILE,)) for joint in one.joints), **words)
         for one in plain.sessions

@@ -266,8 +266,8 @@ def digest_of(content: object) -> str:
 
 def _session(held: dict[str, Any]) -> Session:
     """Return what was kept, as the log says it."""
-    held["warnings"] = tuple(one if isinstance(one, str) else Caution(**one) for one in held["warnings"])
     held |= {"codes": tuple(held["codes"]), "conditions": Conditions(**held["conditions"])}
+    held["warnings"] = tuple(Caution(**one) for one in held["warnings"])
     for joint in held["joints"]:
         joint |= {name: tuple(joint[name]) for name in ("speed_rad_s", "effects")}
         for key in ("coefficients", "within"):

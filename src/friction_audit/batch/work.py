@@ -94,7 +94,7 @@ def session_of(estimate: Estimate, diagnoses: "Sequence[JointDiagnosis]" = ()) -
     codes = [one.code for one in source.findings]
     codes += [one.code for one in (*interaction.warnings, *estimate.friction.warnings)]
     unit = () if source.torque_unit == "N m" else ("torque_in_ampere",)
-    findings = [one.message if one.joint is None else f"joint {one.joint}: {one.message}" for one in source.findings]
+    findings = [Caution("quoted", one.joint, {"text": one.message}) for one in source.findings]
     made = {name: getattr(choice, name) for name in ("drive", "gravity", "inertia")}
     payload = ", ".join(f"{number:g}" for number in estimate.settings.torque.payload or ())
     return Session(
@@ -105,7 +105,7 @@ def session_of(estimate: Estimate, diagnoses: "Sequence[JointDiagnosis]" = ()) -
         duration_s=log.duration_s,
         conditions=Conditions(**made, torque=choice.source, payload=payload, rate_hz=log.rate_hz),
         joints=_summaries(estimate, diagnoses),
-        warnings=(*dict.fromkeys(findings), *interaction.warnings),
+        warnings=(*findings, *interaction.warnings),
         codes=tuple(dict.fromkeys((*unit, *codes))),
         damaged=any(finding.damaged for finding in source.findings),
         kind=source.robot,
@@ -179,12 +179,10 @@ def _change_within(own: EnergyCycles, joint: JointFriction) -> dict[str, Coeffic
 
 def _renamed(worked: Worked, here: str, name: str) -> Worked:
     """Call the log what the user calls it: names that only the worker knows help nowhere else."""
-
-    def said(text: str | Caution) -> Any:  # noqa: ANN401 - the same
-        return encodable(text.replace(here, name)) if isinstance(text, str) else text.renamed(here, name)
-
-    sessions = [replace(one, path=name, warnings=tuple(map(said, one.warnings))) for one in worked.sessions]
-    faults = [replace(one, message=said(one.message).removeprefix(f"{name}: ")) for one in worked.faults]
+    warnings = [tuple(warning.renamed(here, name) for warning in one.warnings) for one in worked.sessions]
+    sessions = [replace(one, path=name, warnings=own) for one, own in zip(worked.sessions, warnings, strict=True)]
+    messages = [encodable(one.message.replace(here, name)).removeprefix(f"{name}: ") for one in worked.faults]
+    faults = [replace(one, message=text) for one, text in zip(worked.faults, messages, strict=True)]
     return replace(worked, sessions=tuple(sessions), faults=tuple(faults))
 
 

@@ -81,7 +81,7 @@ class Session:
     start_from: str = "nothing"  # ``"manifest"``, ``"log"``, ``"name"`` or ``"nothing"``, decided among all logs
     temperature_c: float | None = None  # from the manifest, or None [degC]
     note: str = ""  # from the manifest
-    warnings: tuple[str | Caution, ...] = ()  # findings of the reader as sentences, and cautions
+    warnings: tuple[Caution, ...] = ()  # findings of the reader, quoted, and what was noticed of the torque
     codes: tuple[str, ...] = ()  # their codes, and those of what was noticed while the friction was estimated
     damaged: bool = False  # whether part of the file was left out
     topic: str = ""  # what ``--topic`` would have to say to read this arm of several; empty where the log holds one
@@ -129,12 +129,9 @@ def restore_joints(sessions: Sequence[Session]) -> tuple[Session, ...]:
         if LOST_JOINT not in session.codes or len(arms) != 1:
             return session
         ((count, numbers),) = arms
-        number = {joint.joint: numbers[joint.name] for joint in session.joints}
+        number: dict[int | None, int] = {joint.joint: numbers[joint.name] for joint in session.joints}
         joints = tuple(replace(joint, joint=number[joint.joint]) for joint in session.joints)
-        warnings = tuple(
-            replace(one, joint=number[one.joint]) if isinstance(one, Caution) and one.joint in number else one
-            for one in session.warnings
-        )
+        warnings = tuple(replace(one, joint=number.get(one.joint, one.joint)) for one in session.warnings)
         return replace(session, joints=joints, warnings=warnings, log_joints=count)
 
     return tuple(map(restored, sessions))

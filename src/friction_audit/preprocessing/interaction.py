@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from friction_audit.errors import encodable
 from friction_audit.joint_log import Float, Int
 
 SIGNALS = ("t", "q", "dq", "torque", "compensation", "posture")
@@ -64,7 +65,7 @@ class Caution:
 
     def renamed(self, path: str, name: str) -> "Caution":
         """Return it with another name of the log, in commands to paste."""
-        texts = {key: one.replace(path, name) for key, one in self.numbers.items() if isinstance(one, str)}
+        texts = {k: encodable(one.replace(path, name)) for k, one in self.numbers.items() if isinstance(one, str)}
         return replace(self, numbers={**self.numbers, **texts})
 
 

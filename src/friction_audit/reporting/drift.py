@@ -15,7 +15,6 @@ from friction_audit.batch.identity import FailedLog
 from friction_audit.drift.report import SHAPES, ArmDrift, ChangePoint, CoefficientDrift, JointDrift
 from friction_audit.drift.session import Session
 from friction_audit.friction.history import UNDETERMINED, Coefficient
-from friction_audit.preprocessing.interaction import Caution
 from friction_audit.reporting import drift_words as phrases, words
 from friction_audit.reporting.drift_sessions import SESSION, SessionRow
 from friction_audit.reporting.notices import ODD_TORQUE, sentence_of, sentences, text_of
@@ -345,5 +344,5 @@ def _odd_lines(arm: ArmDrift) -> Iterator[str]:
             columns = ": exchanged columns, another sign or unit?" if apart[1:] else ""
             which = f"joint{'s' * (len(apart) > 1)} {words.enumerate_words(apart)}"
             yield f"does not fit: {name}: {which}{columns}"
-        found = (one for one in session.warnings if isinstance(one, Caution) and one.code in rare)
-        yield from (f"only in {name}: joint {one.joint}: {sentence_of(one)}" for one in found if one.joint is not None)
+        found = (one for one in session.warnings if one.code in rare and one.joint is not None)
+        yield from (f"only in {name}: joint {one.joint}: {sentence_of(one)}" for one in found)

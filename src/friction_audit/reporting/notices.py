@@ -134,9 +134,9 @@ def notices(found: Iterable[Caution | Finding]) -> tuple[Notice, ...]:
     return tuple(Notice(one.code, one.joint, message) for one, message in every)
 
 
-def session_sentences(noticed: Iterable[str | Caution]) -> tuple[str, ...]:
+def session_sentences(noticed: Iterable[Caution]) -> tuple[str, ...]:
     """Return what was noticed about a session, each sentence once."""
-    return tuple(dict.fromkeys(one if isinstance(one, str) else str(*notices([one])) for one in noticed))
+    return tuple(dict.fromkeys(map(str, notices(noticed))))
 
 
 def log_line(log: JointLog) -> str:
