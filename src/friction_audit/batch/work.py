@@ -120,9 +120,6 @@ def _summaries(estimate: Estimate, diagnoses: "Sequence[JointDiagnosis]") -> tup
     """Return a few numbers per joint that was estimated, instead of a million samples."""
     interaction, cycles, temperature = estimate.interaction, estimate.cycles, estimate.log.temperature
     by_joint = {one.joint: one for one in diagnoses}
-    port = interaction.torque  # F_m + u moves the joint and its friction: a logged compensator's help counts [N m]
-    if interaction.compensation is not None:
-        port = port + interaction.compensation
     found = []
     for column, joint in enumerate(estimate.friction.joints):
         moving = np.flatnonzero(np.abs(interaction.dq[:, column]) > cycles[column].standstill_rad_s)
@@ -141,7 +138,7 @@ def _summaries(estimate: Estimate, diagnoses: "Sequence[JointDiagnosis]") -> tup
                 speed_rad_s=(low, median, high),
                 temperature_c=None if temperature is None else float(temperature[:, joint.joint - 1].mean()),
                 within=_change_within(cycles[column], joint),
-                curve=bin_torque(velocity, port[moving, column]),
+                curve=bin_torque(velocity, interaction.driving(column, moving)),
                 reason=joint.reason if by_energy else BY_REGRESSION,
                 verdict=None if diagnosed is None else diagnosed.verdict,
                 effects=() if diagnosed is None else tuple(effect.name for effect in diagnosed.effects),

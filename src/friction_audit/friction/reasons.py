@@ -99,9 +99,8 @@ class Extremes:
         self.low = np.minimum(self.low, [one.min() for one in (torque, q, dq)])
         self.high = np.maximum(self.high, [one.max() for one in (torque, q, dq)])
         thin = slice(-part.first % self._every, None, self._every)
-        active = 0.0 if part.compensation is None else part.compensation[thin, self._column]
         own = slice(*(-(-row // self._every) for row in (part.first, part.first + len(part.t))))
-        self._torque[own], self._speed[own] = torque[thin] + active, dq[thin]
+        self._torque[own], self._speed[own] = part.driving(self._column, thin), dq[thin]
 
     def in_motion(self, standstill_rad_s: float) -> tuple[float, float]:
         """Return root mean squares of the torque [N m] and the speed [rad/s] of the samples that move."""

@@ -217,9 +217,6 @@ class RegressionRows:
         index = self._index[own] - part.first
         if not len(index):
             return
-        load = part.torque[:, column]
-        if part.compensation is not None:
-            load = load + part.compensation[:, column]
         near = velocity[index[:, None] + NEIGHBOURS]
         far = velocity[index[:, None] + around * NEIGHBOURS]  # a second difference of near ones would be noise
         # Windows around the rows, as views: to gather their samples takes twice as long.
@@ -244,7 +241,7 @@ class RegressionRows:
             **dict(zip(("gravity_x", "gravity_y"), _gravity(part, column, index), strict=True)),
             **dict(zip(("velocity by position", "acceleration by position"), by_position, strict=True)),
             "turning": turning,
-            "torque": self._filtered(load, index),
+            "torque": self._filtered(part.driving(column), index),
         }
         for name, values in found.items():
             self.found[name][own] = values

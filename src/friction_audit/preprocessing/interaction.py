@@ -126,6 +126,11 @@ class Interaction:
     warnings: tuple[Caution, ...] = ()  # what the user must know
     first: int = 0  # number of the first sample in the log, of a part of it
 
+    def driving(self, column: int, rows: slice | Int = slice(None)) -> Float:
+        """Return F_m + u of a joint (0-based) at some samples: what works against friction and inertia. [N m]"""
+        torque: Float = self.torque[rows, column]
+        return torque if self.compensation is None else torque + self.compensation[rows, column]
+
     def rows(self, first: int, stop: int) -> "Interaction":
         """Return the samples of these numbers in the log, as a part of it."""
         own = slice(first - self.first, stop - self.first)

@@ -95,9 +95,9 @@ class CycleSearch:
         self._filtered = np.concatenate([self._filtered, filtered]) if old else filtered
         self._signal = self._filtered if self._hand is None else np.concatenate([self._signal, signal])
         shift = self.first - part.first
-        new = slice(shift + old, shift + len(self._signal)), self._column
-        driving = part.torque[new] if part.compensation is None else part.torque[new] + part.compensation[new]
-        self._peak_power_w = max(self._peak_power_w, float(np.abs(driving * part.dq[new]).max()))
+        new = slice(shift + old, shift + len(self._signal))
+        power = part.driving(self._column, new) * part.dq[new, self._column]
+        self._peak_power_w = max(self._peak_power_w, float(np.abs(power).max()))
         self._last_s = float(part.t[shift + len(self._signal) - 1])
         if not (old or self.first):
             self._begin_s = float(part.t[shift])

@@ -29,10 +29,9 @@ class JointSeries(NamedTuple):
 
 def series_of(estimate: Estimate, friction: JointFriction) -> JointSeries:
     """Return the series of a joint."""
-    seen, column = estimate.interaction, estimate.interaction.joint_numbers.index(friction.joint)
-    torque = seen.torque[:, column]
-    driving = torque if seen.compensation is None else torque + seen.compensation[:, column]
-    return JointSeries(seen.t, seen.dq[:, column], torque, driving, estimate.cycles[column])
+    seen, cycles = estimate.interaction, estimate.cycles
+    column = seen.joint_numbers.index(friction.joint)
+    return JointSeries(seen.t, seen.dq[:, column], seen.torque[:, column], seen.driving(column), cycles[column])
 
 
 def shade_cycles(axes: Axes, series: JointSeries) -> None:
