@@ -22,13 +22,17 @@ class Balance(NamedTuple):
     """One row of the balance: F_m = sign * (source - each of the torques removed)."""
 
     plan: Plan
-    source: Float
     drive: str
     sign: int
-    logged: Float | None
     inertial: GridTorque | None  # M ddq + c of the model, or None
-    modelled_means: Float | None  # what the model removes at the times of the coarse log, shape (m, j), or None
+    source: Float  # at the times of the coarse log, shape (m, j) [N m]
+    left: Float  # of it when the others are removed, likewise [N m]
     evidence: tuple[SignEvidence, ...] = ()
+
+    @property
+    def has_model(self) -> bool:
+        """True if a model of the arm removes a torque."""
+        return self.plan.gravity == "model" or self.inertial is not None
 
     @property
     def inertia_left(self) -> bool:
@@ -50,18 +54,9 @@ class Balance(NamedTuple):
         listed = " + ".join(removed)
         return "F_m = tau_J" + (f" - ({listed})" if len(removed) > 1 else f" - {listed}" if removed else "") + inside
 
-    def coarse(self, coarse: CoarseLog) -> Float:
-        """Return F_m of all joints at the coarse log's times, shape (m, j). [N m]"""
-        torque = coarse.mean(self.source)
-        if self.logged is not None:
-            torque -= coarse.mean(self.logged)
-        if self.modelled_means is not None:
-            torque -= self.modelled_means
-        return self.sign * torque
-
     def driving(self, log: JointLog, coarse: CoarseLog) -> Float:
         """Return F_m + u of all joints at the coarse log's times, shape (m, j). [N m]"""
-        torque = self.coarse(coarse)
+        torque = self.sign * self.left
         for active in (log.tau_compensation, log.tau_passivity):
             if active is not None:
                 torque += coarse.mean(active)
@@ -69,11 +64,12 @@ class Balance(NamedTuple):
 
     def full(self, log: JointLog, columns: list[int]) -> Float:
         """Return F_m of some joints at every sample of the log or of a part of it, shape (n, len(columns)). [N m]"""
-        source, logged = getattr(log, CHANNELS[self.plan.source]), None if self.logged is None else log.gravity
-        if self.sign > 0 and logged is None and self.modelled_means is None and len(columns) == source.shape[1]:
+        source, arm, gravity = getattr(log, CHANNELS[self.plan.source]), self.plan.arm, self.plan.gravity
+        weight = log.gravity if gravity == "logged" else None
+        if self.sign > 0 and weight is None and not self.has_model and len(columns) == source.shape[1]:
             return cast("Float", source)
-        torque, arm, weight = np.empty((len(log.t), len(columns)), order="F"), self.plan.arm, logged
-        if arm is not None and self.plan.gravity == "model":
+        torque = np.empty((len(log.t), len(columns)), order="F")
+        if arm is not None and gravity == "model":
             pieces = np.array_split(log.q, WORKERS)
             weight = np.concatenate(per_joint(lambda piece: arm.gravity(pieces[piece]), WORKERS))
 
@@ -102,13 +98,13 @@ SIGNIFICANCE = 0.01
 
 def not_used(log: JointLog, balance: Balance, settings: TorqueSettings, *, hand: bool) -> tuple[Caution, ...]:
     """Name options about the arm that change nothing, because the torque needs no model of it."""
-    known, modelled = balance.plan.arm is not None, balance.modelled_means is not None
+    known = balance.plan.arm is not None
     if settings.urdf is not None and not known:
         from friction_audit.robot.urdf import parse_urdf
 
         parse_urdf(read_urdf(settings.urdf), str(settings.urdf))  # a file that is no arm is refused though not used
     given = (
-        ("--payload", settings.payload is not None and not modelled),
+        ("--payload", settings.payload is not None and not balance.has_model),
         # Even with logged gravity the direction of gravity is the model's.
         ("--urdf", settings.urdf is not None and not (known or hand)),
         ("--gravity-vector", settings.gravity_vector != STANDARD_GRAVITY and not known),

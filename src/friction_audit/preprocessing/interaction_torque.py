@@ -33,9 +33,10 @@ class PortTorque(NamedTuple):
 
     def driving(self) -> Iterator[Interaction]:
         """Yield velocity and torque of the parts of the log; the position only where the torque is made from it."""
-        plan, logged = self.balance.plan, "gravity" if self.balance.logged is not None else ""
-        names = ("dq", CHANNELS[plan.source], logged, "tau_compensation", "tau_passivity")
-        for part in self.log.blocks((*names, "q") if plan.gravity == "model" else names):
+        plan = self.balance.plan
+        names = ("dq", CHANNELS[plan.source], "tau_compensation", "tau_passivity")
+        needed = {"model": ("q",), "logged": ("gravity",)}.get(plan.gravity, ())
+        for part in self.log.blocks((*names, *needed)):
             yield self.interaction(part, directed=False)
 
     def interaction(self, part: LogPart, *, directed: bool = True) -> Interaction:
@@ -101,8 +102,7 @@ def choose_torque(
     coarse = coarse_log(log) if late else coarse
     plan = make_plan(log, coarse, settings)
     balance, turned = _choose_row(log, coarse, plan, settings)
-    _refuse_wrong_model(log, coarse, balance, settings)
-    unused = not_used(log, balance, settings, hand=hand)
+    _refuse_wrong_model(log, balance, settings)
     port = PortTorque(
         log=log,
         balance=balance,
@@ -112,8 +112,8 @@ def choose_torque(
         warnings=(
             *plan.warnings,
             *late,
-            *unused,
-            *_flipped(coarse, balance),
+            *not_used(log, balance, settings, hand=hand),
+            *_flipped(balance),
             *sign_cautions(log, balance, settings, turned=turned),
         ),
     )
@@ -145,26 +145,20 @@ def _choose_row(log: JointLog, coarse: CoarseLog, plan: Plan, settings: TorqueSe
 
 
 def _row(log: JointLog, coarse: CoarseLog, plan: Plan, drive: str, model_rate_hz: float) -> Balance:
-    arm, inertial, means = plan.arm, None, np.zeros_like(coarse.q)
+    arm, inertial, source = plan.arm, None, coarse.mean(getattr(log, CHANNELS[plan.source]))
+    left = source - coarse.mean(log.gravity) if plan.gravity == "logged" and log.gravity is not None else source.copy()
     if arm is not None and plan.gravity == "model":
-        means -= arm.gravity(coarse.q)
+        left -= arm.gravity(coarse.q)
     if arm is not None and drive == "robot" and plan.inertia:
         grids = grids_of(log, model_rate_hz)
         torques = [arm.inverse_dynamics(q, dq, ddq) - arm.gravity(q) for q, dq, ddq in motion_on(grids, log)]
         inertial = GridTorque(grids=grids, values=tuple(torques))
-        inertial.subtract_from(means, coarse.t, list(range(len(log.joint_names))))
-    return Balance(
-        plan=plan,
-        source=getattr(log, CHANNELS[plan.source]),
-        drive=drive,
-        sign=1 if plan.source == "interaction" else SIGNS[drive],
-        logged=log.gravity if plan.gravity == "logged" else None,
-        inertial=inertial,
-        modelled_means=-means if plan.gravity == "model" or inertial else None,
-    )
+        inertial.subtract_from(left, coarse.t, list(range(len(log.joint_names))))
+    sign = 1 if plan.source == "interaction" else SIGNS[drive]
+    return Balance(plan=plan, drive=drive, sign=sign, inertial=inertial, source=source, left=left)
 
 
-def _refuse_wrong_model(log: JointLog, coarse: CoarseLog, balance: Balance, settings: TorqueSettings) -> None:
+def _refuse_wrong_model(log: JointLog, balance: Balance, settings: TorqueSettings) -> None:
     """Refuse a model of the arm that explains less of the measured torque than no model does.
 
     The criterion is a negative explained variance of the arm as a whole, moving and at rest. A payload that the model
@@ -174,7 +168,7 @@ def _refuse_wrong_model(log: JointLog, coarse: CoarseLog, balance: Balance, sett
     if plan.gravity != "model":
         return
     alive = [number not in log.source.dead_torque for number in range(1, len(log.joint_names) + 1)]
-    measured, left = coarse.mean(balance.source)[:, alive], balance.coarse(coarse)[:, alive]
+    measured, left = balance.source[:, alive], balance.left[:, alive]
     if not (
         np.sum(np.var(left, axis=0)) > FURTHER * np.sum(np.var(measured, axis=0))
         and np.sum(left**2) > FURTHER * np.sum(measured**2)
@@ -184,7 +178,7 @@ def _refuse_wrong_model(log: JointLog, coarse: CoarseLog, balance: Balance, sett
     rms = [" ".join(f"{value:.2f}" for value in np.std(torque, axis=0)) for torque in (left, measured)]
     numbers = np.flatnonzero(alive) + 1
     joints, sign = ", ".join(map(str, numbers)), ""
-    opposite, as_is = _fits_opposite(measured, balance.sign * left)
+    opposite, as_is = _fits_opposite(measured, left)
     if opposite.any():  # of all joints where none fits as it is
         wrong = numbers[opposite] if as_is.any() else numbers
         sign = f" With the opposite sign it would explain it: --flip {','.join(map(str, wrong))}."
@@ -204,17 +198,17 @@ def _fits_opposite(measured: Float, left: Float) -> tuple[Bool, Bool]:
     return 2.0 * turned < as_is, 2.0 * as_is < turned
 
 
-def _flipped(coarse: CoarseLog, balance: Balance) -> tuple[Caution, ...]:
+def _flipped(balance: Balance) -> tuple[Caution, ...]:
     """Warn of joints whose torque has the opposite sign of that of the others."""
     if balance.plan.gravity not in ("model", "logged"):
         return ()
-    opposite, as_is = _fits_opposite(coarse.mean(balance.source), balance.sign * balance.coarse(coarse))
+    opposite, as_is = _fits_opposite(balance.source, balance.left)
     joints = (np.flatnonzero(opposite) + 1).tolist()
     return (Caution(code="torque_flipped", numbers={"joints": joints}),) if joints and as_is.any() else ()
 
 
 def _choice(balance: Balance, settings: TorqueSettings, *, turned: bool) -> TorqueChoice:
-    plan, modelled = balance.plan, balance.modelled_means is not None
+    plan = balance.plan
     return TorqueChoice(
         source=plan.source,
         gravity=plan.gravity,
@@ -223,8 +217,8 @@ def _choice(balance: Balance, settings: TorqueSettings, *, turned: bool) -> Torq
         sign=balance.sign,
         sign_proved=most(balance.evidence, "rises"),
         sign_turned=turned,
-        robot=plan.arm.name if modelled and plan.arm is not None else "none",
-        payload=settings.payload if modelled else None,
+        robot=plan.arm.name if balance.has_model and plan.arm is not None else "none",
+        payload=settings.payload if balance.has_model else None,
         model_rate_hz=None if balance.inertial is None else settings.model_rate_hz,
         formula=balance.formula,
         reason=plan.reason,
