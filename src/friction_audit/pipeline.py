@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 import numpy as np
@@ -186,28 +185,24 @@ class _JointPass:
 
     def __init__(self, log: JointLog, settings: AuditSettings, column: int, own: "Thresholds") -> None:
         from friction_audit.friction.estimate import Gathered
-        from friction_audit.friction.reasons import Extremes
-        from friction_audit.friction.torque_regression import CUTOFF_HZ, RegressionRows
+        from friction_audit.friction.torque_regression import CUTOFF_HZ
         from friction_audit.preprocessing.segmentation import CycleSearch
 
-        rate_hz = log.rate_hz
-        self.search = CycleSearch(settings.cycles, column, rate_hz, own)
-        self.gathered = Gathered(Extremes(column, log.samples), RegressionRows(column, log.samples, rate_hz))
-        self._column = column
-        self._filters = [
-            partial(filter_velocity, rate_hz=rate_hz, cutoff_hz=hz) for hz in (settings.cycles.cutoff_hz, CUTOFF_HZ)
-        ]
-        reach = [settling_samples(rate_hz, hz) for hz in (settings.cycles.cutoff_hz, CUTOFF_HZ)]
+        self._column, self._rate_hz = column, log.rate_hz
+        self.search = CycleSearch(settings.cycles, column, log.rate_hz, own)
+        self.gathered = Gathered(column, log.samples, log.rate_hz)
+        self._cutoffs_hz = settings.cycles.cutoff_hz, CUTOFF_HZ  # of the cycles, and of the regression
+        reach = [settling_samples(log.rate_hz, hz) for hz in self._cutoffs_hz]
         # Beyond what a filter remembers, and the samples between which gravity's direction is interpolated.
-        self.margin = max(*reach, self.gathered.rows.around, 2 * round(rate_hz / settings.torque.model_rate_hz))
+        self.margin = max(*reach, self.gathered.rows.around, 2 * round(log.rate_hz / settings.torque.model_rate_hz))
 
     def take(self, part: Interaction, own: Interaction, around: Interaction, *, more: bool) -> None:
         """Take the samples that are new in a part, given those and the ones around them; ``more`` if others follow."""
         dq, first = around.dq[:, self._column], own.first - around.first
-        velocity = self._filters[0](dq)
-        self.search.take(part, velocity[first : first + len(own.t)], more=more)
-        same = self._filters[0].keywords == self._filters[1].keywords
-        self.gathered.take(own, around, velocity if same else self._filters[1](dq))
+        filtered = {hz: filter_velocity(dq, rate_hz=self._rate_hz, cutoff_hz=hz) for hz in {*self._cutoffs_hz}}
+        of_cycles, of_rows = (filtered[hz] for hz in self._cutoffs_hz)
+        self.search.take(part, of_cycles[first : first + len(own.t)], more=more)
+        self.gathered.take(own, around, of_rows)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import isfinite
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -24,11 +24,13 @@ RANK_CUTOFF = 1e-6  # share of the largest singular value below which others are
 Columns = dict[str, tuple[Float, Float, Float]]
 
 
-class Gathered(NamedTuple):
+class Gathered:
     """What the friction of a joint is estimated from, apart from its cycles, from one part of a log after the other."""
 
-    seen: reasons.Extremes
-    rows: RegressionRows
+    def __init__(self, column: int, samples: int, rate_hz: float) -> None:
+        """Take the joint (0-based), the number of samples of the log and their rate."""
+        self.seen = reasons.Extremes(column, samples)
+        self.rows = RegressionRows(column, samples, rate_hz)
 
     def take(self, part: Interaction, around: Interaction, velocity: Float) -> None:
         """Take the samples of a part; what is around them and the velocity there reach further where the log does."""
@@ -46,7 +48,7 @@ def estimate_friction(
     rate_hz, samples = 1.0 / median_step(interaction.t), len(interaction.t)
 
     def gathered(column: int) -> Gathered:
-        found = Gathered(reasons.Extremes(column, samples), RegressionRows(column, samples, rate_hz))
+        found = Gathered(column, samples, rate_hz)
         velocity = filter_velocity(interaction.dq[:, column], rate_hz=rate_hz, cutoff_hz=CUTOFF_HZ)
         found.take(interaction, interaction, velocity)
         return found
