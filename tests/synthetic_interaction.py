@@ -2,9 +2,14 @@
 
 import numpy as np
 
+from friction_audit.friction.estimate import JointPass
 from friction_audit.joint_log import Float, JointLog, Source
+from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction, TorqueChoice
+from friction_audit.preprocessing.segmentation import of_hand, thresholds_in_blocks
+from friction_audit.preprocessing.settings import CycleSettings
 
+DEFAULT = CycleSettings()
 RATE_HZ = 1000.0
 
 
@@ -47,11 +52,25 @@ def interaction(
         dq=np.asfortranarray(dq),
         torque=np.asfortranarray(torque),
         compensation=None if u is None else np.asfortranarray(np.atleast_2d(u.T).T),
-        hand_speed=None,
         joint_numbers=tuple(range(1, joints + 1)),
         joint_names=tuple(f"joint{i + 1}" for i in range(joints)),
         choice=choice(gravity=gravity),
     )
+
+
+def passed(seen: Interaction, settings: CycleSettings = DEFAULT, hand_speed: Float | None = None) -> list[JointPass]:
+    """Return the joints after their pass through an interaction; the hand defines the cycles where it has a speed."""
+    log = log_of(seen.t - seen.t[0], seen.q, seen.dq, tau_interaction=seen.torque)
+    hand = None if hand_speed is None else of_hand(hand_speed, log.rate_hz, settings)
+    thresholds = enumerate(thresholds_in_blocks(log, [*range(len(seen.joint_names))], settings))
+    joints = [JointPass(log, column, settings, own, hand) for column, own in thresholds]
+    for joint in joints:
+        joint.take(seen, seen, seen, more=False)
+    return joints
+
+
+def cycles_of(seen: Interaction, settings: CycleSettings = DEFAULT) -> list[EnergyCycles]:
+    return [joint.search.cycles() for joint in passed(seen, settings)]
 
 
 def strokes(lengths_rad: list[float], durations_s: list[float], pause_s: float = 0.3) -> tuple[Float, Float, Float]:

@@ -11,9 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from friction_audit.io.readers import read_log
-from friction_audit.preprocessing.interaction_torque import extract_interaction
-from friction_audit.preprocessing.settings import TorqueSettings
+from friction_audit.api import estimate_log, read_log
 from tests.in_this_process import run
 
 REAL = os.environ.get("FRICTION_AUDIT_REAL_LOGS")
@@ -74,7 +72,7 @@ def test_the_excitation_log_agrees_with_the_published_identification() -> None:
 
 @pytest.mark.parametrize(("robot", "gravity"), [("panda", "model"), ("none", "in-torque")])
 def test_auto_finds_out_that_the_arm_moved_by_itself(robot: str, gravity: str) -> None:
-    found = extract_interaction(read_log(path(EXCITATION)), TorqueSettings(robot=robot))
+    found = estimate_log(read_log(path(EXCITATION)), robot=robot).interaction
     assert (found.choice.drive, found.choice.gravity, found.choice.sign_turned) == ("robot", gravity, True)
     codes = {caution.code for caution in found.warnings}
     assert {"dq_late", "sign_turned"} <= codes
@@ -82,7 +80,7 @@ def test_auto_finds_out_that_the_arm_moved_by_itself(robot: str, gravity: str) -
 
 
 def test_one_way_motion_proves_no_sign() -> None:
-    found = extract_interaction(read_log(path(ONE_WAY)), TorqueSettings(robot="panda"))
+    found = estimate_log(read_log(path(ONE_WAY)), robot="panda").interaction
     assert "sign_unproved" in {caution.code for caution in found.warnings}
     assert np.isfinite(found.torque).all()
 

@@ -12,9 +12,7 @@ from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import ArmModel
 from friction_audit.errors import FrictionAuditError
 from friction_audit.joint_log import JointLog
-from friction_audit.preprocessing.interaction_torque import extract_interaction
-from friction_audit.preprocessing.segmentation import segment_cycles
-from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
+from friction_audit.pipeline import AuditSettings, estimate_log
 from friction_audit.simulation.effects import EFFECTS
 from friction_audit.simulation.scenarios import simulate
 
@@ -43,8 +41,8 @@ def left_over(log: JointLog, joint: int, model: ArmModel | None = None, corner_h
 
 def prepared(log: JointLog) -> tuple[JointData, ...]:
     """The joints of a log, as the detector prepares them."""
-    interaction = extract_interaction(log, TorqueSettings())
-    return prepare(interaction, segment_cycles(interaction, CycleSettings()), log)
+    found = estimate_log(log, AuditSettings())
+    return prepare(found.interaction, found.cycles, log)
 
 
 def scales_for(case: Case) -> tuple[float, ...] | None:

@@ -15,10 +15,9 @@ from friction_audit.joint_log import Float, JointLog, LogInBlocks, LogPart, Reco
 from friction_audit.parallel import per_joint, release_memory, sparing_memory
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction
-from friction_audit.preprocessing.interaction_torque import PortTorque, choose_torque, extract_interaction
+from friction_audit.preprocessing.interaction_torque import PortTorque, choose_torque
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.preprocessing.torque_source import arm_for_hand, known_arm
-from friction_audit.preprocessing.velocity import filter_velocity, settling_samples
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -30,7 +29,6 @@ if TYPE_CHECKING:
     from friction_audit.diagnosis.result import JointDiagnosis
     from friction_audit.diagnosis.settings import DiagnosisSettings
     from friction_audit.io.checks import Take
-    from friction_audit.preprocessing.segmentation import Thresholds
 
 
 LARGE_PRODUCTS = 1 << 20  # bytes of one joint: those of a day would take most of the memory
@@ -83,20 +81,14 @@ class Estimate(Shown):
 
 def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
     """Estimate the friction of the joints of a log; InputError if it lacks a channel that the settings ask for."""
-    from friction_audit.friction.estimate import estimate_friction, friction_of
-    from friction_audit.preprocessing.segmentation import segment_cycles
+    from friction_audit.friction.estimate import friction_of
+    from friction_audit.preprocessing.segmentation import without_small
 
-    log = log.take_window(settings.t_start_s, settings.t_stop_s)
-    dead_torque = log.source.dead_torque
-    if settings.cycles.cycles_from == "hand":
-        log = log.read_whole() if isinstance(log, LogInBlocks) else log
-        interaction = extract_interaction(log, settings.torque, joints=settings.joints, hand=True)
-        cycles = segment_cycles(interaction, settings.cycles)
-        friction = estimate_friction(interaction, cycles, settings.friction, dead_torque)
-        return Estimate(log, interaction, cycles, friction, settings)
-    if isinstance(log, LogInBlocks):  # what the checks needed
-        release_memory()
-    port = choose_torque(log, settings.torque, joints=settings.joints)
+    log, by_hand = log.take_window(settings.t_start_s, settings.t_stop_s), settings.cycles.cycles_from == "hand"
+    if isinstance(log, LogInBlocks):
+        log = log.read_whole() if by_hand else log
+        release_memory()  # what the checks needed
+    port = choose_torque(log, settings.torque, joints=settings.joints, hand=by_hand)
     in_blocks = isinstance(port.log, LogInBlocks)
     done = log.listener if isinstance(log, LogInBlocks) and port.log is log else None
     if not (isinstance(done, _Pass) and done.is_of(port, settings)):
@@ -108,16 +100,17 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
     assert done.part is not None
     joints, part = done.joints, replace(done.part, choice=port.choice, warnings=port.warnings)
     done.joints, done.part = [], None  # what they have found is taken from them once, and not kept by the log
-    found: dict[int, EnergyCycles] = {}
+    every = without_small([one.search.cycles() for one in joints], settings.cycles) if by_hand else []
+    found = dict(enumerate(every))
 
     def cycles_of(column: int) -> EnergyCycles:
-        own = found[column] = joints[column].search.cycles()
+        own = found[column] = found.get(column) or joints[column].search.cycles()
         if in_blocks and own.products.nbytes > LARGE_PRODUCTS:
             release_memory()
             found[column] = replace(own, products=own.products[:0].copy())
         return own
 
-    friction = friction_of(part, [one.gathered for one in joints], cycles_of, settings.friction, dead_torque)
+    friction = friction_of(part, joints, cycles_of, settings.friction, log.source.dead_torque)
     interaction = part.rows(part.first, part.first) if in_blocks else part
     cycles = tuple(found[column] for column in range(len(joints)))
     return Estimate(log, interaction, cycles, friction, settings, port if in_blocks else None)
@@ -148,12 +141,16 @@ class _Pass:
     """The joints of a log on their way through its blocks."""
 
     def __init__(self, port: PortTorque, settings: AuditSettings) -> None:
-        from friction_audit.preprocessing.segmentation import thresholds_in_blocks
+        from friction_audit.friction.estimate import JointPass
+        from friction_audit.preprocessing.segmentation import of_hand, thresholds_in_blocks
 
-        own = enumerate(thresholds_in_blocks(port.log, port.columns, settings.cycles))
+        log, speed, cycles = port.log, port.hand_speed, settings.cycles
+        hand = None if speed is None else of_hand(speed, log.rate_hz, cycles)
+        own = enumerate(thresholds_in_blocks(log, port.columns, cycles))
         self.port, self._settings, self.part = port, settings, cast("Interaction | None", None)
-        self.joints = [_JointPass(port.log, settings, column, thresholds) for column, thresholds in own]
-        self._done, self._margin = 0, self.joints[0].margin
+        self.joints = [JointPass(log, column, cycles, thresholds, hand) for column, thresholds in own]
+        # So many samples on, filters have forgotten, and the direction of gravity is known on both sides.
+        self._done, self._margin = 0, max(self.joints[0].margin, 2 * port.stride)
 
     def take(self, block: LogPart) -> None:
         """Take the samples of the next block."""
@@ -178,31 +175,6 @@ class _Pass:
         same = all(getattr(mine.plan, name) == getattr(right.plan, name) for name in ("source", "gravity", "inertia"))
         same = same and (mine.plan.arm is None) == (right.plan.arm is None)
         return same and mine.sign == right.sign and settings == self._settings and self.part is not None
-
-
-class _JointPass:
-    """One joint of a log on its way through the blocks."""
-
-    def __init__(self, log: JointLog, settings: AuditSettings, column: int, own: "Thresholds") -> None:
-        from friction_audit.friction.estimate import Gathered
-        from friction_audit.friction.torque_regression import CUTOFF_HZ
-        from friction_audit.preprocessing.segmentation import CycleSearch
-
-        self._column, self._rate_hz = column, log.rate_hz
-        self.search = CycleSearch(settings.cycles, column, log.rate_hz, own)
-        self.gathered = Gathered(column, log.samples, log.rate_hz)
-        self._cutoffs_hz = settings.cycles.cutoff_hz, CUTOFF_HZ  # of the cycles, and of the regression
-        reach = [settling_samples(log.rate_hz, hz) for hz in self._cutoffs_hz]
-        # Beyond what a filter remembers, and the samples between which gravity's direction is interpolated.
-        self.margin = max(*reach, self.gathered.rows.around, 2 * round(log.rate_hz / settings.torque.model_rate_hz))
-
-    def take(self, part: Interaction, own: Interaction, around: Interaction, *, more: bool) -> None:
-        """Take the samples that are new in a part, given those and the ones around them; ``more`` if others follow."""
-        dq, first = around.dq[:, self._column], own.first - around.first
-        filtered = {hz: filter_velocity(dq, rate_hz=self._rate_hz, cutoff_hz=hz) for hz in {*self._cutoffs_hz}}
-        of_cycles, of_rows = (filtered[hz] for hz in self._cutoffs_hz)
-        self.search.take(part, of_cycles[first : first + len(own.t)], more=more)
-        self.gathered.take(own, around, of_rows)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -287,7 +259,5 @@ def without_samples(estimate: Estimate) -> Estimate:
     log, seen = estimate.log, estimate.interaction
     bare = Recording(t=log.t, joint_names=log.joint_names, source=log.source)
     nothing = np.zeros((0, len(seen.joint_names)))
-    interaction = replace(
-        seen, t=np.zeros(0), q=nothing, dq=nothing, torque=nothing, compensation=None, hand_speed=None
-    )
+    interaction = replace(seen, t=np.zeros(0), q=nothing, dq=nothing, torque=nothing, compensation=None)
     return replace(estimate, log=cast("JointLog", bare), interaction=interaction, port=None)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings, strategies as st
 
+from friction_audit.friction import estimate
 from friction_audit.joint_log import Float, JointLog, LogInBlocks, median_step
 from friction_audit.pipeline import AuditSettings, Estimate, estimate_log
 from friction_audit.preprocessing import segmentation
@@ -135,8 +136,8 @@ def test_memory_is_bounded_where_a_joint_rests_or_never_does(monkeypatch: pytest
     class Watched(segmentation.CycleSearch):
         def take(self, *arguments: Any, **options: Any) -> None:
             super().take(*arguments, **options)
-            kept.append(len(self._signal))
+            kept.append(len(self._filtered))
 
-    monkeypatch.setattr(segmentation, "CycleSearch", Watched)
+    monkeypatch.setattr(estimate, "CycleSearch", Watched)
     estimate_log(in_blocks(log, list(range(100, len(log.t), 100))), AuditSettings())
     assert max(kept) <= 2 * 2.0 * RATE_HZ + 100

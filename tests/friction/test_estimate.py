@@ -1,24 +1,22 @@
 """Friction whose coefficients are known, by both methods and both estimators."""
 
 import re
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.special import stdtrit
 
-from friction_audit.friction.estimate import estimate_friction
+from friction_audit.friction.estimate import JointPass, friction_of
 from friction_audit.friction.history import FrictionHistory, JointFriction
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.friction.weighted import t_quantile
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.interaction import Interaction
-from friction_audit.preprocessing.segmentation import segment_cycles
 from friction_audit.preprocessing.settings import CycleSettings
 from friction_audit.reporting.notices import sentence_of, text_of
 from tests.effects.joint_data_by_hand import sines
-from tests.synthetic_interaction import interaction, strokes
+from tests.synthetic_interaction import interaction, passed, strokes
 
 COULOMB, VISCOUS, INERTIA = 0.3, 0.07, 0.5
 LENGTHS = [0.8, -0.5, 0.6, -0.9, 0.7, -0.6, 0.4, -0.5] * 3
@@ -29,12 +27,15 @@ ALONE = FrictionSettings(compare=False)
 def estimate(
     t: Float, v: Float, torque: Float, settings: FrictionSettings = ALONE, *, u: Float | None = None
 ) -> JointFriction:
-    log = interaction(t, v, torque, u=u)
-    return estimate_friction(log, segment_cycles(log, CycleSettings()), settings).joints[0]
+    return after(passed(log := interaction(t, v, torque, u=u)), log, settings).joints[0]
 
 
 def estimated(log: Interaction, **settings: Any) -> FrictionHistory:
-    return estimate_friction(log, segment_cycles(log, CycleSettings()), FrictionSettings(**settings))
+    return after(passed(log), log, FrictionSettings(**settings))
+
+
+def after(joints: list[JointPass], log: Interaction, settings: FrictionSettings) -> FrictionHistory:
+    return friction_of(log, joints, lambda column: joints[column].search.cycles(), settings, frozenset())
 
 
 def friction(v: Float, a: Float, coulomb: float = COULOMB, viscous: float = VISCOUS) -> Float:
@@ -199,11 +200,9 @@ def test_a_delay_looks_like_viscous_friction_to_both_methods() -> None:
 
 def test_the_regression_ignores_slow_samples_by_the_joints_own_threshold_whoever_defines_the_cycles() -> None:
     t, v, a = strokes(LENGTHS, DURATIONS)
-    log = replace(interaction(t, v, friction(v, a)), hand_speed=0.5 * np.abs(v))
-    found = [
-        estimate_friction(log, segment_cycles(log, CycleSettings(cycles_from=which)), FrictionSettings()).joints[0]
-        for which in ("joint", "hand")
-    ]
+    log = interaction(t, v, friction(v, a))
+    passes = passed(log), passed(log, CycleSettings(cycles_from="hand"), hand_speed=0.5 * np.abs(v))
+    found = [after(joints, log, FrictionSettings()).joints[0] for joints in passes]
     assert found[0].regression == found[1].regression is not None
 
 

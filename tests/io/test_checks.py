@@ -15,9 +15,7 @@ from friction_audit.io.checks import examine
 from friction_audit.io.readers import ReadOptions, read_log, to_joint_log
 from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Finding, Float, JointLog
-from friction_audit.preprocessing.interaction_torque import extract_interaction
-from friction_audit.preprocessing.segmentation import segment_cycles
-from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
+from friction_audit.pipeline import AuditSettings, estimate_log
 from friction_audit.reporting.notices import NO_PHYSICS, minor
 from tests.io.synthetic_recordings import motion, recording, refused, tidy_frame
 
@@ -425,7 +423,7 @@ def test_rows_that_repeat_a_slow_state_are_kept_and_make_no_holes() -> None:
     log = vetted(rec)
     assert codes(log) == ["slow_state"]
     assert finding(log, "slow_state").amount == pytest.approx(0.07)
-    cycles, *_ = segment_cycles(extract_interaction(log, TorqueSettings()), CycleSettings())
+    cycles, *_ = estimate_log(log, AuditSettings()).cycles
     assert len(cycles.reason) > 15
     assert (cycles.reason == 0).mean() > 0.9
 

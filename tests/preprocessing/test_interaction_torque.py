@@ -14,14 +14,13 @@ from numpy.testing import assert_allclose, assert_array_equal
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Finding, Float, JointLog
 from friction_audit.preprocessing.interaction import Interaction
-from friction_audit.preprocessing.interaction_torque import extract_interaction
-from friction_audit.preprocessing.segmentation import segment_cycles
-from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
+from friction_audit.preprocessing.interaction_torque import choose_torque
+from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.preprocessing.torque_source import known_arm
 from friction_audit.reporting.notices import sentence_of
 from friction_audit.robot.arm import load_arm
 from tests.robot.test_arm import PENDULUM
-from tests.synthetic_interaction import choice, log_of as made_log
+from tests.synthetic_interaction import choice, cycles_of, log_of as made_log
 
 COULOMB = np.array([0.3, 0.25, 0.3, 0.4, 0.3, 0.2, 0.25])
 HAND = (0.73, -0.01, 0.0, 0.03)
@@ -64,7 +63,9 @@ def robot_log(robot: str = "panda", **channels: Any) -> JointLog:
 
 
 def extract(log: JointLog, joints: tuple[int, ...] | None = None, *, hand: bool = False, **choices: Any) -> Interaction:
-    return extract_interaction(log, TorqueSettings(**choices), joints=joints, hand=hand)
+    port = choose_torque(log, TorqueSettings(**choices), joints=joints, hand=hand)
+    (part,) = port.log.blocks()
+    return port.interaction(part)
 
 
 def codes(interaction: Interaction) -> list[str]:
@@ -238,7 +239,7 @@ def test_a_current_gets_no_gravity_of_a_model() -> None:
 def test_the_cycles_of_a_joint_do_not_depend_on_which_joints_are_kept() -> None:
     """With gravity in the torque a cycle ends where every joint of the arm is back, also those not asked for."""
     log = robot_log("unknown")
-    every, (alone,) = (segment_cycles(extract(log, kept, drive="robot"), CycleSettings()) for kept in (None, (4,)))
+    every, (alone,) = (cycles_of(extract(log, kept, drive="robot")) for kept in (None, (4,)))
     assert alone.start.tolist() == every[3].start.tolist()
     assert alone.reason.tolist() == every[3].reason.tolist()
 
@@ -377,10 +378,10 @@ def test_joints_that_only_give_way_do_not_vote() -> None:
 
 
 def test_hand_speed_comes_from_the_kinematics() -> None:
-    found = extract(hand_log("fr3"), hand=True)
-    assert found.hand_speed is not None
-    assert np.abs(found.hand_speed - PANDA.hand_speed(Q, DQ))[500:-500].max() < 0.02
-    assert extract(hand_log()).hand_speed is None
+    speed = choose_torque(hand_log("fr3"), TorqueSettings(), hand=True).hand_speed
+    assert speed is not None
+    assert np.abs(speed - PANDA.hand_speed(Q, DQ))[500:-500].max() < 0.02
+    assert choose_torque(hand_log(), TorqueSettings()).hand_speed is None
     for log in (log_of("unknown", 2, tau_interaction=friction(2)), hand_log("unknown")):
         with pytest.raises(UsageError, match="--cycles-from hand"):
             extract(log, hand=True)

@@ -10,9 +10,8 @@ from numpy.testing import assert_allclose
 from scipy.signal import butter, lfilter, sosfiltfilt
 
 from friction_audit.joint_log import Float, JointLog, median_step
+from friction_audit.pipeline import AuditSettings, estimate_log
 from friction_audit.preprocessing import velocity
-from friction_audit.preprocessing.interaction_torque import extract_interaction
-from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.preprocessing.sign import coarse_log
 from friction_audit.reporting.notices import sentence_of
 from tests.effects.joint_data_by_hand import sines
@@ -89,7 +88,7 @@ def test_each_joint_is_put_on_time_by_its_own_lag() -> None:
     }
     columns["tau_interaction"] = np.repeat(alone.channels()["tau_interaction"], 3, axis=1)
     log = replace(alone, joint_names=("hip", "knee", "ankle"), **columns)
-    mended = extract_interaction(log, TorqueSettings())
+    mended = estimate_log(log, AuditSettings()).interaction
     (caution,) = [one for one in mended.warnings if one.code == "dq_late"]
     assert sentence_of(caution) == "joints 1, 3: dq lags q by 2.0 to 6.0 ms (velocity filter); the lag is corrected"
     assert (mended.dq[:, 1] == log.dq[:, 1]).all()
@@ -99,7 +98,7 @@ def test_each_joint_is_put_on_time_by_its_own_lag() -> None:
 def test_a_velocity_of_another_clock_is_said_and_left_as_it_is() -> None:
     slow = 0.6 * np.sin(0.8 * T)
     late = log_with(0.48 * np.cos(0.8 * (T - 0.195)), slow)
-    found = extract_interaction(late, TorqueSettings())
+    found = estimate_log(late, AuditSettings()).interaction
     (caution,) = [one for one in found.warnings if one.code.startswith("dq_")]
     assert caution.code == "dq_other_clock"
     assert sentence_of(caution).startswith("joint 1: dq lags q by 1")

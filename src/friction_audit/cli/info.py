@@ -89,16 +89,14 @@ def _read(path: Path, options: "ReadOptions", topics: "tuple[Topic, ...]", voice
 
 def _summary(log: "JointLog", settings: "AuditSettings") -> "LogSummary":
     """Go as far along the chain as the log allows."""
-    from friction_audit.preprocessing.interaction_torque import extract_interaction
-    from friction_audit.preprocessing.segmentation import segment_cycles
+    from friction_audit.pipeline import estimate_log
     from friction_audit.reporting.info import summarize_log
 
     try:
-        hand = settings.cycles.cycles_from == "hand"
-        interaction = extract_interaction(log, settings.torque, joints=settings.joints, hand=hand)
+        found = estimate_log(log, replace(settings, friction=replace(settings.friction, compare=False)))
     except FrictionAuditError as error:
         return summarize_log(log, None, (), obstacle=str(error))
-    return summarize_log(log, interaction, segment_cycles(interaction, settings.cycles))
+    return summarize_log(log, found.interaction, found.cycles)
 
 
 def _print(entries: "list[InfoEntry]", voice: Voice, *, json: bool) -> None:

@@ -11,11 +11,13 @@ from friction_audit.friction import history as made, reasons
 from friction_audit.friction.settings import PARTS, FrictionSettings
 from friction_audit.friction.torque_regression import CUTOFF_HZ, HIGHEST_CONDITION, RegressionRows, regress_torque
 from friction_audit.friction.weighted import FRICTION, fit_windows, set_up
-from friction_audit.joint_log import Float, median_step
+from friction_audit.joint_log import Float, JointLog
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.energy_cycles import KEPT, EnergyCycles
 from friction_audit.preprocessing.interaction import Caution, Interaction
-from friction_audit.preprocessing.velocity import filter_velocity
+from friction_audit.preprocessing.segmentation import CycleSearch, Hand, Thresholds
+from friction_audit.preprocessing.settings import CycleSettings
+from friction_audit.preprocessing.velocity import filter_velocity, settling_samples
 
 # A half interval of so many times the torque in motion (the viscous one: per rms speed) excludes no friction at all.
 MOST_UNCERTAIN = 2.0
@@ -24,47 +26,39 @@ RANK_CUTOFF = 1e-6  # share of the largest singular value below which others are
 Columns = dict[str, tuple[Float, Float, Float]]
 
 
-class Gathered:
-    """What the friction of a joint is estimated from, apart from its cycles, from one part of a log after the other."""
+class JointPass:
+    """One joint of a log on its way through parts that follow each other: cycles, and what else friction is made of."""
 
-    def __init__(self, column: int, samples: int, rate_hz: float) -> None:
-        """Take the joint (0-based), the number of samples of the log and their rate."""
-        self.seen = reasons.Extremes(column, samples)
-        self.rows = RegressionRows(column, samples, rate_hz)
+    def __init__(
+        self, log: JointLog, column: int, settings: CycleSettings, own: Thresholds, hand: Hand | None = None
+    ) -> None:
+        """Take the joint (0-based) and what separates its cycles; of the log, its clock."""
+        self._column, self._rate_hz = column, log.rate_hz
+        self.search = CycleSearch(settings, column, log.rate_hz, own, hand)
+        self.seen = reasons.Extremes(column, log.samples)
+        self.rows = RegressionRows(column, log.samples, log.rate_hz)
+        self._cutoffs_hz = settings.cutoff_hz, CUTOFF_HZ  # of the cycles, and of the regression
+        # Samples around new ones, beyond what a filter remembers.
+        self.margin = max(self.rows.around, *(settling_samples(log.rate_hz, hz) for hz in self._cutoffs_hz))
 
-    def take(self, part: Interaction, around: Interaction, velocity: Float) -> None:
-        """Take the samples of a part; what is around them and the velocity there reach further where the log does."""
-        self.seen.take(part)
-        self.rows.take(around, velocity, part.first, part.first + len(part.t))
-
-
-def estimate_friction(
-    interaction: Interaction,
-    cycles: Sequence[EnergyCycles],
-    settings: FrictionSettings,
-    dead_torque: frozenset[int] = frozenset(),
-) -> made.FrictionHistory:
-    """Estimate the friction of every joint of a log in memory; some, by numbers from 1, have a dead torque channel."""
-    rate_hz, samples = 1.0 / median_step(interaction.t), len(interaction.t)
-
-    def gathered(column: int) -> Gathered:
-        found = Gathered(column, samples, rate_hz)
-        velocity = filter_velocity(interaction.dq[:, column], rate_hz=rate_hz, cutoff_hz=CUTOFF_HZ)
-        found.take(interaction, interaction, velocity)
-        return found
-
-    every = per_joint(gathered, len(interaction.joint_numbers))
-    return friction_of(interaction, every, lambda column: cycles[column], settings, dead_torque)
+    def take(self, part: Interaction, own: Interaction, around: Interaction, *, more: bool) -> None:
+        """Take the samples that are new in a part, given those and the ones around them; ``more`` if others follow."""
+        dq, first = around.dq[:, self._column], own.first - around.first
+        filtered = {hz: filter_velocity(dq, rate_hz=self._rate_hz, cutoff_hz=hz) for hz in {*self._cutoffs_hz}}
+        of_cycles, of_rows = (filtered[hz] for hz in self._cutoffs_hz)
+        self.search.take(part, of_cycles[first : first + len(own.t)], more=more)
+        self.seen.take(own)
+        self.rows.take(around, of_rows, own.first, own.first + len(own.t))
 
 
 def friction_of(
     port: Interaction,
-    every: Sequence[Gathered],
+    every: Sequence[JointPass],
     cycles_of: Callable[[int], EnergyCycles],
     settings: FrictionSettings,
     dead_torque: frozenset[int],
 ) -> made.FrictionHistory:
-    """Estimate the friction of every joint (0-based) from what was gathered of it and its own cycles."""
+    """Estimate the friction of every joint (0-based) after its pass, from its cycles and the rows of all joints."""
     rows = {number: one.rows for number, one in zip(port.joint_numbers, every, strict=True)}
 
     def estimated(column: int) -> tuple[made.JointFriction, tuple[Caution, ...]]:

@@ -27,12 +27,8 @@ class Balance(NamedTuple):
     inertial: GridTorque | None  # M ddq + c of the model, or None
     source: Float  # at the times of the coarse log, shape (m, j) [N m]
     left: Float  # of it when the others are removed, likewise [N m]
+    has_model: bool  # whether a model of the arm removes a torque
     evidence: tuple[SignEvidence, ...] = ()
-
-    @property
-    def has_model(self) -> bool:
-        """True if a model of the arm removes a torque."""
-        return self.plan.gravity == "model" or self.inertial is not None
 
     @property
     def inertia_left(self) -> bool:

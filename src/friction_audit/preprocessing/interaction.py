@@ -112,7 +112,6 @@ class Interaction:
     torque: Float  # interaction torque F_m, positive when it drives the joint towards positive velocity, (n, j) [N m]
     # torque u of everything a logged compensator did (its passivity controller included), shape (n, j), or None [N m]
     compensation: Float | None
-    hand_speed: Float | None  # speed of the end effector, shape (n,), or None where it was not requested [m/s]
     # position of every joint of the log, also those not kept, where gravity is in the torque, shape (n, all), else None
     posture: Float | None = None
     # x and y of the direction of gravity in each joint's own frame (z along the axis), at the samples of
@@ -129,7 +128,9 @@ class Interaction:
     def driving(self, column: int, rows: slice | Int = slice(None)) -> Float:
         """Return F_m + u of a joint (0-based) at some samples: what works against friction and inertia. [N m]"""
         torque: Float = self.torque[rows, column]
-        return torque if self.compensation is None else torque + self.compensation[rows, column]
+        if self.compensation is not None:
+            torque = torque + self.compensation[rows, column]
+        return torque
 
     def rows(self, first: int, stop: int) -> "Interaction":
         """Return the samples of these numbers in the log, as a part of it."""

@@ -1,7 +1,6 @@
 """The torque at the friction port of a log: source, gravity, inertia and sign chosen, proved and applied."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 from itertools import chain
 from typing import NamedTuple
 
@@ -30,6 +29,7 @@ class PortTorque(NamedTuple):
     stride: int  # samples between those at which the direction of gravity is evaluated
     choice: TorqueChoice  # how the torque is made, for people
     warnings: tuple[Caution, ...]  # what the user must know
+    hand_speed: Float | None = None  # speed of the end effector, shape (n,), None where it was not asked for [m/s]
 
     def driving(self) -> Iterator[Interaction]:
         """Yield velocity and torque of the parts of the log; the position only where the torque is made from it."""
@@ -50,7 +50,6 @@ class PortTorque(NamedTuple):
             dq=kept.dq,
             torque=self.balance.full(part, self.columns),
             compensation=np.add(*active) if len(active) > 1 else active[0] if active else None,
-            hand_speed=None,
             posture=part.q if self.choice.gravity == "in-torque" else None,
             gravity_direction=direction,
             gravity_index=index,
@@ -70,22 +69,6 @@ class PortTorque(NamedTuple):
         if part.first + samples == self.log.samples:
             index = np.union1d(index, samples - 1)
         return index, arm.gravity_direction(part.q[index])[:, self.columns]
-
-
-def extract_interaction(
-    log: JointLog, settings: TorqueSettings, *, joints: tuple[int, ...] | None = None, hand: bool = False
-) -> Interaction:
-    """Make the torque at the friction port of a log in memory, and the speed of the hand; see ``choose_torque``."""
-    port = choose_torque(log, settings, joints=joints, hand=hand)
-    (part,) = port.log.blocks()
-    found = port.interaction(part)
-    if not hand:
-        return found
-    arm, grids = arm_for_hand(port.log, settings), grids_of(port.log, settings.model_rate_hz)
-    speed = np.concatenate([arm.hand_speed(q, dq) for q, dq, _ in motion_on(grids, port.log)])
-    # Straight lines, not a spline: a speed has kinks at zero, where a spline would swing below it.
-    speed = np.interp(port.log.t, np.concatenate([grid.t for grid in grids]), speed)
-    return replace(found, hand_speed=speed)
 
 
 def choose_torque(
@@ -118,7 +101,17 @@ def choose_torque(
         ),
     )
     direction = None if plan.arm is None else plan.arm.gravity_direction(coarse.q)[:, columns]
-    return port._replace(warnings=port.warnings + gravity_cautions(log, coarse, balance, columns, direction))
+    return port._replace(
+        warnings=port.warnings + gravity_cautions(log, coarse, balance, columns, direction),
+        hand_speed=_hand_speed(log, settings) if hand else None,
+    )
+
+
+def _hand_speed(log: JointLog, settings: TorqueSettings) -> Float:
+    arm, grids = arm_for_hand(log, settings), grids_of(log, settings.model_rate_hz)
+    speed = np.concatenate([arm.hand_speed(q, dq) for q, dq, _ in motion_on(grids, log)])
+    # Straight lines, not a spline: a speed has kinks at zero, where a spline would swing below it.
+    return np.asarray(np.interp(log.t, np.concatenate([grid.t for grid in grids]), speed))
 
 
 def _columns(log: JointLog, joints: tuple[int, ...] | None) -> list[int]:
@@ -154,8 +147,15 @@ def _row(log: JointLog, coarse: CoarseLog, plan: Plan, drive: str, model_rate_hz
         torques = [arm.inverse_dynamics(q, dq, ddq) - arm.gravity(q) for q, dq, ddq in motion_on(grids, log)]
         inertial = GridTorque(grids=grids, values=tuple(torques))
         inertial.subtract_from(left, coarse.t, list(range(len(log.joint_names))))
-    sign = 1 if plan.source == "interaction" else SIGNS[drive]
-    return Balance(plan=plan, drive=drive, sign=sign, inertial=inertial, source=source, left=left)
+    return Balance(
+        plan=plan,
+        drive=drive,
+        sign=1 if plan.source == "interaction" else SIGNS[drive],
+        inertial=inertial,
+        source=source,
+        left=left,
+        has_model=plan.gravity == "model" or inertial is not None,
+    )
 
 
 def _refuse_wrong_model(log: JointLog, balance: Balance, settings: TorqueSettings) -> None:

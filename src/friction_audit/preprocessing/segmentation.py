@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from friction_audit.joint_log import Float, Int, JointLog, median_step
+from friction_audit.joint_log import Float, Int, JointLog
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing import energy_cycles as cycles
 from friction_audit.preprocessing.interaction import Interaction
@@ -33,47 +33,22 @@ MOST_SAMPLES = 1 << 19  # of which automatic thresholds are taken, spread evenly
 
 Arrays = TypeVar("Arrays", cycles.EnergyCycles, cycles.EnergySums)
 Thresholds = tuple[float, float]  # of initiation and termination
-
-
-def segment_cycles(interaction: Interaction, settings: CycleSettings) -> tuple[cycles.EnergyCycles, ...]:
-    """Find all energy cycles of every joint of a log in memory, also those that are rejected."""
-    rate_hz, hand, signal = 1.0 / median_step(interaction.t), None, None
-    if settings.cycles_from == "hand":
-        assert interaction.hand_speed is not None, "the interaction was extracted without the hand's speed"
-        signal = np.abs(filter_velocity(interaction.hand_speed, rate_hz=rate_hz, cutoff_hz=settings.cutoff_hz))
-        fixed = settings.hand_initiation_m_s, settings.hand_termination_m_s
-        hand = thresholds_of(settings, rate_hz, fixed, interaction.hand_speed, signal)
-
-    def work(column: int) -> cycles.EnergyCycles:
-        dq = interaction.dq[:, column]
-        filtered = filter_velocity(dq, rate_hz=rate_hz, cutoff_hz=settings.cutoff_hz)
-        fixed = settings.initiation_rad_s, settings.termination_rad_s
-        own = thresholds_of(settings, rate_hz, fixed, dq, filtered)
-        search = CycleSearch(settings, column, rate_hz, own, hand)
-        search.take(interaction, filtered, signal)
-        return search.cycles()
-
-    joints = tuple(per_joint(work, len(interaction.joint_numbers)))
-    if hand is None:
-        return joints
-    # All joints are updated together or not at all: a cycle in which some joint has hardly moved counts for none.
-    small = np.any([own.sums.path_rad < settings.minimum_path_rad for own in joints], axis=0)
-    return tuple(
-        replace(own, reason=np.where((own.reason == cycles.KEPT) & small, cycles.SMALL, own.reason)) for own in joints
-    )
+Hand = tuple[Thresholds, Float]  # thresholds of the hand and its filtered speed, where it defines the cycles
 
 
 class CycleSearch:
     """Finds the energy cycles of one joint in parts of a log that follow each other; a log in memory is one part."""
 
     def __init__(
-        self, settings: CycleSettings, column: int, rate_hz: float, own: Thresholds, hand: Thresholds | None = None
+        self, settings: CycleSettings, column: int, rate_hz: float, own: Thresholds, hand: Hand | None = None
     ) -> None:
-        """Take the joint (0-based) and its thresholds, and those of the hand where that defines the cycles."""
+        """Take the joint (0-based) and its thresholds; where the hand defines the cycles, the log is one part."""
         self.first = 0  # number of the first sample that is still needed
-        self.own, self._hand, self._settings, self._column, self._rate_hz = own, hand, settings, column, rate_hz
+        self._settings, self._column, self._rate_hz, self._own = settings, column, rate_hz, own
+        self._thresholds = own if hand is None else hand[0]
+        self._hand_speed = None if hand is None else hand[1]
         self._longest = int(LONGEST_S * rate_hz)
-        self._filtered = self._signal = np.empty(0)
+        self._filtered = np.empty(0)
         self._moving: bool | None = None  # at the first sample needed; None where its own speed decides
         self._at_border: bool | None = None
         # A cycle that has lasted too long already: its samples up to now are added up and forgotten; where it began.
@@ -82,29 +57,27 @@ class CycleSearch:
         self._joined = 0  # so many of these are of many blocks
         self._above, self._fastest, self._peak_power_w, self._begin_s, self._last_s = 0, 0.0, 0.0, 0.0, 0.0
 
-    def take(self, part: Interaction, filtered: Float, signal: Float | None = None, *, more: bool = False) -> None:
+    def take(self, part: Interaction, filtered: Float, *, more: bool) -> None:
         """Find the cycles that end in new samples, whose filtered velocity is given, shape (k,); ``more`` may follow.
 
-        The part has all samples that are still needed, and the new ones. ``signal`` defines the cycles, None where it
-        is the velocity.
+        The part has all samples that are still needed, and the new ones.
         """
-        self._above += int(np.count_nonzero(np.abs(filtered) > self.own[0]))
-        signal = filtered if signal is None else signal
-        self._fastest = max(self._fastest, float(signal.max()), -float(signal.min()))
-        old = len(self._signal)
+        self._above += int(np.count_nonzero(np.abs(filtered) > self._own[0]))
+        old = len(self._filtered)
         self._filtered = np.concatenate([self._filtered, filtered]) if old else filtered
-        self._signal = self._filtered if self._hand is None else np.concatenate([self._signal, signal])
+        signal = self._filtered if self._hand_speed is None else self._hand_speed
+        self._fastest = max(self._fastest, float(signal[old:].max()), -float(signal[old:].min()))
         shift = self.first - part.first
-        new = slice(shift + old, shift + len(self._signal))
+        new = slice(shift + old, shift + len(self._filtered))
         power = part.driving(self._column, new) * part.dq[new, self._column]
         self._peak_power_w = max(self._peak_power_w, float(np.abs(power).max()))
-        self._last_s = float(part.t[shift + len(self._signal) - 1])
+        self._last_s = float(part.t[new.stop - 1])
         if not (old or self.first):
             self._begin_s = float(part.t[shift])
         borders = cycles.find_borders(
-            self._signal,
-            *(self._hand or self.own),
-            merge=self._hand is None,
+            signal,
+            *self._thresholds,
+            merge=self._hand_speed is None,
             moving=self._moving,
             at_border=self._at_border,
             more=more,
@@ -125,7 +98,7 @@ class CycleSearch:
             self._begun, self._at_border = None, True
         elif not (more or self._found):
             self._found.append(self._cycles_between(part, np.zeros(1, np.int64)))
-        if more and len(self._signal) > 2 * self._longest:
+        if more and len(self._filtered) > 2 * self._longest:
             self._shorten(part)
 
     def _position(self, part: Interaction) -> Float:
@@ -141,7 +114,7 @@ class CycleSearch:
             run = slice(s + 1, s + 1 + LONGEST_RUN)
             closed = np.abs(position[run] - position[s]).max(axis=1) <= self._settings.closure_rad
             closed &= borders[run] - borders[s] <= self._longest
-            may_close = s + LONGEST_RUN >= len(position) and len(self._signal) - borders[s] <= self._longest
+            may_close = s + LONGEST_RUN >= len(position) and len(self._filtered) - borders[s] <= self._longest
             if more and may_close and not closed.any():
                 break
             kept.append(s + int(np.argmax(closed)) + 1 if closed.any() else s + 1)
@@ -175,7 +148,7 @@ class CycleSearch:
         if self._begun is not None and self._begun[0].reason[0] == cycles.GAP:
             reason[:1] = cycles.GAP
         products, speeds = _moments(parts)
-        initiation, termination = self._hand or self.own
+        initiation, termination = self._thresholds
         return cycles.EnergyCycles(
             start=start,
             stop=stop,
@@ -189,8 +162,8 @@ class CycleSearch:
             reason=reason,
             initiation=initiation,
             termination=termination,
-            speed_unit="rad/s" if self._hand is None else "m/s",
-            standstill_rad_s=self.own[1],
+            speed_unit="rad/s" if self._hand_speed is None else "m/s",
+            standstill_rad_s=self._own[1],
         )
 
     def _sums(self, part: Interaction, edges: Int) -> cycles.EnergySums:
@@ -204,24 +177,23 @@ class CycleSearch:
 
     def _shorten(self, part: Interaction) -> None:
         """Add up the beginning of a cycle that lasts too long, and forget its samples."""
-        thresholds, shift = self._hand or self.own, self.first - part.first
-        moving = bool(abs(self._signal[0]) > thresholds[1]) if self._moving is None else self._moving
+        shift = self.first - part.first
+        moving = bool(abs(self._filtered[0]) > self._own[1]) if self._moving is None else self._moving
         self._at_border = not moving if self._at_border is None else self._at_border
         if self._at_border:
             now = self._cycles_between(part, np.array([0, self._longest]))
             self._begun = now, self._position(part)[shift] if self._begun is None else self._begun[1]
-        stops, starts, _ = cycles.events(self._signal[: self._longest + 1], *thresholds, moving=moving)
+        stops, starts, _ = cycles.events(self._filtered[: self._longest + 1], *self._own, moving=moving)
         self._go_on(self._longest, moving=moving == (len(stops) == len(starts)))
 
     def _go_on(self, row: int, *, moving: bool) -> None:
         self.first, self._moving = self.first + row, moving
         self._filtered = self._filtered[row:].copy()
-        self._signal = self._filtered if self._hand is None else self._signal[row:].copy()
 
     def cycles(self) -> cycles.EnergyCycles:
         """Return the cycles, once, after the last part."""
         found, self._found = join_cycles(self._found), []
-        samples = self.first + len(self._signal)
+        samples = self.first + len(self._filtered)
         # The net path of a closed path is short against its length, whether it closes within one cycle or over several.
         one_way = abs(found.sums.displacement_rad.sum()) > ONE_WAY_SHARE * found.sums.path_rad.sum()
         return replace(
@@ -251,6 +223,20 @@ def thresholds_of(
     brisk = float(np.quantile(moving, BRISK_QUANTILE, overwrite_input=True)) if len(moving) else floor
     initiation = max(INITIATION_SHARE * brisk, floor / TERMINATION_SHARE, TINY)
     return initiation, TERMINATION_SHARE * initiation
+
+
+def of_hand(speed: Float, rate_hz: float, settings: CycleSettings) -> Hand:
+    """Return the thresholds of the hand and its filtered speed, given its speed, shape (n,). [m/s]"""
+    signal = np.abs(filter_velocity(speed, rate_hz=rate_hz, cutoff_hz=settings.cutoff_hz))
+    fixed = settings.hand_initiation_m_s, settings.hand_termination_m_s
+    return thresholds_of(settings, rate_hz, fixed, speed, signal), signal
+
+
+def without_small(joints: Sequence[cycles.EnergyCycles], settings: CycleSettings) -> list[cycles.EnergyCycles]:
+    """Reject the cycles of the hand in which some joint has hardly moved: all are updated together or not at all."""
+    small = np.any([own.sums.path_rad < settings.minimum_path_rad for own in joints], axis=0)
+    reasons = [np.where((own.reason == cycles.KEPT) & small, cycles.SMALL, own.reason) for own in joints]
+    return [replace(own, reason=reason) for own, reason in zip(joints, reasons, strict=True)]
 
 
 def thresholds_in_blocks(log: JointLog, columns: list[int], settings: CycleSettings) -> list[Thresholds]:
