@@ -21,21 +21,17 @@ from tests.synthetic_interaction import interaction, passed, strokes
 COULOMB, VISCOUS, INERTIA = 0.3, 0.07, 0.5
 LENGTHS = [0.8, -0.5, 0.6, -0.9, 0.7, -0.6, 0.4, -0.5] * 3
 DURATIONS = [1.2, 0.9, 0.7, 1.1, 1.6, 0.8, 1.0, 0.9] * 3
-ALONE = FrictionSettings(compare=False)
+T, V, A = strokes(LENGTHS, DURATIONS)
 
 
-def estimate(
-    t: Float, v: Float, torque: Float, settings: FrictionSettings = ALONE, *, u: Float | None = None
-) -> JointFriction:
-    return after(passed(log := interaction(t, v, torque, u=u)), log, settings).joints[0]
+def estimated(log: Interaction, joints: list[JointPass] | None = None, **settings: Any) -> FrictionHistory:
+    every = passed(log) if joints is None else joints
+    return friction_of(log, every, lambda k: every[k].search.cycles(), FrictionSettings(**settings), frozenset())
 
 
-def estimated(log: Interaction, **settings: Any) -> FrictionHistory:
-    return after(passed(log), log, FrictionSettings(**settings))
-
-
-def after(joints: list[JointPass], log: Interaction, settings: FrictionSettings) -> FrictionHistory:
-    return friction_of(log, joints, lambda column: joints[column].search.cycles(), settings, frozenset())
+def alone(t: Float, v: Float, torque: Float, *, u: Float | None = None, **settings: Any) -> JointFriction:
+    """Estimate by the energy alone."""
+    return estimated(interaction(t, v, torque, u=u), compare=False, **settings).joints[0]
 
 
 def friction(v: Float, a: Float, coulomb: float = COULOMB, viscous: float = VISCOUS) -> Float:
@@ -47,9 +43,7 @@ def friction(v: Float, a: Float, coulomb: float = COULOMB, viscous: float = VISC
 )
 @pytest.mark.parametrize("estimator", ["weighted", "paper"])
 def test_noise_free_coefficients_are_exact(estimator: str, model: str, coulomb: float, viscous: float) -> None:
-    t, v, a = strokes(LENGTHS, DURATIONS)
-    settings = FrictionSettings(estimator=estimator, model=model, compare=False)
-    joint = estimate(t, v, friction(v, a, coulomb, viscous), settings)
+    joint = alone(T, V, friction(V, A, coulomb, viscous), estimator=estimator, model=model)
     if model != "viscous":
         assert joint.coulomb.value == pytest.approx(coulomb, rel=1e-4)
         np.testing.assert_allclose(joint.history.coulomb_nm, coulomb, rtol=1e-3)
@@ -59,23 +53,21 @@ def test_noise_free_coefficients_are_exact(estimator: str, model: str, coulomb: 
 
 
 def test_the_paper_needs_k_cycles_and_then_estimates_after_each() -> None:
-    t, v, a = strokes(LENGTHS, DURATIONS)
-    joint = estimate(t, v, friction(v, a), FrictionSettings(estimator="paper", compare=False))
+    joint = alone(T, V, friction(V, A), estimator="paper")
     assert joint.history.cycle.tolist() == list(range(2, 25))
     assert np.isnan(joint.coulomb.low)
 
 
 def test_the_paper_gives_nothing_where_its_cycles_are_copies() -> None:
     t, v, a = strokes([0.8, -0.8] * 4, [1.0] * 8)
-    joint = estimate(t, v, friction(v, a), FrictionSettings(estimator="paper", compare=False))
+    joint = alone(t, v, friction(v, a), estimator="paper")
     assert np.isnan(joint.history.coulomb_nm).all()
     assert np.isnan(joint.coulomb.value)
 
 
 def test_a_torque_offset_and_a_gravity_error_do_not_reach_the_coefficients() -> None:
-    t, v, a = strokes(LENGTHS, DURATIONS)
-    q = np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * np.diff(t))])
-    joint = estimate(t, v, friction(v, a) + 0.1 + 0.2 * np.sin(q))
+    q = np.concatenate([[0.0], np.cumsum(0.5 * (V[1:] + V[:-1]) * np.diff(T))])
+    joint = alone(T, V, friction(V, A) + 0.1 + 0.2 * np.sin(q))
     assert joint.coulomb.value == pytest.approx(COULOMB, rel=1e-3)
     assert joint.viscous.value == pytest.approx(VISCOUS, rel=1e-3)
     assert joint.offset_nm == pytest.approx(0.1, abs=0.01)
@@ -83,26 +75,23 @@ def test_a_torque_offset_and_a_gravity_error_do_not_reach_the_coefficients() -> 
 
 
 def test_a_logged_compensator_is_corrected_for() -> None:
-    t, v, a = strokes(LENGTHS, DURATIONS)
-    u = 0.25 * np.sign(v) + 0.05 * v
+    u = 0.25 * np.sign(V) + 0.05 * V
     for estimator in ("weighted", "paper"):
-        joint = estimate(t, v, friction(v, a) - u, FrictionSettings(estimator=estimator, compare=False), u=u)
+        joint = alone(T, V, friction(V, A) - u, estimator=estimator, u=u)
         assert joint.coulomb.value == pytest.approx(COULOMB, rel=1e-3)
         assert joint.viscous.value == pytest.approx(VISCOUS, rel=1e-3)
 
 
 def test_a_step_of_friction_is_seen_once_the_window_has_passed_it() -> None:
-    t, v, a = strokes(LENGTHS, DURATIONS)
-    coulomb = np.where(t < t[-1] / 2, 0.3, 0.6)
-    joint = estimate(t, v, friction(v, a) + (coulomb - 0.3) * np.sign(v), FrictionSettings(window=6, compare=False))
+    coulomb = np.where(T[-1] / 2 > T, 0.3, 0.6)
+    joint = alone(T, V, friction(V, A) + (coulomb - 0.3) * np.sign(V), window=6)
     assert joint.history.coulomb_nm[4] == pytest.approx(0.3, rel=0.01)
     assert joint.history.coulomb_nm[-1] == pytest.approx(0.6, rel=0.01)
 
 
 def test_the_torque_regression_agrees_without_a_hidden_effect() -> None:
-    t, v, a = strokes(LENGTHS, DURATIONS)
-    noise = 0.05 * np.random.default_rng(0).normal(size=len(t))
-    regression: Any = estimate(t, v, friction(v, a) + noise, FrictionSettings()).regression
+    noise = 0.05 * np.random.default_rng(0).normal(size=len(T))
+    regression: Any = estimated(interaction(T, V, friction(V, A) + noise)).joints[0].regression
     assert regression.coulomb.low < COULOMB < regression.coulomb.high
     assert regression.viscous.low < VISCOUS < regression.viscous.high
     assert regression.inertia.value == pytest.approx(INERTIA, rel=0.02)
@@ -123,7 +112,7 @@ def test_a_joint_without_an_answer_says_which_motion_would_help(
     lengths: list[float], durations: list[float], sentence: str
 ) -> None:
     t, v, a = strokes(lengths, durations)
-    joint = estimate(t, v, friction(v, a))
+    joint = alone(t, v, friction(v, a))
     assert np.isnan(joint.coulomb.value)
     assert len(joint.history.cycle) == 0
     assert re.search(sentence, text_of(joint.reason))
@@ -131,8 +120,7 @@ def test_a_joint_without_an_answer_says_which_motion_would_help(
 
 @pytest.mark.parametrize("model", ["combined", "coulomb", "viscous"])
 def test_a_position_that_stands_still_while_the_velocity_does_not(model: str) -> None:
-    t, v, a = strokes(LENGTHS, DURATIONS)
-    log = interaction(t, v, friction(v, a), q=np.zeros_like(v))
+    log = interaction(T, V, friction(V, A), q=np.zeros_like(V))
     joint = estimated(log, compare=False, model=model).joints[0]
     assert np.isnan(joint.coulomb.value)
     assert "the position never changes while the velocity does" in text_of(joint.reason)
@@ -141,16 +129,15 @@ def test_a_position_that_stands_still_while_the_velocity_does_not(model: str) ->
 def test_one_speed_gives_their_sum_and_not_the_two_coefficients() -> None:
     t = np.arange(0, 20, 0.001)
     v = 0.5 * np.clip(20 * np.sin(np.pi * t), -1, 1)
-    joint = estimate(t, v, friction(v, np.gradient(v, t)))
+    joint = alone(t, v, friction(v, np.gradient(v, t)))
     assert np.isnan(joint.viscous.value)
     assert re.search(r"all motion has one speed \(0\.5 rad/s.* friction there is 0\.33", text_of(joint.reason))
 
 
 @pytest.mark.parametrize(("noise_nm", "rel", "words"), [(0.0, 1e-3, "is in the torque"), (5.0, 1.0, "not different")])
 def test_negative_friction_is_shown_and_warned_about(noise_nm: float, rel: float, words: str) -> None:
-    t, v, a = strokes(LENGTHS, DURATIONS)
-    noise = noise_nm * np.random.default_rng(0).normal(size=len(t))
-    history = estimated(interaction(t, v, friction(v, a, coulomb=0.3, viscous=-0.1) + noise), compare=False)
+    noise = noise_nm * np.random.default_rng(0).normal(size=len(T))
+    history = estimated(interaction(T, V, friction(V, A, coulomb=0.3, viscous=-0.1) + noise), compare=False)
     assert history.joints[0].viscous.value == pytest.approx(-0.1, rel=rel)
     assert words in next(sentence_of(w) for w in history.warnings if w.code == "negative_viscous")
 
@@ -177,8 +164,7 @@ def test_a_recording_that_is_twice_in_a_log_is_said() -> None:
 
 
 def test_two_methods_that_disagree_are_reported_with_what_it_means() -> None:
-    t, v, a = strokes(LENGTHS, DURATIONS)
-    history = estimated(interaction(t, v, COULOMB * np.sign(v) + 0.3 * v * np.abs(v) + INERTIA * a))
+    history = estimated(interaction(T, V, COULOMB * np.sign(V) + 0.3 * V * np.abs(V) + INERTIA * A))
     messages = {w.code: sentence_of(w) for w in history.warnings}
     assert set(messages) == {"coulomb_disagrees", "viscous_disagrees"}
     assert "friction that is not linear in speed" in messages["viscous_disagrees"]
@@ -189,8 +175,7 @@ def test_two_methods_that_disagree_are_reported_with_what_it_means() -> None:
 
 def test_a_delay_looks_like_viscous_friction_to_both_methods() -> None:
     """A torque that comes d late holds -B d times the jerk; its work over a stroke, B d int ddq^2 dt, is positive."""
-    t, v, a = strokes(LENGTHS, DURATIONS)
-    history = estimated(interaction(t, v, np.interp(t - 0.03, t, friction(v, a))))
+    history = estimated(interaction(T, V, np.interp(T - 0.03, T, friction(V, A))))
     regression: Any = history.joints[0].regression
     assert min(history.joints[0].viscous.value, regression.viscous.value) > 2 * VISCOUS
     (warning,) = history.warnings
@@ -199,10 +184,9 @@ def test_a_delay_looks_like_viscous_friction_to_both_methods() -> None:
 
 
 def test_the_regression_ignores_slow_samples_by_the_joints_own_threshold_whoever_defines_the_cycles() -> None:
-    t, v, a = strokes(LENGTHS, DURATIONS)
-    log = interaction(t, v, friction(v, a))
-    passes = passed(log), passed(log, CycleSettings(cycles_from="hand"), hand_speed=0.5 * np.abs(v))
-    found = [after(joints, log, FrictionSettings()).joints[0] for joints in passes]
+    log = interaction(T, V, friction(V, A))
+    passes = passed(log), passed(log, CycleSettings(cycles_from="hand"), hand_speed=0.5 * np.abs(V))
+    found = [estimated(log, joints).joints[0] for joints in passes]
     assert found[0].regression == found[1].regression is not None
 
 
