@@ -133,41 +133,26 @@ def sign_cautions(log: JointLog, balance: Balance, settings: TorqueSettings, *, 
             yield Caution(code="sign_disagrees", joint=one.joint, numbers=numbers)
 
 
-def gravity_cautions(
-    log: JointLog, coarse: CoarseLog, balance: Balance, columns: list[int], direction: Float | None
-) -> tuple[Caution, ...]:
+def gravity_cautions(log: JointLog, coarse: CoarseLog, balance: Balance, columns: list[int]) -> tuple[Caution, ...]:
     """Say on which joints gravity or an offset is left in the torque, unless gravity is declared to be inside.
 
     The constants of a gravity error are ill-determined over a short range: two of hundreds of newton metres may cancel.
     What a log determines is their torque over the range that the joint moved, and whether it depends on the position.
-    The direction of gravity is that across the axes of the selected joints at the means, shape (m, len(columns), 2).
     """
-    gravity = balance.plan.gravity
+    gravity, arm = balance.plan.gravity, balance.plan.arm
     mixed = not most(balance.evidence, "rises") or balance.inertia_left
     if gravity == "in-torque" or mixed or log.source.torque_unit != "N m":
         return ()
-    torque, dead = balance.driving(log, coarse), log.source.dead_torque
-    left = per_joint(
-        lambda place: _left(coarse, torque[:, columns[place]], direction, columns[place], place), len(columns)
-    )
-    found = [
-        (column, *one) for column, one in zip(columns, left, strict=True) if one is not None and column + 1 not in dead
-    ]
-    several = sum(rms > friction for _, _, rms, _, friction, _ in found) > 1
-    return tuple(
-        Caution(
-            code="gravity_error" if by_position else "torque_offset",
-            joint=column + 1,
-            numbers={"mean": mean, "rms": rms, "moved": moved, "case": gravity if several else ""},
-        )
-        for column, mean, rms, moved, _, by_position in found
-    )
+    torque, alive = balance.driving(log, coarse), [one for one in columns if one + 1 not in log.source.dead_torque]
+    direction = None if arm is None else arm.gravity_direction(coarse.q)
+    left = per_joint(lambda place: _left(coarse, torque, direction, alive[place]), len(alive))
+    found = [one for one in left if one is not None]
+    case = gravity if sum(is_large for _, is_large in found) > 1 else ""
+    return tuple(replace(one, numbers={**one.numbers, "case": case}) for one, _ in found)
 
 
-def _left(
-    coarse: CoarseLog, torque: Float, direction: Float | None, column: int, place: int
-) -> tuple[float, float, float, float, bool] | None:
-    """Return mean and rms of what is left, range moved, Coulomb friction, and whether gravity shows; None if little."""
+def _left(coarse: CoarseLog, torque: Float, direction: Float | None, column: int) -> tuple[Caution, bool] | None:
+    """Return what is left in the torque of a joint, and whether it is more than its friction; None if it is little."""
     moving, sign, stroke = strokes_of(coarse, column)
     if not stroke.size or stroke[-1] + 1 < LEAST_STROKES:
         return None
@@ -176,9 +161,9 @@ def _left(
     rows, sign = rows[thin], sign[thin]
     q, dq = coarse.q[rows, column], coarse.dq[rows, column]
     ddq = np.gradient(coarse.dq[:, column], coarse.t)[rows]
-    across = np.column_stack([np.sin(q), np.cos(q)]) if direction is None else direction[rows, place]
+    across = np.column_stack([np.sin(q), np.cos(q)]) if direction is None else direction[rows, column]
     plain = np.column_stack([sign, dq, ddq, np.ones(len(q))])
-    coefficients, square, square_plain = _fit(plain, across, torque[rows])
+    coefficients, square, square_plain = _fit(plain, across, torque[rows, column])
     at_rest = coefficients[3] + across @ coefficients[4:]
     wide = np.ptp(q) >= LEAST_RANGE_RAD and float(np.hypot(*across.T).max()) >= LEAST_ACROSS
     # The F test of the two columns of gravity, whose distribution is a power. Strokes are independent, not samples.
@@ -187,7 +172,9 @@ def _left(
     mean, rms = float(at_rest.mean()), float(np.sqrt(np.mean(at_rest**2)))
     if (rms if by_position else abs(mean)) <= LARGEST_NM:
         return None
-    return mean, rms, float(np.ptp(q)), abs(float(coefficients[0])), by_position
+    code, numbers = "gravity_error" if by_position else "torque_offset", {"mean": mean, "rms": rms}
+    found = Caution(code, joint=column + 1, numbers={**numbers, "moved": float(np.ptp(q))})
+    return found, rms > abs(float(coefficients[0]))
 
 
 def _fit(plain: Float, across: Float, torque: Float) -> tuple[Float, float, float]:

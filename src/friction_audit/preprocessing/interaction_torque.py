@@ -86,7 +86,7 @@ def choose_torque(
     plan = make_plan(log, coarse, settings)
     balance, turned = _choose_row(log, coarse, plan, settings)
     _refuse_wrong_model(log, balance, settings)
-    port = PortTorque(
+    return PortTorque(
         log=log,
         balance=balance,
         columns=columns,
@@ -98,11 +98,8 @@ def choose_torque(
             *not_used(log, balance, settings, hand=hand),
             *_flipped(balance),
             *sign_cautions(log, balance, settings, turned=turned),
+            *gravity_cautions(log, coarse, balance, columns),
         ),
-    )
-    direction = None if plan.arm is None else plan.arm.gravity_direction(coarse.q)[:, columns]
-    return port._replace(
-        warnings=port.warnings + gravity_cautions(log, coarse, balance, columns, direction),
         hand_speed=_hand_speed(log, settings) if hand else None,
     )
 
