@@ -87,15 +87,15 @@ class Extremes:
         """Take the joint (0-based) and the number of samples of the log."""
         self._column, self._every = column, max(samples // ENOUGH, 1)
         self.low, self.high = np.full(3, np.inf), np.full(3, -np.inf)  # of torque, q and dq
-        self.first_torque, self._begin_s, self.duration_s = np.nan, np.nan, 0.0
+        self.first_torque, self.duration_s = np.nan, 0.0
         self._speed, self._torque = np.empty((2, -(-samples // self._every)))
 
     def take(self, part: Interaction) -> None:
         """Take the next samples."""
         torque, q, dq = (channel[:, self._column] for channel in (part.torque, part.q, part.dq))
-        if np.isnan(self._begin_s):
-            self.first_torque, self._begin_s = float(torque[0]), float(part.t[0])
-        self.duration_s = float(part.t[-1]) - self._begin_s
+        if np.isnan(self.first_torque):
+            self.first_torque = float(torque[0])
+        self.duration_s = float(part.t[-1])
         self.low = np.minimum(self.low, [one.min() for one in (torque, q, dq)])
         self.high = np.maximum(self.high, [one.max() for one in (torque, q, dq)])
         thin = slice(-part.first % self._every, None, self._every)

@@ -55,7 +55,7 @@ class CycleSearch:
         self._begun: tuple[cycles.EnergyCycles, Float] | None = None
         self._found: list[cycles.EnergyCycles] = []
         self._joined = 0  # so many of these are of many blocks
-        self._above, self._fastest, self._peak_power_w, self._begin_s, self._last_s = 0, 0.0, 0.0, 0.0, 0.0
+        self._above, self._fastest, self._peak_power_w, self._last_s = 0, 0.0, 0.0, 0.0
 
     def take(self, part: Interaction, filtered: Float, *, more: bool) -> None:
         """Find the cycles that end in new samples, whose filtered velocity is given, shape (k,); ``more`` may follow.
@@ -72,8 +72,6 @@ class CycleSearch:
         power = part.driving(self._column, new) * part.dq[new, self._column]
         self._peak_power_w = max(self._peak_power_w, float(np.abs(power).max()))
         self._last_s = float(part.t[new.stop - 1])
-        if not (old or self.first):
-            self._begin_s = float(part.t[shift])
         borders = cycles.find_borders(
             signal,
             *self._thresholds,
@@ -200,7 +198,7 @@ class CycleSearch:
             found,
             reason=np.full(len(found.reason), cycles.ONE_WAY) if one_way else found.reason,
             fastest=self._fastest,
-            moving_s=self._above / samples * (self._last_s - self._begin_s),
+            moving_s=self._above / samples * self._last_s,
             peak_power_w=self._peak_power_w,
         )
 

@@ -117,9 +117,7 @@ def find_lag(coarse: CoarseLog, step_s: float) -> Float:
     whole = coarse.whole[:-2] & coarse.whole[1:-1] & coarse.whole[2:]
     middle, reach = 0.5 * (slope[1:] + slope[:-1]), 0.5 * (step[1:] + step[:-1])
     bend, change = np.diff(slope, axis=0) / reach, (coarse.dq[2:] - coarse.dq[:-2]) / (2.0 * reach)
-    late = middle - coarse.dq[1:-1]
-    if not whole.all():
-        late, bend, change = late[whole], bend[whole], change[whole]
+    late, bend, change = (one[whole] for one in (middle - coarse.dq[1:-1], bend, change))
     if not len(late):
         return np.zeros(coarse.q.shape[1])
     power = np.sum(change * bend, axis=0)
