@@ -123,6 +123,11 @@ class ExportedJoint:
     fitted: FittedFriction  # the law as the target holds it
 
     @property
+    def static_nm(self) -> float:
+        """Friction at the onset of motion, with what Stribeck adds; a simulator wants no less than in motion. [N m]"""
+        return max(float(self.law.torque(np.array([SLOWEST]))[0]), self.fitted.coefficients[0])
+
+    @property
     def damping(self) -> list[float]:
         """Coefficients of dq, dq |dq| and dq^3 as MuJoCo 4 takes them; where the first is enough, as every version."""
         found = list(self.fitted.coefficients[1:])

@@ -185,7 +185,8 @@ class CycleSearch:
         self._go_on(self._longest, moving=moving == (len(stops) == len(starts)))
 
     def _go_on(self, row: int, *, moving: bool) -> None:
-        self.first, self._moving = self.first + row, moving
+        self.first += row
+        self._moving = moving
         self._filtered = self._filtered[row:].copy()
 
     def cycles(self) -> cycles.EnergyCycles:
