@@ -1,6 +1,7 @@
 """``plan``: limits kept by every candidate, designs that separate, and the command end to end."""
 
 import json
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
@@ -19,6 +20,7 @@ from friction_audit.planning import design, plan as plans
 from friction_audit.planning.design import Limits, candidates_of, limits_of
 from friction_audit.planning.plan import JointPlan, plan_task, trajectory_of
 from friction_audit.planning.task import Arm, Joint, Task, task_of
+from friction_audit.reporting.notices import sentences
 from friction_audit.reporting.plan import Recording, plan_lines
 from tests.each_case import thorough
 from tests.in_this_process import Run
@@ -165,6 +167,20 @@ def test_the_command_separates_checks_and_writes_a_document_and_the_trajectory(
     assert list(message.joint_names) == [f"panda_joint{k}" for k in range(1, 8)]
     assert message.points[100].positions[1] == pytest.approx(table["q_panda_joint2"][100], abs=1e-8)
     assert run("plan", source, "--no-check", "-o", "out").code == 2  # files that exist
+
+
+def test_a_joint_at_rest_is_planned_for_only_by_its_number(run: Run, tmp_path: Path) -> None:
+    document = json.loads(result(tmp_path / "a.json", "adequate").read_text())
+    (moved,), still = document["joints"], sentences()["reasons"]["did_not_move"].format_map(defaultdict(float))
+    at_rest = [moved | {"joint": k, "verdict": "not_testable", "message": f"0 cycles: {still}"} for k in (1, 3)]
+    (tmp_path / "a.json").write_text(json.dumps(document | {"joints": [at_rest[0], moved, at_rest[1]]}))
+    text = run("plan", tmp_path / "a.json", "--duration", "60").out
+    assert "joints 1, 3: did not move; for a recording of one: --joints 1\n" in text
+    assert "joint 2, to diagnose" in text, "the joint that moved"
+    assert "diagnose would answer" not in text, "a diagnosis of each effect of the catalogue takes half a minute"
+    asked = run("plan", tmp_path / "a.json", "--no-check", "--joints", "3", "--json").document()
+    (recording,) = asked["recordings"]
+    assert [(one["joint"], one["why"]) for one in recording["joints"]] == [(3, "did not move")]
 
 
 @pytest.mark.thorough

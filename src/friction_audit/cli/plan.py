@@ -40,7 +40,10 @@ class MotionOptions:
         "Pose at the start [rad]. Default: the log's median pose; without one the Panda's ready pose.",
         metavar="Q1,Q2,...",
     )
-    check: bool = option("Simulate the motion and what diagnose would answer.", "--check/--no-check", default=True)
+    check: bool | None = option(
+        "Simulate the motion and what diagnose would answer. Default: where effects are to be separated.",
+        "--check/--no-check",
+    )
     trajectory_rate: float = option("Points of the trajectory per second.", default=100.0, metavar="HZ", panel=GENERAL)
 
 
@@ -122,7 +125,8 @@ def _tasks(source: Path | None, motion: MotionOptions, shared: opt.LogOptions) -
         raise InputError(f"{source}: holds no joint of --joints; name one that it has")
     if any(one.purpose for one in tasks):
         return arm, tasks
-    best = [replace(tasks[0], purpose=purpose, why="") for purpose in ("diagnose", "estimate")]
+    first = min(tasks, key=lambda one: one.at_rest)  # the first one that moved
+    best = [replace(first, purpose=purpose, why="") for purpose in ("diagnose", "estimate")]
     return arm, [*(tasks if source else []), *best]
 
 

@@ -99,15 +99,17 @@ def trajectory_of(plans: Sequence[JointPlan], arm: Arm, rate_hz: float) -> Traje
     return Trajectory(arm.names, *(np.concatenate(one) for one in zip(*parts, strict=True)))
 
 
-def plan_task(task: Task, limits: Limits, duration_s: float = DURATION_S, *, check: bool = True) -> JointPlan:
+def plan_task(task: Task, limits: Limits, duration_s: float = DURATION_S, *, check: bool | None = None) -> JointPlan:
     """Plan the motion that a joint needs.
 
     To decide between effects and to diagnose it is T-optimal, there for all effects that a joint alone can show at a
     usual size; for Coulomb and viscous friction it is D-optimal.
 
-    The check simulates the motion and what `diagnose` or `estimate` would answer.
+    The check simulates the motion and what `diagnose` or `estimate` would answer. None: unless it is to diagnose, which
+    takes a diagnosis of each effect of the catalogue.
     """
     joint, candidates = task.joint, candidates_of(limits)
+    check = task.purpose != "diagnose" if check is None else check
     if task.purpose == "estimate":
         about = design.information_of(joint, candidates, {}, (), [effect_of("nonlinear_viscous")])
         counts = _filled(about, design.value_for_coefficients, duration_s)

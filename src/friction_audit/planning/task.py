@@ -32,6 +32,7 @@ RATE_HZ = 500.0  # of simulated logs: ten times the diagnosis' samples
 LEAST_NOISE_NM = 1e-4
 REACH_RAD = 0.8  # to either side of the start: room for gravity, which takes 1.5 rad, within most arms' ranges
 COEFFICIENTS = ("inertia_kg_m2", "coulomb_nm", "viscous_nms_per_rad")  # of the nominal model
+DID_NOT_MOVE = "did not move"  # how the reason of a joint at rest begins in a document
 SERVO = {"stiffness_nm_per_rad": 2000.0, "damping_nms_per_rad": 60.0}  # of a position controller, as in joint-driven
 AUTO = AuditSettings(cycles=CycleSettings(thresholds="auto"))  # slow strokes are no cycles at the usual thresholds
 
@@ -84,6 +85,11 @@ class Task:
     sets: tuple[Mapping[str, FittedTerm], ...] = ()
     unknown: Mapping[str, str] = field(default_factory=dict)  # competing names that are not planned for, and why
 
+    @property
+    def at_rest(self) -> bool:
+        """Whether the joint did not move in the recording."""
+        return self.why == DID_NOT_MOVE
+
 
 class Arm(NamedTuple):
     """The arm that is recorded, and where its motion starts."""
@@ -115,7 +121,10 @@ def tasks_of(
     names: Sequence[str] = (),
     subjects: Sequence[tuple[Subject, JointDiagnosis]] = (),
 ) -> tuple[Arm, list[Task]]:
-    """Return the arm of a document, and what each joint needs, or those wanted; with a log, subjects and all names."""
+    """Return the arm of a document, and what each joint needs, or those wanted; with a log, subjects and all names.
+
+    A joint that did not move needs nothing unless it is wanted: in a log of one joint the others hold still.
+    """
     try:
         source, hand = document["source"], document["settings"]["torque_chosen"]["drive"] == "hand"
         found = {int(one["joint"]): one for one in document["joints"]}
@@ -123,7 +132,8 @@ def tasks_of(
         arm = arm_of(str(source["robot"]), int(source["joints"]), start, own)
         prepared = {one[0].number: one for one in subjects}
         chosen = {k: one for k, one in found.items() if wanted is None or k in wanted}
-        return arm, [task_of(one, hand, arm.start_rad[k - 1], prepared.get(k)) for k, one in chosen.items()]
+        tasks = [task_of(one, hand, arm.start_rad[k - 1], prepared.get(k)) for k, one in chosen.items()]
+        return arm, [one if wanted or not one.at_rest else replace(one, purpose=None) for one in tasks]
     except (KeyError, IndexError, TypeError, ValueError, AttributeError) as error:
         raise InputError(f"{path}: is no whole document of its schema ({error!r}); write it again") from error
 
@@ -138,6 +148,7 @@ def task_of(
     verdict, reason = found.get("verdict", "estimate"), str(found.get("reason") or "")
     if verdict in ("not_testable", "data_fault"):
         reason = reason or str(found.get("message", ""))
+    reason = DID_NOT_MOVE if DID_NOT_MOVE in reason else reason
     if verdict == "not_testable":
         return Task(joint=joint, purpose="diagnose", why=reason)
     if verdict == "ambiguous":
@@ -156,8 +167,10 @@ def task_of(
     named = zip(("Coulomb", "viscous"), coefficients.values(), strict=True)
     lacking = [name for name, value in named if not np.isfinite(value)]
     if lacking and verdict != "data_fault":
-        return Task(joint=joint, purpose="estimate", why=f"{' and '.join(lacking)} friction is not determined")
-    return Task(joint=joint, why=reason or verdict.replace("_", " "))
+        why = reason if reason == DID_NOT_MOVE else f"{' and '.join(lacking)} friction is not determined"
+        return Task(joint=joint, purpose="estimate", why=why)
+    settled = "both coefficients are determined" if verdict == "estimate" else verdict.replace("_", " ")
+    return Task(joint=joint, why=reason or settled)
 
 
 def _joint(

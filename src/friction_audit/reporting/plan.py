@@ -11,7 +11,7 @@ from friction_audit.reporting.documents import WARNINGS
 from friction_audit.reporting.drift_words import NAMES, UNITS
 from friction_audit.reporting.notices import Notice, notice
 from friction_audit.reporting.table import Column, Document, Record
-from friction_audit.reporting.words import joint_label, with_unit
+from friction_audit.reporting.words import joint_label, joints_label, with_unit
 
 PURPOSES = {"decide": "to decide between", "diagnose": "to diagnose", "estimate": "to estimate friction"}
 
@@ -123,7 +123,10 @@ def plan_notices(recordings: Iterable[Recording], *, known_start: bool) -> Itera
 
 def plan_lines(recordings: Sequence[Recording], settled: Sequence[Task]) -> list[str]:
     """Return the motions as text for a person, and what `diagnose` would answer after them."""
-    lines = [f"joint {joint_label(one.joint.number, one.joint.name)}: nothing to decide: {one.why}" for one in settled]
+    done = [one for one in settled if not one.at_rest]
+    lines = [f"joint {joint_label(one.joint.number, one.joint.name)}: nothing to decide: {one.why}" for one in done]
+    if still := [one.joint.number for one in settled if one.at_rest]:
+        lines.append(f"{joints_label(still)}: did not move; for a recording of one: --joints {still[0]}")
     if settled and not any(plan.task.why for one in recordings for plan in one.plans):
         lines.append("The best recording otherwise:")
     for one in recordings:
