@@ -31,6 +31,24 @@ def test_a_log_and_its_estimate_give_the_same_file(run: Run, tmp_path: Path) -> 
         assert (tmp_path / out).read_bytes() == (tmp_path / "log.xml").read_bytes()
 
 
+def test_numbers_have_the_intervals_of_the_source_and_one_that_it_does_not_resolve_is_said_to_be_zero(run: Run) -> None:
+    def one(joint: int, coulomb: object, viscous: object) -> dict[str, object]:
+        found = {"coulomb_nm": coulomb, "viscous_nms_per_rad": viscous, "regression": None, "reason": None}
+        return {"joint": joint, "name": f"j{joint}", **found}
+
+    sure = {"value": 0.2, "ci95": [0.19, 0.21]}
+    joints = [one(1, sure, None), one(2, sure, {"value": -0.01, "ci95": [-0.03, 0.01]})]
+    chosen = {"torque_chosen": {"drive": "hand", "inertia": "none"}}
+    document = {"schema": "friction-audit/estimate/1", "source": {}, "settings": chosen, "joints": joints}
+    Path("estimate.json").write_text(json.dumps(document))
+    answer = run("export", "estimate.json", "out.urdf")
+    rows = [line.split(maxsplit=2)[2] for line in answer.out.splitlines() if line.startswith(("1", "2"))]
+    assert [" ".join(row.split()) for row in rows] == ["0.200 ± 0.010 0", "0.200 ± 0.010 0.000 +0.010/-0.030"]
+    assert "intervals are 95 %" in answer.out
+    assert "joint 1: the file has no viscous friction: the source does not determine it" in answer.err
+    assert "joint 2: the file has no viscous friction: it is -0.010 ± 0.020 N m s/rad" in answer.err
+
+
 def test_a_model_file_says_what_no_simulator_holds(run: Run, tmp_path: Path) -> None:
     save_model(MODEL, tmp_path / "model.toml")
     document = run("export", "model.toml", "out.urdf", "--speeds", "0,2", "--json").document()

@@ -136,12 +136,13 @@ def export_friction(
     laws, lacking = friction_law.laws_of(joints, own, usual, wanted=wanted, armature=with_inertia)
     names, by_order, tags = [one.name for one in laws], False, dict[str, Tag]()
     if into is not None and target.joints_of is not None:
-        found = [(tag.attributes.get("name", ""), tag) for tag in target.joints_of(into)]
-        known = [name for name, _ in found]
+        there = [(tag.attributes.get("name", ""), tag) for tag in target.joints_of(into)]
+        known = [name for name, _ in there]
         names, by_order = friction_law.match_names(laws, len(joints.every), known, into.where)
-        tags = dict(found)
+        tags = dict(there)
     fitted = [one.fit(target.highest_power) for one in laws]
-    written = tuple(ExportedJoint(*one) for one in zip(names, laws, fitted, strict=True))
+    found = [joints.found.get(one.joint, {}) for one in laws]
+    written = tuple(ExportedJoint(*one) for one in zip(names, laws, fitted, found, strict=True))
     if into is None or target.edits is None:
         content = render(target.name, written)
     else:

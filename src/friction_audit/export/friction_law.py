@@ -6,7 +6,7 @@ Least Squares Problems, 1974, chapter 23), so that the simulated joint dissipate
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import SpeedFriction
 from friction_audit.effects.joint_model import FittedTerm, JointModel, load_model, simple_model
 from friction_audit.errors import AnalysisError, InputError, UsageError
+from friction_audit.friction.history import NAN, UNDETERMINED, Coefficient
 from friction_audit.io.files import read_document
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Estimate
@@ -29,6 +30,7 @@ POWERS = (0, 1, 2, 3)
 DIGITS = 9  # of a number in a file, more than any log determines
 SPEEDS = (0.01, 1.0)  # rad/s: of a file without a log, from the slowest motion that counts to that of a hand
 MODEL, ESTIMATE, BATCH, LEDGER = "model.toml", "estimate.json", "batch.json", ".sqlite"
+FOUND = ("inertia_kg_m2", *COEFFICIENTS)
 OTHERWISE = f"of `diagnose`, give the {MODEL} that it writes with --output"
 
 
@@ -121,6 +123,16 @@ class ExportedJoint:
     name: str  # its name in the file
     law: FrictionLaw  # its friction law
     fitted: FittedFriction  # the law as the target holds it
+    # what the source found, by ``FOUND``; empty for a model, which has no intervals
+    found: Mapping[str, Coefficient]
+
+    @property
+    def written(self) -> dict[str, Coefficient]:
+        """Numbers by ``FOUND`` as they are written, with the intervals of the source where it has some."""
+        inertia = self.law.inertia_kg_m2
+        values = (NAN if inertia is None else inertia, *self.fitted.coefficients[:2])
+        pairs = zip(FOUND, values, strict=True)
+        return {name: replace(self.found.get(name, UNDETERMINED), value=value) for name, value in pairs}
 
     @property
     def static_nm(self) -> float:
@@ -162,6 +174,8 @@ class Joints:
 
     every: tuple[tuple[int, str, JointModel | Reason], ...]  # number (1..n), name and model of each, or why it has none
     reflected: bool | None  # whether the inertias are the reflected ones of the motors; None if not known
+    # what the source found of each by ``FOUND``, by number; empty for a model
+    found: Mapping[int, Mapping[str, Coefficient]] = field(default_factory=dict)
 
 
 def result_file(source: Path) -> Path | None:
@@ -193,10 +207,10 @@ def read_result(path: Path, arm: str | None = None) -> Joints:
 
 def of_estimate(estimate: Estimate) -> Joints:
     """Return the models that an estimate amounts to: inertia, Coulomb and viscous friction."""
-    choice, joints = estimate.interaction.choice, estimate.friction.joints
-    inertias = [float("nan") if one.regression is None else one.regression.inertia.value for one in joints]
-    values = [(inertia, one.coulomb.value, one.viscous.value) for one, inertia in zip(joints, inertias, strict=True)]
-    rows = [(one.joint, one.name, three, one.reason) for one, three in zip(joints, values, strict=True)]
+    choice, rows = estimate.interaction.choice, []
+    for one in estimate.friction.joints:
+        inertia = UNDETERMINED if one.regression is None else one.regression.inertia
+        rows.append((one.joint, one.name, (inertia, one.coulomb, one.viscous), one.reason))
     return _joints(rows, choice.drive, choice.inertia)
 
 
@@ -219,15 +233,15 @@ def laws_of(
 
 
 def _of_document(document: Mapping[str, Any], path: Path) -> Joints:
-    keys = (("regression", "inertia_kg_m2"), ("coulomb_nm", "value"), ("viscous_nms_per_rad", "value"))
     chosen, unit = document["settings"]["torque_chosen"], str(document["source"].get("torque_unit", "N m"))
     if unit != "N m":
         raise UsageError(f"{path}: its torque is in {unit}; expected N m; estimate again with --torque-constant")
     rows = []
     for one in document["joints"]:
-        found = [None if one[k] is None else one[k][key] for k, key in keys]
-        values = np.array(found, dtype=np.float64).tolist()  # NaN for None
-        rows.append((int(one["joint"]), str(one["name"]), values, quoted(str(one["reason"] or ""))))
+        fitted = one["regression"] or {"inertia_kg_m2": None}
+        inertia = {"value": fitted["inertia_kg_m2"], "ci95": fitted.get("inertia_kg_m2_ci95")}
+        found = [_coefficient(each) for each in (inertia, *(one[name] for name in COEFFICIENTS))]
+        rows.append((int(one["joint"]), str(one["name"]), found, quoted(str(one["reason"] or ""))))
     return _joints(rows, chosen["drive"], chosen["inertia"])
 
 
@@ -240,23 +254,32 @@ def _of_batch(document: Mapping[str, Any], path: Path, arm: str | None) -> Joint
         raise UsageError(f"{path}: {asked}; it holds {', '.join(arms)}; choose one with --arm")
     rows = []
     for one in (one for one in document["joints"] if one["robot"] == chosen):
-        found = [one["coefficients"].get(name, {}).get("level") for name in COEFFICIENTS]
-        levels = np.array([None if level is None else level["value"] for level in found], dtype=np.float64)
-        reason = quoted("no session of the reference has its friction" if np.isnan(levels).all() else "")
-        rows.append((int(one["joint"]), str(one["name"]), [float("nan"), *levels], reason))
+        levels = [_coefficient(one["coefficients"].get(name, {}).get("level")) for name in COEFFICIENTS]
+        lacking = all(np.isnan(level.value) for level in levels)
+        reason = quoted("no session of the reference has its friction" if lacking else "")
+        rows.append((int(one["joint"]), str(one["name"]), (UNDETERMINED, *levels), reason))
     return _joints(rows, "robot", "none")
 
 
-def _joints(rows: Iterable[tuple[int, str, Sequence[float], Reason]], drive: str, inertia: str) -> Joints:
+def _coefficient(found: Mapping[str, Any] | None) -> Coefficient:
+    """Return a coefficient of a document, in which null is a number that is not known."""
+    one = found or {"value": None}
+    three = (one["value"], *(one.get("ci95") or (None, None)))
+    value, low, high = (NAN if number is None else float(number) for number in three)
+    return Coefficient(value=value, low=low, high=high)
+
+
+def _joints(rows: Iterable[tuple[int, str, Sequence[Coefficient], Reason]], drive: str, inertia: str) -> Joints:
     """Return the joints that have a model, and why the others have none; a number that is not known is zero.
 
     Their inertia is that of the motor alone where a person drives the link, for then the sensor is between the two, and
     where a rigid-body model has taken the inertia of the links out.
     """
-    every = []
-    for number, name, values, reason in rows:
-        known = [float(value) if np.isfinite(value) else 0.0 for value in values]
-        coulomb, viscous = (max(value, 0.0) for value in known[1:])
-        numbers = {"inertia_kg_m2": known[0], "coulomb_nm": coulomb, "viscous_nms_per_rad": viscous}
+    every, known = [], dict[int, Mapping[str, Coefficient]]()
+    for number, name, found, reason in rows:
+        values = [one.value if np.isfinite(one.value) else 0.0 for one in found]
+        coulomb, viscous = (max(value, 0.0) for value in values[1:])
+        numbers = {"inertia_kg_m2": values[0], "coulomb_nm": coulomb, "viscous_nms_per_rad": viscous}
+        known[number] = dict(zip(FOUND, found, strict=True))
         every.append((number, name, reason or simple_model(**numbers)))
-    return Joints(tuple(every), reflected=drive == "hand" or inertia == "model")
+    return Joints(tuple(every), reflected=drive == "hand" or inertia == "model", found=known)

@@ -47,6 +47,9 @@ WORDS: Mapping[str, Callable[[Mapping[str, Any]], dict[str, str]]] = {
         lambda one: {"speed": "the speed" if one["unit"] == "rad/s" else "the hand's speed"},
     ),
     **dict.fromkeys(
+        ("negative_coulomb", "negative_viscous"), lambda one: {"case": sentences()["negative"][one["case"]]}
+    ),
+    **dict.fromkeys(
         ("all_rejected", "most_rejected"), lambda one: {"case": sentences()["rejected"].get(one["case"], "")}
     ),
     "too_few_cycles": lambda one: {
