@@ -35,6 +35,14 @@ def test_a_log_too_short_for_a_cycle_is_called_short(run: Run, logs: Path, tmp_p
     assert "pause" not in answer.err
 
 
+def test_the_estimator_of_the_paper_states_no_intervals(run: Run, logs: Path) -> None:
+    text = run("estimate", logs / "moved1.csv", "--estimator", "paper").out
+    assert ("95 %" in text, "no intervals" in text, "±" in text) == (False, True, False)
+    run("report", logs / "moved1.csv", "--estimator", "paper", "--sections", "recording", "-o", "out")
+    (page,) = Path("out").glob("*.html")
+    assert "whole log with no intervals" in page.read_text()
+
+
 @pytest.fixture
 def amperes(logs: Path, tmp_path: Path) -> Path:
     return spoiled(logs / "moved1.csv", tmp_path / "current.csv", {"tau_interaction_1": "actual_current_1"})

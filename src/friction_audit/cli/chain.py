@@ -226,7 +226,7 @@ def audit_settings(options: opt.LogOptions, estimate: opt.EstimateOptions | None
     begin, end = parse_numbers("--hand-thresholds", cycles.hand_thresholds, ("INIT", "TERM"))
     speeds: dict[str, Any] = {"thresholds": "auto", "hand_initiation_m_s": begin, "hand_termination_m_s": end}
     if cycles.thresholds != "auto":
-        begin, end = parse_numbers("--thresholds", cycles.thresholds, ("INIT", "TERM"))
+        begin, end = parse_numbers("--thresholds", cycles.thresholds, ("INIT", "TERM"), "auto")
         speeds |= {"thresholds": "fixed", "initiation_rad_s": begin, "termination_rad_s": end}
     return AuditSettings(
         joints=parse_joints(selection.joints), t_start_s=selection.t_start, t_stop_s=selection.t_end,

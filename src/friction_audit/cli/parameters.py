@@ -127,16 +127,16 @@ def parse_joints(text: str | None) -> tuple[int, ...] | None:
     return None if text is None else parse_joint_numbers(text, f"--joints {text}")
 
 
-def parse_numbers(option: str, text: str, names: tuple[str, ...]) -> tuple[float, ...]:
-    """Return the numbers of ``"0.2,0.05"``, one per name."""
+def parse_numbers(option: str, text: str, names: tuple[str, ...], *words: str) -> tuple[float, ...]:
+    """Return the numbers of ``"0.2,0.05"``, one per name; the option also takes some words."""
     try:
-        numbers = tuple(map(float, text.split(",")))
-    except ValueError as error:
-        raise UsageError(f"{option} {text}: expected numbers {','.join(names)}") from error
-    if len(numbers) != len(names):
-        found = f"{len(numbers)} number{'s' * (len(numbers) > 1)}"
-        raise UsageError(f"{option} {text}: {found}; expected {len(names)}: {','.join(names)}")
-    return numbers
+        found = tuple(map(float, text.split(",")))
+    except ValueError:
+        found = ()
+    if len(found) != len(names):
+        numbers = f"{len(names)} number{'s' * (len(names) > 1)} {','.join(names)}"
+        raise UsageError(f"{option} {printable(text)}: expected {' or '.join((*words, numbers))}")
+    return found
 
 
 def parse_range(option: str, text: str | None, unit: str, least: float = -inf) -> tuple[float, float] | None:

@@ -142,7 +142,8 @@ def estimate_lines(estimate: Estimate) -> list[str]:
     choice, settings = estimate.interaction.choice, estimate.settings.friction
     joints, unit = estimate.friction.joints, estimate.log.source.torque_unit
     marked, physics = physics_of(estimate_notices(estimate), joints)
-    window = f"history over up to {settings.cycles_per_point} cycles; intervals are 95 %"
+    intervals = "no intervals" if estimate.friction.estimator == "paper" else "intervals are 95 %"
+    window = f"history over up to {settings.cycles_per_point} cycles; {intervals}"
     lines = [
         log_line(estimate.log),
         "; ".join(text for text in (f"interaction torque: {choice.formula}", text_of(choice.reason)) if text),

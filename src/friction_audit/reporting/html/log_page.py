@@ -74,7 +74,8 @@ def log_page(report: reports.LogReport, *, figures: bool = True) -> html.Page:
 
 def _answer(report: reports.LogReport, answered: list[reports.JointReport], drawn: Drawn) -> Iterator[html.Part]:
     """Yield the table of the answers, why the other joints have none, and the velocity-torque sheet."""
-    caption = "Friction over the whole log with 95 % intervals, and what the nominal model misses"
+    intervals = "no intervals" if report.estimate.friction.estimator == "paper" else "95 % intervals"
+    caption = f"Friction over the whole log with {intervals}, and what the nominal model misses"
     yield reports.VERDICT.people(answered, caption=caption, unit=report.unit).filled()
     # Warnings about the replay stand in its section.
     joints = [one.friction for one in report.joints]
