@@ -115,11 +115,16 @@ def test_a_number_that_a_document_leaves_out_takes_no_name_away() -> None:
 
 def test_a_recording_for_estimate_determines_both_coefficients() -> None:
     joint = Joint()
-    task = Task(joint=joint, purpose="estimate")
-    found = plan_task(task, limits(), 60.0).coefficients
+    task = Task(joint=joint, purpose="estimate", why="1 cycle: move it")
+    plan = plan_task(task, limits(start_rad=-1e-4), 60.0)
+    found = plan.coefficients
     true = {"coulomb_nm": joint.parameters.coulomb_nm, "viscous_nms_per_rad": joint.parameters.viscous_nms_per_rad}
     for name, value in true.items():
         assert found[name].value == pytest.approx(value, rel=0.1), name
+    first, second, *_, last, _ = plan_lines([Recording("estimate", (plan,), ())], [])
+    assert "(1 cycle): " in first, "the motion is what to do"
+    assert second.startswith("start at 0.00 rad")
+    assert last.startswith("simulated with Coulomb 0.3 N m, viscous 0.07 N m s/rad, estimate finds")
 
 
 def result(path: Path, verdict: str, **changes: object) -> Path:

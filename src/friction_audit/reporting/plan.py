@@ -139,12 +139,13 @@ def plan_lines(recordings: Sequence[Recording], settled: Sequence[Task]) -> list
 
 def _joint_lines(plan: JointPlan) -> Iterator[str]:
     limits, joint, why = plan.limits, plan.task.joint, plan.task.why
-    decided = f" {why}" if plan.task.purpose == "decide" else f" ({why})" if why else ""
+    # Of a reason what there is, without what it may come from: the motion below is what to do.
+    decided = f" {why}" if plan.task.purpose == "decide" else f" ({why.partition(':')[0]})" if why else ""
     by = "by hand or by the robot" if joint.hand else "by the robot"
     purpose = f"{PURPOSES[plan.task.purpose or 'decide']}{decided}"
     yield f"joint {joint_label(joint.number, joint.name)}, {purpose}: {plan.duration_s:.0f} s, {by}"
     yield (
-        f"start at {limits.start_rad:.2f} rad; within {limits.low_rad:.2f} to {limits.high_rad:.2f} rad, "
+        f"start at {limits.start_rad:z.2f} rad; within {limits.low_rad:z.2f} to {limits.high_rad:z.2f} rad, "
         f"{limits.speed_rad_s:.3g} rad/s, {limits.acceleration_rad_s2:.3g} rad/s², {limits.jerk_rad_s3:.3g} rad/s³ "
         f"({limits.source})"
     )
@@ -160,5 +161,8 @@ def _joint_lines(plan: JointPlan) -> Iterator[str]:
     if plan.answers:
         yield from ANSWER.people(plan.answers, "t").lines()
     if plan.coefficients:
-        numbers = ", ".join(f"{NAMES[key]} {with_unit(one, UNITS[key])}" for key, one in plan.coefficients.items())
-        yield f"estimate would find, with 95 % intervals: {numbers}"
+        there = ", ".join(
+            f"{NAMES[key]} {getattr(joint.parameters, key):.3g} {UNITS[key]}" for key in plan.coefficients
+        )
+        found = ", ".join(f"{NAMES[key]} {with_unit(one, UNITS[key])}" for key, one in plan.coefficients.items())
+        yield f"simulated with {there}, estimate finds, with 95 % intervals: {found}"
