@@ -155,3 +155,14 @@ def test_a_vibration_at_a_low_rate_is_no_error(rate: float, share: float, run: R
     assert answer.code == 0, answer.err
     (joint,) = answer.document()["joints"]
     assert joint["verdict"] in ("adequate", "named", "ambiguous", "unexplained")
+
+
+@pytest.mark.parametrize("every", [25, 40])
+def test_a_rate_at_which_too_few_samples_have_a_certain_direction_is_the_reason(
+    every: int, run: Run, logs: Path
+) -> None:
+    header, *rows = (logs / "moved1.csv").read_text().splitlines(keepends=True)
+    Path("slow.csv").write_text(header + "".join(rows[::every]))
+    answer = run("diagnose", "slow.csv")
+    assert answer.code == 4
+    assert f"cycles at {250 / every:.3g} Hz; at least 100 are needed: record at 100 Hz or more" in answer.err

@@ -26,7 +26,7 @@ from friction_audit.joint_log import Float
 from friction_audit.preprocessing.interaction import Caution, Reason, quoted, reason_of
 
 WORKING_BYTES = 1000  # of a process per sample of the fine grid (benchmarks/bench_diagnose.py)
-FEWEST_CYCLES = 6
+FEWEST_CYCLES, FEWEST_SAMPLES = 6, 100  # of a certain direction; of samples as many as a torque regression needs
 ALPHA = 0.05  # family-wise error of the detection limit
 POWER_Z = 1.28  # normal quantile of 90 % power
 COMPETING_SHOWN = 6
@@ -83,9 +83,13 @@ def diagnose_joint(
     subject = replace(subject, data=replace(subject.data, rigid=None if rigid is None else replace(rigid)))
     if wrong := tuple(one for one in subject.findings if one.verdict == "fault"):
         return _answer(subject, "data_fault", wrong)
-    cycles = len(np.unique(make_samples(subject.data).cycle))
-    if cycles < FEWEST_CYCLES:
-        numbers = {"cycles": cycles, "fewest": FEWEST_CYCLES, "lacking": subject.lacking}
+    data, cycle = subject.data, make_samples(subject.data).cycle
+    moving, found = len(np.unique(cycle)), len(np.unique(data.cycle[data.cycle >= 0]))
+    if found >= FEWEST_CYCLES and len(cycle) < FEWEST_SAMPLES:
+        numbers = {"samples": len(cycle), "fewest": FEWEST_SAMPLES, "cycles": found, "rate_hz": 1.0 / data.step_s}
+        return _answer(subject, "not_testable", (Caution("too_few_samples", numbers=numbers),))
+    if moving < FEWEST_CYCLES:
+        numbers = {"cycles": moving, "fewest": FEWEST_CYCLES, "lacking": subject.lacking}
         return _answer(subject, "not_testable", (Caution("too_few_cycles", numbers=numbers),))
     try:
         state = select(subject.data, subject.model, effects)
