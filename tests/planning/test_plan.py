@@ -181,6 +181,7 @@ def test_a_joint_at_rest_is_planned_for_only_by_its_number(run: Run, tmp_path: P
     (tmp_path / "a.json").write_text(json.dumps(document | {"joints": [at_rest[0], moved, at_rest[1]]}))
     text = run("plan", tmp_path / "a.json", "--duration", "60").out
     assert "joints 1, 3: did not move; for a recording of one: --joints 1\n" in text
+    assert "joint 2: no motion planned: adequate\n" in text
     assert "joint 2, to diagnose" in text, "the joint that moved"
     assert "diagnose would answer" not in text, "a diagnosis of each effect of the catalogue takes half a minute"
     asked = run("plan", tmp_path / "a.json", "--no-check", "--joints", "3", "--json").document()
@@ -196,7 +197,7 @@ def test_a_result_without_open_names_says_so_and_offers_the_best_recording(run: 
     other = {"joint": 3, "name": "panda_joint3", "verdict": "ambiguous", "effects": [constants]}
     (tmp_path / "a.json").write_text(json.dumps(document | {"joints": [adequate, adequate | other]}))
     text = run("plan", tmp_path / "a.json", "--no-check", "--duration", "60").out
-    assert "joint 2: nothing to decide" in text
+    assert "joint 2: no motion planned: adequate" in text
     assert "to diagnose" in text
     assert "to estimate friction" in text
     assert "no motion of the joint separates torque_bias from asymmetric_coulomb" in text

@@ -124,7 +124,7 @@ def plan_notices(recordings: Iterable[Recording], *, known_start: bool) -> Itera
 def plan_lines(recordings: Sequence[Recording], settled: Sequence[Task]) -> list[str]:
     """Return the motions as text for a person, and what `diagnose` would answer after them."""
     done = [one for one in settled if not one.at_rest]
-    lines = [f"joint {joint_label(one.joint.number, one.joint.name)}: nothing to decide: {one.why}" for one in done]
+    lines = [f"joint {joint_label(one.joint.number, one.joint.name)}: no motion planned: {one.why}" for one in done]
     if still := [one.joint.number for one in settled if one.at_rest]:
         lines.append(f"{joints_label(still)}: did not move; for a recording of one: --joints {still[0]}")
     if settled and not any(plan.task.why for one in recordings for plan in one.plans):
