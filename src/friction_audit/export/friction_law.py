@@ -131,8 +131,9 @@ class ExportedJoint:
         """Numbers by ``FOUND`` as they are written, with the intervals of the source where it has some."""
         inertia = self.law.inertia_kg_m2
         values = (NAN if inertia is None else inertia, *self.fitted.coefficients[:2])
-        pairs = zip(FOUND, values, strict=True)
-        return {name: replace(self.found.get(name, UNDETERMINED), value=value) for name, value in pairs}
+        pairs = ((name, self.found.get(name, UNDETERMINED), value) for name, value in zip(FOUND, values, strict=True))
+        # The interval of a number below zero is not that of the zero in its place.
+        return {name: replace(one if one.value >= 0.0 else UNDETERMINED, value=value) for name, one, value in pairs}
 
     @property
     def static_nm(self) -> float:
