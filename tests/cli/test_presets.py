@@ -1,5 +1,6 @@
 """Arms known by name: limits, names of joints, kinds of torque, and what is said where a model is missing."""
 
+import json
 import runpy
 from math import inf
 from pathlib import Path
@@ -73,12 +74,14 @@ def test_limits_of_a_compensator_are_those_of_the_preset() -> None:
 @pytest.mark.thorough
 def test_a_plan_without_a_log_is_for_the_arm_named(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(plan, "candidates_of", lambda limits: candidates_of(limits)[::9])
-    words = ("--robot", "ur5e", "--joints", "3", "--drive", "robot", "--no-check", "--duration", "60")
+    words = ("--robot", "ur5e", "--joints", "3,5", "--drive", "robot", "--no-check", "--duration", "60")
     done = run("plan", *words, "-o", tmp_path)
     assert done.code == 0, done.err
     header = (tmp_path / "trajectory_estimate.csv").read_text().splitlines()[0]
     assert "q_elbow_joint" in header
-    assert "Universal_Robots_ROS2_Description" in (tmp_path / "plan.json").read_text()
+    text = (tmp_path / "plan.json").read_text()
+    assert "Universal_Robots_ROS2_Description" in text
+    assert [[one["joint"] for one in each["joints"]] for each in json.loads(text)["recordings"]] == [[3, 5], [3, 5]]
 
 
 def table(path: Path, torque: str) -> Path:

@@ -175,16 +175,16 @@ def test_the_command_separates_checks_and_writes_a_document_and_the_trajectory(
 
 
 def test_a_joint_at_rest_is_planned_for_only_by_its_number(run: Run, tmp_path: Path) -> None:
-    document = json.loads(result(tmp_path / "a.json", "adequate").read_text())
+    document = json.loads(result(tmp_path / "diagnose.json", "adequate").read_text())
     (moved,), still = document["joints"], sentences()["reasons"]["did_not_move"].format_map(defaultdict(float))
     at_rest = [moved | {"joint": k, "verdict": "not_testable", "message": f"0 cycles: {still}"} for k in (1, 3)]
-    (tmp_path / "a.json").write_text(json.dumps(document | {"joints": [at_rest[0], moved, at_rest[1]]}))
-    text = run("plan", tmp_path / "a.json", "--duration", "60").out
+    (tmp_path / "diagnose.json").write_text(json.dumps(document | {"joints": [at_rest[0], moved, at_rest[1]]}))
+    text = run("plan", tmp_path, "--duration", "60").out
     assert "joints 1, 3: did not move; for a recording of one: --joints 1\n" in text
     assert "joint 2: no motion planned: adequate\n" in text
     assert "joint 2, to diagnose" in text, "the joint that moved"
     assert "diagnose would answer" not in text, "a diagnosis of each effect of the catalogue takes half a minute"
-    asked = run("plan", tmp_path / "a.json", "--no-check", "--joints", "3", "--json").document()
+    asked = run("plan", tmp_path / "diagnose.json", "--no-check", "--joints", "3", "--json").document()
     (recording,) = asked["recordings"]
     assert [(one["joint"], one["why"]) for one in recording["joints"]] == [(3, "did not move")]
 

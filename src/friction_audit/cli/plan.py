@@ -9,7 +9,16 @@ import typer
 
 from friction_audit.cli import chain, options as opt
 from friction_audit.cli.outputs import ResultFolder, show
-from friction_audit.cli.parameters import GENERAL, MOTION, group, option, parse_joints, parse_numbers, parse_range
+from friction_audit.cli.parameters import (
+    GENERAL,
+    MOTION,
+    group,
+    option,
+    parse_joints,
+    parse_numbers,
+    parse_range,
+    positive,
+)
 from friction_audit.errors import InputError
 from friction_audit.joint_numbers import require_joints
 
@@ -23,13 +32,15 @@ EXAMPLES = """Examples:
   friction-audit plan"""
 
 DOCUMENT, TRAJECTORY = "plan.json", "trajectory"
+LONGEST_S = 7200.0  # that can be simulated
+RESULTS = ("diagnose.json", "estimate.json")
 
 
 @group(MOTION)
 class MotionOptions:
     """What the motion may be."""
 
-    duration: float = option("Length of the motion of a joint.", default=120.0, metavar="SECONDS")
+    duration: float = positive("Length of the motion of a joint.", default=120.0, max=LONGEST_S, metavar="SECONDS")
     range_: str | None = option(
         "Positions relative to the start [rad]. Default: the log's, at least -0.8,0.8.", "--range", metavar="LOW,HIGH"
     )
@@ -44,14 +55,17 @@ class MotionOptions:
         "Simulate the motion and what diagnose would answer. Default: where effects are to be separated.",
         "--check/--no-check",
     )
-    trajectory_rate: float = option("Points of the trajectory per second.", default=100.0, metavar="HZ", panel=GENERAL)
+    trajectory_rate: float = positive(
+        "Points of the trajectory per second.", default=100.0, metavar="HZ", panel=GENERAL
+    )
 
 
 def command(
     motion: MotionOptions,
     shared: opt.LogOptions,
     source: Annotated[
-        Path | None, typer.Argument(metavar="[SOURCE]", help="A log, a diagnose.json or an estimate.json.")
+        Path | None,
+        typer.Argument(metavar="[SOURCE]", help="A log, a diagnose.json or an estimate.json, or their folder."),
     ] = None,
     folder: Path | None = opt.folder_option(f"Also write {DOCUMENT}, {TRAJECTORY}.csv and {TRAJECTORY}.mcap to DIR."),
 ) -> None:
@@ -97,13 +111,18 @@ def command(
 
 
 def _tasks(source: Path | None, motion: MotionOptions, shared: opt.LogOptions) -> "tuple[Arm, list[Task]]":
-    """Return the arm and what its joints need; where nothing is to be decided, the best recordings of the first one."""
+    """Return the arm and what its joints need.
+
+    Where nothing is to be decided, it is the best recordings of the joints wanted, else of the first one that moved.
+    """
     from friction_audit.io.files import read_document
     from friction_audit.planning.task import Joint, Task, arm_of, tasks_of
     from friction_audit.presets import BUILT_IN, PRESETS
     from friction_audit.simulation.bench import READY_RAD
 
     wanted, start = parse_joints(shared.selection.joints), None
+    if source is not None and source.is_dir():  # of results; one of a bag holds none
+        source = next((source / name for name in RESULTS if (source / name).is_file()), source)
     if motion.start is not None:
         names = tuple(f"Q{k}" for k in range(1, motion.start.count(",") + 2))
         start = parse_numbers("--start", motion.start, names)
@@ -112,25 +131,27 @@ def _tasks(source: Path | None, motion: MotionOptions, shared: opt.LogOptions) -
         robot = asked if asked in PRESETS else BUILT_IN if start is None else ""
         joints = len(PRESETS[robot].joints if robot else start or ())
         arm = arm_of(robot, joints, start or (READY_RAD if robot == BUILT_IN else None), {})
-        number = (wanted or (1,))[0]
-        require_joints([number], len(arm.names), f"--joints {number}")
-        tasks = [Task(joint=Joint(number=number, name=arm.names[number - 1]), why="there is no log")]
+        numbers = wanted or (1,)
+        require_joints(numbers, len(arm.names), f"--joints {shared.selection.joints}")
+        tasks = [Task(joint=Joint(number=k, name=arm.names[k - 1]), why="there is no log") for k in numbers]
     elif source.suffix.lower() == ".json":
         arm, tasks = tasks_of(read_document(source, ("diagnose", "estimate")), source, start, wanted=wanted)
     else:
-        arm, tasks = _tasks_of_log(source, start, shared)
+        arm, tasks = _tasks_of_log(source, start, wanted, shared)
     if shared.torque.drive != "auto":
         tasks = [replace(one, joint=replace(one.joint, hand=shared.torque.drive == "hand")) for one in tasks]
     if not tasks:
         raise InputError(f"{source}: holds no joint of --joints; name one that it has")
     if any(one.purpose for one in tasks):
         return arm, tasks
-    first = min(tasks, key=lambda one: one.at_rest)  # the first one that moved
-    best = [replace(first, purpose=purpose, why="") for purpose in ("diagnose", "estimate")]
+    chosen = tasks if wanted or source is None else [min(tasks, key=lambda one: one.at_rest)]
+    best = [replace(one, purpose=purpose, why="") for purpose in ("diagnose", "estimate") for one in chosen]
     return arm, [*(tasks if source else []), *best]
 
 
-def _tasks_of_log(source: Path, start: "tuple[float, ...] | None", shared: opt.LogOptions) -> "tuple[Arm, list[Task]]":
+def _tasks_of_log(
+    source: Path, start: tuple[float, ...] | None, wanted: tuple[int, ...] | None, shared: opt.LogOptions
+) -> "tuple[Arm, list[Task]]":
     import numpy as np
 
     from friction_audit.diagnosis.diagnose import diagnose_subjects
@@ -147,4 +168,4 @@ def _tasks_of_log(source: Path, start: "tuple[float, ...] | None", shared: opt.L
         found = Diagnosis(estimate=estimate, joints=diagnose_subjects(subjects, settings), settings=settings)
     pose = np.median(log.q, axis=0).tolist() if start is None else start
     pairs = list(zip(subjects, found.joints, strict=True))
-    return tasks_of(DIAGNOSE.of(found), source, pose, names=log.joint_names, subjects=pairs)
+    return tasks_of(DIAGNOSE.of(found), source, pose, wanted=wanted, names=log.joint_names, subjects=pairs)
