@@ -84,12 +84,12 @@ def diagnose_joint(
     if wrong := tuple(one for one in subject.findings if one.verdict == "fault"):
         return _answer(subject, "data_fault", wrong)
     data, cycle = subject.data, make_samples(subject.data).cycle
-    moving, found = len(np.unique(cycle)), len(np.unique(data.cycle[data.cycle >= 0]))
-    if found >= FEWEST_CYCLES and len(cycle) < FEWEST_SAMPLES:
-        numbers = {"samples": len(cycle), "fewest": FEWEST_SAMPLES, "cycles": found, "rate_hz": 1.0 / data.step_s}
-        return _answer(subject, "not_testable", (Caution("too_few_samples", numbers=numbers),))
-    if moving < FEWEST_CYCLES:
-        numbers = {"cycles": moving, "fewest": FEWEST_CYCLES, "lacking": subject.lacking}
+    cycles, inside = len(np.unique(cycle)), len(np.unique(data.cycle[data.cycle >= 0]))
+    if inside >= FEWEST_CYCLES and len(cycle) < FEWEST_SAMPLES:
+        few = {"samples": len(cycle), "fewest": FEWEST_SAMPLES, "cycles": inside, "rate_hz": 1.0 / data.step_s}
+        return _answer(subject, "not_testable", (Caution("too_few_samples", numbers=few),))
+    if cycles < FEWEST_CYCLES:
+        numbers = {"cycles": cycles, "fewest": FEWEST_CYCLES, "lacking": subject.lacking}
         return _answer(subject, "not_testable", (Caution("too_few_cycles", numbers=numbers),))
     try:
         state = select(subject.data, subject.model, effects)
