@@ -21,10 +21,12 @@ class FittedModel:
         self.training, self.active = training, active
         self.gram, self.problem = training.gram, training.gram.problem
         self.fit = training.fit(active)
-        self.coefficients = self.fit.split(active)  # of each effect
+        self.coefficients = self.fit.of_blocks
         # torque of each effect on the samples, shape (m,) [N m]
         self.torques = [c @ block.columns for block, c in zip(active, self.coefficients, strict=True)]
         self._known = self.gram.base_raw[self.gram.precision == 0.0]  # the nominal model, and an offset that may be any
+        # rms of the torques free of these, shape (k,) [N m]
+        self.sizes = np.array([_rms_without(self._known, torque) for torque in self.torques])
 
     @cached_property
     def nominal(self) -> Nominal:
@@ -45,11 +47,6 @@ class FittedModel:
         for block, c in zip(self.active, self.coefficients, strict=True):
             left -= block.effect.regressor(data, self.nominal, block.shape)[:, block.there] @ c
         return left
-
-    @cached_property
-    def sizes(self) -> Float:
-        """Rms of each effect's torque free of the nominal model, and of an offset that may be any, shape (k,). [N m]"""
-        return np.array([_rms_without(self._known, torque) for torque in self.torques])
 
     @cached_property
     def inflations(self) -> Float:
@@ -74,35 +71,38 @@ class FittedModel:
         Of the chain's own effects only what it does not take is known: the rest of their coefficients is a guess.
         """
         torques, size = [*self.torques], self.sizes.copy()
-        others = [k for k, block in enumerate(self.active) if not _of_chain(block)]
-        each = [(self.active[k], self.coefficients[k]) for k in others]
-        for k, whole in zip(others, self._with_chain(dictionary, each), strict=False):  # none without a chain
-            torques[k], size[k] = whole
+        each = zip(self.active, self.coefficients, strict=True)
+        for k, whole in enumerate(self._with_chain(dictionary, each)):
+            if whole is not None:
+                torques[k], size[k] = whole
         return torques, size
 
     def taken_by_chain(self, dictionary: Dictionary) -> float:
         """Largest ratio of an effect's rms to what an unknown chain leaves of it, at a point of each; 1 without one."""
         points: dict[str, list[Block]] = {}
         for block in self.gram.blocks if self.problem.with_chain else ():
-            if not _of_chain(block):
-                points.setdefault(block.name, []).append(block)
+            points.setdefault(block.name, []).append(block)
         some = [(own[len(own) // 2], np.ones(own[len(own) // 2].p)) for own in points.values()]
         left = [_rms_without(self._known, c @ block.columns) for block, c in some]
-        whole = (rms for _, rms in self._with_chain(dictionary, some))
-        return max((one / free for one, free in zip(whole, left, strict=True) if free > 0.0), default=1.0)
+        both = zip(self._with_chain(dictionary, some), left, strict=True)
+        return max((one[1] / free for one, free in both if one is not None and free > 0.0), default=1.0)
 
-    def _with_chain(self, dictionary: Dictionary, each: Iterable[tuple[Block, Float]]) -> Iterator[tuple[Float, float]]:
-        """Torque of effects, what a chain could take in it, and its rms free of the nominal model."""
+    def _with_chain(
+        self, dictionary: Dictionary, each: Iterable[tuple[Block, Float]]
+    ) -> Iterator[tuple[Float, float] | None]:
+        """Torque of effects, what a chain could take in it, and its rms free of the nominal model; none without one.
+
+        None for the chain's own effects.
+        """
         if (problem := self.problem.with_chain) is not None:
             unprojected = replace(dictionary, problem=problem)
             known = np.vstack([problem.X, problem.columns(np.ones((len(problem.data.t), 1)))])
             for block, c in each:
+                if block.effect.axis == "neighbour" or block.name == GRAVITY:
+                    yield None
+                    continue
                 torque = c @ unprojected.columns_at(block, block.shape, self.nominal)
                 yield torque, _rms_without(known, torque)
-
-
-def _of_chain(block: Block) -> bool:
-    return block.effect.axis == "neighbour" or block.name == GRAVITY
 
 
 def _rms_without(known: Float, torque: Float) -> float:

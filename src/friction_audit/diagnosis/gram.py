@@ -149,11 +149,7 @@ class Fit(NamedTuple):
     factor: Float  # of Cholesky, of the scaled Gram matrix
     scale: Float
     projected: Float  # the response in terms of the factor
-
-    def split(self, active: Sequence[Block]) -> list[Float]:
-        """Coefficients of each block."""
-        ends = np.cumsum([len(self.kept), *(b.p for b in active)])
-        return [self.coefficients[a:b] for a, b in pairwise(ends.tolist())]
+    of_blocks: list[Float]  # coefficients of each block
 
 
 @dataclass(eq=False)
@@ -215,7 +211,8 @@ class Training:
         total = float(gram.yy[folds].sum())
         rss = max(total - float(projected @ projected), 1e-12 * total)
         coefficients = np.linalg.solve(factor.T, projected) / scale
-        self._fits[key] = Fit(kept, coefficients, rss, np.asarray(factor, np.float64), scale, projected)
+        of_blocks = np.split(coefficients, n + np.cumsum([0, *(b.p for b in active)]))[1:-1]
+        self._fits[key] = Fit(kept, coefficients, rss, np.asarray(factor, np.float64), scale, projected, of_blocks)
         return self._fits[key]
 
     def gain(self, active: Sequence[Block]) -> tuple[Float, Float]:

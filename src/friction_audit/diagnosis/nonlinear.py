@@ -237,7 +237,7 @@ def intervals(model: FittedModel, dictionary: Dictionary) -> Estimates:
     fit, sharp = model.fit, training.fit(active, SMOOTHED)
     if occam(training.samples * np.log(sharp.rss / fit.rss), SIGN_COLUMNS) < PRIOR:
         fit = sharp
-    each = [(Scale(dictionary, block), c) for block, c in zip(active, fit.split(active), strict=True)]
+    each = [(Scale(dictionary, block), c) for block, c in zip(active, fit.of_blocks, strict=True)]
     base, free = gram.base[fit.kept], [gram.of(block) for block in active if not block.effect.follows]
     slopes = [_slopes(gram, scale, c, baseline) for scale, c in each]
     rows = np.vstack([base, *free, *slopes])

@@ -129,7 +129,7 @@ class Search:
         possible, prior = gram.possible(coefficients), np.array([block.log_prior for block in blocks])
         given = {a.name for a in active}
         # Fewer waves of a drift where the cycles carry no more (ur10e_2 1 torque_drift 2.0 of the measured logs).
-        carried = gram.numbers <= self.most_numbers - self._numbers(active)
+        carried = gram.numbers <= self.room(active)
         for name in (name for name in dict.fromkeys(names.tolist()) if name not in given):
             own = np.flatnonzero((names == name) & possible)
             own = own[carried[own]] if carried[own].any() else own
@@ -153,16 +153,13 @@ class Search:
             total -= block.p + block.p * float(np.log(max(gain, block.p) / block.p)) + penalty
         return total
 
-    def carried(self, active: Sequence[Block]) -> bool:
-        """Whether the cycles can carry the numbers of these effects; a constant, which cannot stand in, is free."""
-        return self._numbers(active) <= self.most_numbers
-
-    def _numbers(self, active: Sequence[Block]) -> int:
-        return sum(b.p + b.numbers for b in active if b.effect.misses != "nothing")
+    def room(self, active: Sequence[Block]) -> int:
+        """How many numbers the cycles can carry with these effects; a constant, which cannot stand in, is free."""
+        return self.most_numbers - sum(b.p + b.numbers for b in active if b.effect.misses != "nothing")
 
     def _impossible(self, active: Sequence[Block]) -> list[Block]:
         fit = self.training.fit(active)
-        return [b for b, c in zip(active, fit.split(active), strict=True) if not b.possible(c)]
+        return [b for b, c in zip(active, fit.of_blocks, strict=True) if not b.possible(c)]
 
     def best(self, active: Sequence[Block]) -> list[Score]:
         """Effects given an active set, the best first, the best of them refined."""
@@ -189,7 +186,7 @@ class Search:
             tries = (
                 self.settle([*chosen, s.block])
                 for s in self.best(chosen)
-                if s.evidence >= self.prior and self.carried([*chosen, s.block])
+                if s.evidence >= self.prior and self.room([*chosen, s.block]) >= 0
             )
             better = next((trial for trial in tries if self.objective(trial) > least), None)
             if better is None:
@@ -217,7 +214,7 @@ class Search:
                 active = rest
         while active:
             wrong = self._impossible(active)
-            if self.carried(active) and not wrong:
+            if self.room(active) >= 0 and not wrong:
                 break
             worst = max(wrong or active, key=lambda b: self.objective([x for x in active if x is not b]))
             active = [b for b in active if b is not worst]
@@ -225,7 +222,7 @@ class Search:
 
     def _better(self, trial: list[Block], active: list[Block], by: float = TOLERANCE) -> bool:
         more = self.objective(trial) > self.objective(active) + by
-        return more and self.carried(trial) and not self._impossible(trial)
+        return more and self.room(trial) >= 0 and not self._impossible(trial)
 
     def _exchange(self, active: list[Block]) -> list[Block]:
         for block in active:
@@ -326,7 +323,7 @@ def _small_to_chain(gram: Gram, block: Block, active: Sequence[Block]) -> bool:
     load = gram.problem.data.load
     if load is None or block.name == GRAVITY or not len(gram.problem.chain):
         return False
-    torque = Training(gram).fit(active).split(active)[list(active).index(block)] @ block.columns
+    torque = Training(gram).fit(active).of_blocks[list(active).index(block)] @ block.columns
     return bool(np.std(torque) < CHAIN_ERROR * np.std(load[gram.problem.samples.fine]))
 
 
@@ -337,5 +334,5 @@ def _leans(training: Training, block: Block, other: Block, others: Sequence[Bloc
     (effects_joint_elasticity_90003, pairs_asymmetric_viscous+time_delay_120014).
     """
     sets = [block, *others], [block, *(b for b in others if b is not other)]
-    whole, without = (training.fit(chosen).split(chosen)[0] @ block.columns for chosen in sets)
+    whole, without = (training.fit(chosen).of_blocks[0] @ block.columns for chosen in sets)
     return bool(np.linalg.norm(whole - without) > LEANING * np.linalg.norm(whole))

@@ -38,8 +38,7 @@ def held_out(
     The nuisances of effects that are replaced are left out as well: what stands for an effect must not hide it.
     """
     model = _Model(gram, active, [] if extra is None else [extra], replaced)
-    every, out = np.arange(len(model.prior)), np.empty((2, len(gram.y)))
-    coefficients = model.coefficients(every)
+    out, coefficients = np.empty((2, len(gram.y))), without_each(model.grams, model.rights, model.prior)
     out[0, gram.order] = model.left(gram.problem.y[gram.order], model.raw, coefficients)
     out[1, gram.order] = model.left(gram.y, model.white, coefficients)
     return HeldOut(residual=out[0], innovation=out[1], rms=float(np.sqrt(np.mean(out[0] ** 2))))
@@ -62,10 +61,6 @@ class _Model:
         self.grams = np.stack([white[:, f] @ white[:, f].T for f in gram.slices])
         self.rights = np.stack([white[:, f] @ gram.y[f] for f in gram.slices])
 
-    def coefficients(self, which: Index) -> Float:
-        """Of some of the columns, fitted to all folds but one each, shape (folds, k)."""
-        return without_each(self.grams[:, which[:, None], which], self.rights[:, which], self.prior[which])
-
     def left(self, y: Float, rows: Float, coefficients: Float) -> Float:
         """What rows, shape (k, m), leave of the fold that their coefficients do not know."""
         every = zip(coefficients, self.gram.slices, strict=True)
@@ -73,8 +68,9 @@ class _Model:
 
     def rms(self, which: Index) -> float:
         """Root mean square of what some of the columns leave. [N m]"""
-        y = self.gram.problem.y[self.gram.order]
-        return float(np.sqrt(np.mean(self.left(y, self.raw[which], self.coefficients(which)) ** 2)))
+        y, grams = self.gram.problem.y[self.gram.order], self.grams[:, which[:, None], which]
+        coefficients = without_each(grams, self.rights[:, which], self.prior[which])
+        return float(np.sqrt(np.mean(self.left(y, self.raw[which], coefficients) ** 2)))
 
 
 class Gain(NamedTuple):

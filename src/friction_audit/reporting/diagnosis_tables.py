@@ -5,7 +5,7 @@ from itertools import zip_longest
 from typing import Any, NamedTuple
 
 from friction_audit.diagnosis.result import VERDICTS, Evidence, JointDiagnosis, NamedEffect
-from friction_audit.effects.registry import motion_to_decide
+from friction_audit.effects.registry import GRAVITY, motion_to_decide
 from friction_audit.friction.history import Coefficient
 from friction_audit.reporting import diagnosis_words as words
 from friction_audit.reporting.notices import sentence_of
@@ -220,7 +220,7 @@ JOINT_DIAGNOSIS = Record(
     Column("share_explained_without_gravity", float, "gravity in the model before and after", "share_explained"),
     _people(
         "explained without gravity", "w/o\ngravity", "%", form=_percent,
-        get=lambda joint: joint.share_explained if joint.added[1:] and words.corrects_gravity(joint) else None,
+        get=lambda joint: joint.share_explained if {GRAVITY} < {one.name for one in joint.added} else None,
     ),
     Column("held_out_cycles", int, get="gap.cycles", title="held-out cycles", on="fp"),
     Column("simulation_gap", SIMULATION, "forward-simulation velocity error", "simulation", on="j", null=True),

@@ -8,7 +8,7 @@ import numpy as np
 from friction_audit.diagnosis.result import CONTACT_EVENT, JointDiagnosis, NamedEffect, Profile, ResidualCheck
 from friction_audit.diagnosis.samples import LOWEST_CORNER_HZ
 from friction_audit.effects.joint_model import ArmModel
-from friction_audit.effects.registry import NAMES, motion_between, terms
+from friction_audit.effects.registry import GRAVITY, NAMES, motion_between, terms
 from friction_audit.effects.slow import UNFELT_PER_K
 from friction_audit.friction.history import Coefficient
 from friction_audit.reporting.notices import text_of
@@ -105,14 +105,9 @@ def _todo(joint: JointDiagnosis) -> str:
         which = "" if joint.added[:1] == (unsure,) else f" {unsure.name}"
         return f"to separate{which}: {motion.partition(':')[0].partition(';')[0]}"
     it = "it" if len(joint.added) == 1 else "them"
-    if corrects_gravity(joint):
+    if GRAVITY in [one.name for one in joint.added]:
         return f"give payload or model of the arm, or add {it} to the model (model.toml)"
     return f"add {it} to the model (model.toml)" if joint.added else "record again without contact"
-
-
-def corrects_gravity(joint: JointDiagnosis) -> bool:
-    """Whether the augmented model holds an error of the gravity model."""
-    return "gravity_error" in [one.name for one in joint.added]
 
 
 def negligible_words(joint: JointDiagnosis) -> str:
