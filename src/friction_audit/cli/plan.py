@@ -7,18 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from friction_audit.cli import chain, options as opt
+from friction_audit.cli import chain, options as opt, parameters as params
 from friction_audit.cli.outputs import ResultFolder, show
-from friction_audit.cli.parameters import (
-    GENERAL,
-    MOTION,
-    group,
-    option,
-    parse_joints,
-    parse_numbers,
-    parse_range,
-    positive,
-)
+from friction_audit.cli.parameters import group, option, parse_joints, parse_numbers, parse_range, positive
 from friction_audit.errors import InputError
 from friction_audit.joint_numbers import require_joints
 
@@ -36,7 +27,7 @@ LONGEST_S = 7200.0  # that can be simulated
 RESULTS = ("diagnose.json", "estimate.json")
 
 
-@group(MOTION)
+@group(params.MOTION)
 class MotionOptions:
     """What the motion may be."""
 
@@ -56,7 +47,7 @@ class MotionOptions:
         "--check/--no-check",
     )
     trajectory_rate: float = positive(
-        "Points of the trajectory per second.", default=100.0, metavar="HZ", panel=GENERAL
+        "Trajectory points per second.", default=100.0, metavar="HZ", panel=params.GENERAL
     )
 
 
@@ -65,7 +56,7 @@ def command(
     shared: opt.LogOptions,
     source: Annotated[
         Path | None,
-        typer.Argument(metavar="[SOURCE]", help="A log, a diagnose.json or an estimate.json, or their folder."),
+        typer.Argument(metavar="[SOURCE]", help="A log, a diagnose.json, an estimate.json, or their folder."),
     ] = None,
     folder: Path | None = opt.folder_option(f"Also write {DOCUMENT}, {TRAJECTORY}.csv and {TRAJECTORY}.mcap to DIR."),
 ) -> None:
