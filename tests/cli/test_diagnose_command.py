@@ -165,4 +165,4 @@ def test_a_rate_at_which_too_few_samples_have_a_certain_direction_is_the_reason(
     Path("slow.csv").write_text(header + "".join(rows[::every]))
     answer = run("diagnose", "slow.csv")
     assert answer.code == 4
-    assert f"cycles at {250 / every:.3g} Hz; at least 100 are needed: record at 100 Hz or more" in answer.err
+    assert f"cycles at {250 / every:.3g} Hz; at least 50 are needed: record at 100 Hz or more" in answer.err

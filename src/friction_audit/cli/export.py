@@ -11,6 +11,8 @@ from friction_audit.cli.outputs import show
 from friction_audit.cli.parameters import OUTPUT, group, option, parse_joints, parse_range
 from friction_audit.errors import UsageError
 
+FASTEST = 1000.0  # rad/s: no joint turns faster
+
 EXAMPLES = """Examples:
   friction-audit export run.mcap panda.urdf --into my_panda.urdf
   friction-audit export results/model.toml panda.xml --into my_panda.xml --armature
@@ -55,7 +57,8 @@ def command(
     into = None if options.into is None else read_into(target, options.into)
     for kept in (source, options.into or source):
         chain.check_outputs([out], overwrite=shared.overwrite, log=kept)
-    wanted, speeds = parse_joints(shared.selection.joints), parse_range("--speeds", options.speeds, "rad/s", 0.0)
+    speeds = parse_range("--speeds", options.speeds, "rad/s", 0.0, FASTEST)
+    wanted = parse_joints(shared.selection.joints)
     written = partial(export_friction, out=out, wanted=wanted, speeds=speeds, armature=options.armature)
     result = result_file(source)
     if options.arm is not None and result is None:

@@ -139,14 +139,16 @@ def parse_numbers(option: str, text: str, names: tuple[str, ...], *words: str) -
     return found
 
 
-def parse_range(option: str, text: str | None, unit: str, least: float = -inf) -> tuple[float, float] | None:
+def parse_range(
+    option: str, text: str | None, unit: str, least: float = -inf, most: float = inf
+) -> tuple[float, float] | None:
     """Return the ends of ``"0.01,1"``; None where there is no text."""
     if text is None:
         return None
     low, high = parse_numbers(option, text, ("LOW", "HIGH"))
-    if not least <= low < high < inf:
-        bound = "0 <= " if least == 0.0 else ""
-        raise UsageError(f"{option} {text}: expected {bound}LOW < HIGH [{unit}]")
+    if not (least <= low < high <= most and high < inf):
+        ends = (f"{least:g} <= " if least > -inf else "", f" <= {most:g}" if most < inf else "")
+        raise UsageError(f"{option} {text}: expected {ends[0]}LOW < HIGH{ends[1]} [{unit}]")
     return low, high
 
 

@@ -13,6 +13,7 @@ from friction_audit.diagnosis.dictionary import Block
 from friction_audit.diagnosis.fitted_model import FittedModel
 from friction_audit.diagnosis.nonlinear import Estimates, intervals
 from friction_audit.diagnosis.prepare import Subject
+from friction_audit.diagnosis.problem import refuse_few
 from friction_audit.diagnosis.procedure import State, accepted, select
 from friction_audit.diagnosis.result import JointDiagnosis, NamedEffect, ResidualCheck, Traces, Verdict
 from friction_audit.diagnosis.samples import make_samples
@@ -26,7 +27,7 @@ from friction_audit.joint_log import Float
 from friction_audit.preprocessing.interaction import Caution, Reason, quoted, reason_of
 
 WORKING_BYTES = 1000  # of a process per sample of the fine grid (benchmarks/bench_diagnose.py)
-FEWEST_CYCLES, FEWEST_SAMPLES = 6, 100  # of a certain direction; of samples as many as a torque regression needs
+FEWEST_CYCLES = 6
 ALPHA = 0.05  # family-wise error of the detection limit
 POWER_Z = 1.28  # normal quantile of 90 % power
 COMPETING_SHOWN = 6
@@ -83,15 +84,13 @@ def diagnose_joint(
     subject = replace(subject, data=replace(subject.data, rigid=None if rigid is None else replace(rigid)))
     if wrong := tuple(one for one in subject.findings if one.verdict == "fault"):
         return _answer(subject, "data_fault", wrong)
-    data, cycle = subject.data, make_samples(subject.data).cycle
-    cycles, inside = len(np.unique(cycle)), len(np.unique(data.cycle[data.cycle >= 0]))
-    if inside >= FEWEST_CYCLES and len(cycle) < FEWEST_SAMPLES:
-        few = {"samples": len(cycle), "fewest": FEWEST_SAMPLES, "cycles": inside, "rate_hz": 1.0 / data.step_s}
-        return _answer(subject, "not_testable", (Caution("too_few_samples", numbers=few),))
-    if cycles < FEWEST_CYCLES:
-        numbers = {"cycles": cycles, "fewest": FEWEST_CYCLES, "lacking": subject.lacking}
-        return _answer(subject, "not_testable", (Caution("too_few_cycles", numbers=numbers),))
     try:
+        if len(np.unique(subject.data.cycle)) > FEWEST_CYCLES:  # one is that of samples outside of any
+            refuse_few(subject.data, make_samples(subject.data))
+        cycles = len(np.unique(make_samples(subject.data).cycle))
+        if cycles < FEWEST_CYCLES:
+            numbers = {"cycles": cycles, "fewest": FEWEST_CYCLES, "lacking": subject.lacking}
+            return _answer(subject, "not_testable", (Caution("too_few_cycles", numbers=numbers),))
         state = select(subject.data, subject.model, effects)
         if not state.gram.blocks:
             return _answer(subject, "not_testable", tuple(dict.fromkeys(state.dictionary.not_testable.values())))

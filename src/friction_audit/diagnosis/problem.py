@@ -31,6 +31,7 @@ from friction_audit.preprocessing.interaction import Caution
 from friction_audit.robot.unknown_chain import free_of
 
 FOLDS = 10  # at most (R. Kohavi, Proc. IJCAI (1995) 1137); of ten cycles five folds would take two at once
+FEWEST_SAMPLES = 50  # G. E. P. Box, G. M. Jenkins, Time Series Analysis (1970): fewer show no autocorrelation
 KNOTS = 6  # most of a curve, quantiles of its quantity
 MOST_CYCLES_PER_KNOT = 6  # a curve has at most so many numbers as a third of the cycles, two per knot
 SIGNS = (np.tanh, lambda v: v / np.hypot(v, 1.0))  # smoothed, with a short tail and with a long one
@@ -135,6 +136,7 @@ class RegressionProblem:
         step = max(1, int(np.ceil(SAMPLE_HZ / (2.0 * samples.corner_hz) - 0.25)))
         kept = (samples.place % step == 0) | samples.breakaway
         samples = samples.keep(kept)
+        refuse_few(data, samples)
         nominal = replace(nominal, columns=nominal.columns[kept], y=nominal.y[kept])
         follows = np.diff(samples.place, prepend=-(10**6)) == step
         follows &= samples.cycle == np.roll(samples.cycle, 1)
@@ -269,6 +271,14 @@ class RegressionProblem:
         near = np.maximum(np.exp(-nearest / REVERSAL_S), np.exp(-np.abs(dq) / SLOW_RAD_S))
         reversal = MODEL_ERROR["reversal"] * abs(baseline.coulomb_nm) * near
         return np.hypot(reversal, MODEL_ERROR["inertia"] * abs(baseline.inertia_kg_m2) * np.abs(ddq))
+
+
+def refuse_few(data: JointData, samples: Samples) -> None:
+    """Raise AnalysisError where the log's rate, or its noise, leaves too few samples in the cycles that it holds."""
+    if (left := len(samples.cycle)) < FEWEST_SAMPLES:
+        cycles = len(np.unique(data.cycle[data.cycle >= 0]))
+        numbers = {"samples": left, "fewest": FEWEST_SAMPLES, "cycles": cycles, "rate_hz": 1.0 / data.step_s}
+        raise AnalysisError((Caution("too_few_samples", numbers=numbers | {"corner_hz": samples.corner_hz}),))
 
 
 def folds_of(cycle: Index) -> Index:

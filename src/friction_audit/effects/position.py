@@ -143,7 +143,7 @@ def order_range(data: JointData) -> tuple[float, float]:
     """From two periods over the range up to where a slow motion leaves the band."""
     low, high = reach(data)
     first = 4.0 * np.pi / max(high - low, 1e-3)
-    return first, max(2.0 * np.pi * CORNER_HZ / data.low_and_high_speed[0], first)
+    return first, max(2.0 * np.pi * min(CORNER_HZ, 0.25 / data.step_s) / data.low_and_high_speed[0], first)
 
 
 PARTS = 12  # of the range, between which it may begin to pull; the first and the last for a side on which it does not
