@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from friction_audit.io.checks.columns import Thinned
-from friction_audit.io.readers.clocks import Clock, choose_clock, find_time, to_clock
+from friction_audit.io.readers.clocks import Clock, Stamps, choose_clock, find_time
 
 START_NS = 1_700_000_000_000_000_123
 LOG = START_NS + np.arange(1000, dtype=np.int64) * 1_000_000
@@ -30,17 +30,18 @@ SECONDS = np.linspace(0.0, 0.999, 1000)
         ("q|sec|nanosec", ("sec + nanosec", "ns", "header_stamp")),
         ("ZeitInSec|ZeitInNanoSec", ("ZeitInSec + ZeitInNanoSec", "ns", "header_stamp")),
         ("q_1|dq_1|stamina|sec", None),
+        ("%time|field.header.stamp=", ("%time", "ns", "log_time")),  # "=": it stands still
     ],
 )  # fmt: skip
 def test_columns_in_use(names: str, found: tuple[str, str | None, str] | None) -> None:
-    time = find_time(names.split("|"))
+    columns = names.split("|")
+    time = find_time([one.rstrip("=") for one in columns], {k for k, one in enumerate(columns) if one[-1] == "="})
     assert (time and (time.name, time.unit, time.clock)) == found
 
 
-def test_a_column_that_stands_still_is_no_clock() -> None:
-    found = find_time(["%time", "field.header.stamp"], constant={1})
-    assert found is not None
-    assert found.name == "%time"
+def to_clock(stamps: Any, unit: str | None) -> Any:
+    own = Stamps(unit)
+    return own.clock(own.since([stamps]), "log")
 
 
 @pytest.mark.parametrize(
@@ -48,17 +49,16 @@ def test_a_column_that_stands_still_is_no_clock() -> None:
 )
 def test_unit_from_the_median_step(step: float, unit: str) -> None:
     stamps = np.arange(5000, dtype=np.float64) * step + 3.0
-    clock = to_clock(stamps.copy(), None, path="log")
+    clock = to_clock(stamps, None)
     assert (clock.unit, clock.t[0], clock.start_s) == (unit, 0.0, None)
     if stamps[-1] < 1e9:  # a larger first stamp may be a Unix time
-        assert to_clock(np.random.default_rng(1).permutation(stamps), None, path="log").unit == unit
+        assert to_clock(np.random.default_rng(1).permutation(stamps), None).unit == unit
 
 
 @pytest.mark.parametrize(("per_second", "unit"), [(1.0, "s"), (1e3, "ms"), (1e6, "us"), (1e9, "ns")])
 def test_unit_from_a_unix_time(per_second: float, unit: str) -> None:
-    clock = to_clock((1.7e9 + np.arange(5, dtype=np.float64) * 0.5) * per_second, None, path="log")
-    assert clock.unit == unit
-    assert clock.start_s == pytest.approx(1.7e9)
+    clock = to_clock((1.7e9 + np.arange(5, dtype=np.float64) * 0.5) * per_second, None)
+    assert (clock.unit, clock.start_s) == (unit, pytest.approx(1.7e9))
 
 
 def chosen(log_time: Any, **others: Any) -> Clock:
@@ -66,7 +66,7 @@ def chosen(log_time: Any, **others: Any) -> Clock:
 
 
 def test_nanoseconds_since_1970_keep_their_last_digit() -> None:
-    clock = to_clock(1_700_000_000_123_456_789 + np.arange(4, dtype=np.int64), "ns", path="log")
+    clock = to_clock(1_700_000_000_123_456_789 + np.arange(4, dtype=np.int64), "ns")
     np.testing.assert_array_equal(clock.t, np.arange(4) / 1e9)
     stamped = chosen(LOG, header_stamp=LOG + 7)
     assert (stamped.name, stamped.findings) == ("header_stamp", ())

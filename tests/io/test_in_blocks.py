@@ -317,7 +317,7 @@ def log() -> JointLog:
 
 def cut_into(rows: int, patch: pytest.MonkeyPatch) -> None:
     """Read logs of any size in blocks of about so many rows."""
-    for module in ("csv", "messages"):
+    for module in ("table", "messages"):
         patch.setattr(f"friction_audit.io.readers.{module}.IN_BLOCKS_BYTES", 0)
     for module in ("npz", "messages"):
         patch.setattr(f"friction_audit.io.readers.{module}._BLOCK_ROWS", rows)

@@ -1,6 +1,6 @@
 """A recording as a reader returns it, before its faults are looked for: in memory, or read block by block."""
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -30,10 +30,9 @@ class Blocks(NamedTuple):
     """A recording that is read block by block, anew for every pass; what the checks found is as in ``LogInBlocks``."""
 
     rows: int  # number of samples
-    read: Callable[[Collection[str]], Iterator[Block]]  # yields the clock and the channels that are asked for
-    # Returns a number of a row at or before a given one, and how the rows from that one on are read; None where all is
-    # to be read to come to a row.
-    since: Callable[[int], tuple[int, Callable[[Collection[str]], Iterator[Block]]]] | None = None
+    # Yields the clock and the channels that are asked for, where there are several groups of rows from a group on.
+    read: Callable[..., Iterator[Block]]
+    groups: Sequence[int] = (0,)  # first rows of groups
     clock: tuple[int, float, float] = (0, 0.0, 0.0)
     gaps: Float = np.zeros((0, 3))
     mean_of: int = 1
@@ -63,6 +62,51 @@ class Marks:
             return np.zeros(count, np.bool_)
         bits = np.unpackbits(self._bits[first // 8 : (first + count) // 8 + 1])
         return bits[first % 8 : first % 8 + count].view(np.bool_)
+
+
+class Samples:
+    """Pieces one after the other in arrays, channels of shape (n, j) in Fortran order."""
+
+    _SMALLEST = 1024
+    # Of what comes with the channels: nanoseconds of messages, names of joints; other clocks are floats.
+    _TYPES: Mapping[str, type] = {"header_stamp": np.int64, "log_time": np.int64, "joint": object}
+
+    def __init__(self, joints: int, channels: Iterable[str], expected: int, *, every: int = 1) -> None:
+        """Make room for the number of samples expected, which grows with the pieces; keep one of so many."""
+        self._room, self._every = max(expected // every, self._SMALLEST), every
+        self.rows = self.count = 0  # samples so far, and those of them that are kept
+        self.channels = {name: np.empty((self._room, joints), order="F") for name in channels}
+        self._times: dict[str, NDArray[Any]] | None = None
+
+    def add(self, times: Mapping[str, NDArray[Any]], channels: Mapping[str, Sequence[NDArray[Any]]]) -> None:
+        """Append clocks, of which those stay that all pieces have, and a column per joint of each channel."""
+        if self._times is None:
+            self._times = {name: np.empty(self._room, self._TYPES.get(name, np.float64)) for name in times}
+        count = len(next(iter(times.values())))
+        kept = slice(-self.rows % self._every, None, self._every)
+        rows = slice(self.count, self.count + len(range(count)[kept]))
+        if rows.stop > self._room:
+            self.resize(max(rows.stop, 2 * rows.start))
+        self.rows, self.count = self.rows + count, rows.stop
+        for name, array in self.channels.items():
+            for joint, column in enumerate(channels[name]):
+                array[rows, joint] = column[kept]
+        self._times = {name: array for name, array in self._times.items() if name in times}
+        for name, array in self._times.items():
+            array[rows] = times[name][kept]
+
+    def resize(self, rows: int) -> None:
+        """Move everything, one array at a time; memory that was never written to costs nothing."""
+        for arrays in (self.channels, self._times or {}) if rows != self._room else ():
+            for name, old in arrays.items():
+                arrays[name] = np.empty((rows, *old.shape[1:]), old.dtype, order="F")
+                arrays[name][: self.count] = old[: self.count]
+        self._room = rows
+
+    @property
+    def times(self) -> dict[str, NDArray[Any]]:
+        """The clocks that all pieces have."""
+        return {name: array[: self.count] for name, array in (self._times or {}).items()}
 
 
 @dataclass(eq=False, kw_only=True, slots=True)
@@ -122,7 +166,7 @@ class Recording:
                 found = ((t, {n: np.require(a, requirements="W") for n, a in some.items()}) for t, some in own(names))
                 yield from (block for block in mend(found) if len(block[0]))
 
-            blocks = blocks._replace(rows=rows, read=read, since=None)
+            blocks = blocks._replace(rows=rows, read=read, groups=(0,))
         return replace(self, t=t, channels=dict(channels), blocks=blocks)
 
     def changed(self, change: Callable[[Float, dict[str, Float]], Block]) -> "Recording":

@@ -1,5 +1,6 @@
 """The clock of a recording: order of the stamps, stamps of batches, steps that are missing or uneven, a part of it."""
 
+from bisect import bisect
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
@@ -289,9 +290,10 @@ def leave_out_far(recording: Recording, start_s: float, stop_s: float) -> Record
         kept += (first + np.flatnonzero(near)[[0, -1]]).tolist() if near.any() else []
     if not kept:  # the part is refused later, with the duration of the log
         return recording
-    if blocks.since is not None:
-        skipped, read = blocks.since(kept[0])
-        recording = replace(recording, blocks=blocks._replace(rows=blocks.rows - skipped, read=read, since=None))
+    if len(blocks.groups) > 1:
+        skipped = blocks.groups[group := bisect(blocks.groups, kept[0]) - 1]
+        read = partial(blocks.read, group=group)
+        recording = replace(recording, blocks=blocks._replace(rows=blocks.rows - skipped, read=read, groups=(0,)))
         rest, marks = marks.of(skipped, blocks.rows - skipped), Marks(blocks.rows - skipped)
         marks.add(0, rest)
     return replace(recording.without(marks), first_s=origin_s)

@@ -1,7 +1,7 @@
 """Arrays -> Recording: what NumPy, MATLAB and LeRobot files and data frames share; NumPy .npy, which is one array."""
 
-from collections.abc import Mapping
-from math import inf, prod
+from collections.abc import Iterator, Mapping, Sequence
+from math import prod
 from pathlib import Path
 from tokenize import TokenError
 from typing import Any
@@ -10,12 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError, UsageError
-from friction_audit.io.readers.clocks import Clock, TimeColumn, stamps_of, to_clock
 from friction_audit.io.readers.columns import MOST_JOINTS, ColumnMap
 from friction_audit.io.readers.reader import BY_NUMBER, ReadOptions, Topic
-from friction_audit.io.readers.table import ColumnTable, Part, read_table
+from friction_audit.io.readers.table import ALL, ColumnTable, Piece, Rows, read_table
 from friction_audit.io.recording import Recording
-from friction_audit.joint_log import Bool, Finding
+from friction_audit.joint_log import Finding
 
 _PLANE = 2
 _INDEX = "__index_level_0__"  # what Arrow calls an index without a name
@@ -25,49 +24,41 @@ class ArrayTable(ColumnTable):
     """Arrays by name, of shape (n,) or (n, k): numbers, dates, or the joints of a long table as text."""
 
     def __init__(self, path: Path, arrays: Mapping[str, Any], findings: tuple[Finding, ...] = ()) -> None:
-        """Keep arrays, or what has the shape and type of one and is read by ``load``."""
+        """Keep arrays, or what has the shape and type of one and is read by ``pieces``."""
         self._arrays, self.damage = arrays, findings
         widths = {name: prod(array.shape[1:]) for name, array in arrays.items()}
-        self._cells = [(name, cell) for name, n in widths.items() if n <= MOST_JOINTS for cell in range(n)]
-        super().__init__(path, [name if widths[name] == 1 else f"{name}[{cell}]" for name, cell in self._cells])
+        self.arrays = [(name, cell) for name, n in widths.items() if n <= MOST_JOINTS for cell in range(n)]
+        super().__init__(path, [name if widths[name] == 1 else f"{name}[{cell}]" for name, cell in self.arrays])
 
-    def load(self, name: str, rows: Bool | None = None) -> NDArray[Any]:
-        """Return an array as (n, k), in the rows of a mask or in all."""
-        array = self._arrays[name] if rows is None else self._arrays[name][rows]
-        return array.reshape(len(array), -1)  # type: ignore[no-any-return]
-
-    def size(self, columns: ColumnMap) -> tuple[int, int]:
-        names = {self._cells[cell][0]: None for cell in columns.cells}
+    def size(self, columns: ColumnMap) -> tuple[int, int, str | None]:
+        names = {self.arrays[cell][0]: None for cell in columns.cells}
         samples = self._arrays[next(iter(names))].shape[0]
         for name in sorted(names):
             if (shape := self._arrays[name].shape)[0] != samples:
                 what = f"{name} has shape {shape}, {columns.time.name} has {samples} samples"
                 raise InputError(f"{self.path}: {what}; expected one row per sample; transpose it, or cut it to length")
-        return samples, sum(int(self._arrays[name].nbytes) for name in names)
+        is_date = self._arrays[self.arrays[columns.time.cells[0]][0]].dtype.kind in "mM"
+        unit = "ns" if is_date else columns.time.unit
+        return samples, sum(int(self._arrays[name].nbytes) for name in names), unit
 
-    def read_clock(self, time: TimeColumn, stop: float = inf) -> Clock:  # noqa: ARG002
-        parts, unit = [self.load(name)[:, at] for name, at in (self._cells[cell] for cell in time.cells)], time.unit
-        if parts[0].dtype.kind in "mM":
-            parts, unit = [part.astype(f"{part.dtype.kind}8[ns]").astype(np.int64) for part in parts], "ns"
-        return to_clock(stamps_of(parts), unit, path=str(self.path))
+    def pieces(self, columns: ColumnMap, name: str, rows: Rows) -> Iterator[Piece]:  # noqa: ARG002
+        yield 0, self._arrays[name].reshape(len(self._arrays[name]), -1)
 
-    def read_rows(self, columns: ColumnMap, clock: Clock, rows: Bool | None) -> Part:
-        channels = {c: np.empty((len(clock.t), len(cells)), order="F") for c, cells in columns.channels.items()}
-        for channel, cells in columns.channels.items():
-            loaded: dict[str, NDArray[Any]] = {}
-            for joint, cell in enumerate(cells):
-                name, place = self._cells[cell]
-                loaded = loaded if name in loaded else {name: self.load(name, rows)}  # one at a time is in memory
+    def columns(self, columns: ColumnMap, cells: Sequence[int], rows: Rows = ALL) -> Iterator[Piece]:
+        """Yield numbers, dates as nanoseconds; the joints of a long table as words."""
+        for cell, found in super().columns(columns, cells, rows):
+            values, kind = found, found.dtype.kind
+            if cell == columns.joint:
+                values = values.astype(object)
+            elif kind in "mM" and cell in columns.time.cells:
+                values = values.astype(f"{kind}8[ns]").astype(np.int64)
+            elif kind not in "fiu":
                 try:
-                    channels[channel][:, joint] = loaded[name][:, place]
+                    values = values.astype(np.float64)
                 except (ValueError, TypeError) as error:
-                    raise InputError(
-                        f"{self.path}: {self.names[cell]} holds no numbers ({error}); name another column with --map"
-                    ) from error
-        if columns.joint is None:
-            return Part(clock=clock, channels=channels)
-        name, place = self._cells[columns.joint]
-        return Part(clock=clock, channels=channels, joint=self.load(name, rows)[:, place].astype(object))
+                    what = f"{self.names[cell]} holds no numbers ({error}); name another column with --map"
+                    raise InputError(f"{self.path}: {what}") from error
+            yield cell, values
 
 
 def arrays_of_frame(frame: Any, where: str) -> dict[str, NDArray[Any]]:  # noqa: ANN401 - a frame of any library

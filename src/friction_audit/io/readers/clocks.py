@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
 from friction_audit.io.recording import LONGEST_BACKWARDS_S
-from friction_audit.joint_log import Finding, Float, Int
+from friction_audit.joint_log import Finding, Float
 
 UNITS = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}  # units per second
 # Name, unit if the name says it, clock; the better clock first: robot, header, log.
@@ -70,31 +71,47 @@ def find_time(names: Sequence[str], constant: Collection[int] = ()) -> TimeColum
     return None
 
 
-def to_clock(raw: NDArray[np.float64] | Int, unit: str | None, *, path: str, origin: float | None = None) -> Clock:
-    """Return seconds since the origin, which is the first sample; integers are subtracted before they lose digits."""
-    if len(raw) == 0:
-        raise InputError(f"{path}: 0 samples; the table has a header and no rows; record the arm while it moves")
-    if not np.isfinite(raw).any():
-        raise InputError(f"{path}: time holds no number in {len(raw)} rows; name another clock with --map t=<column>")
-    begin: Any = raw[np.isfinite(raw).argmax()] if origin is None else raw.dtype.type(origin)
-    elapsed = np.subtract(raw, begin, out=raw) if raw.dtype == np.float64 else (raw - begin).astype(np.float64)
-    found = unit or _unit_from_values(float(begin), elapsed)
-    if UNITS[found] != 1.0:
-        elapsed /= UNITS[found]
-    far = max(-np.nanmin(elapsed), np.nanmax(elapsed))
-    if _LONGEST_S < far < np.inf:  # before its square overflows
-        row = int(np.nanargmax(np.abs(elapsed)))
-        what = f"the stamp of row {row + 1} is {elapsed[row]:.3g} s from the first one; expected one recording"
-        raise InputError(f"{path}: {what}; remove the row, or name another clock with --map t=<column>")
-    start_s = float(begin) / UNITS[found]
-    return Clock(elapsed, start_s if _EPOCH_S[0] < start_s < _EPOCH_S[1] else None, found, start_s)
+@dataclass
+class Stamps:
+    """The stamps of a table, piece by piece: they count from the first one that is a number."""
 
+    unit: str | None  # None until their values decide
+    origin: Any = None
 
-def stamps_of(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
-    """Return the stamps in one column, or in those of seconds and nanoseconds; integers stay what they are."""
-    kind = np.int64 if len(parts) > 1 or parts[0].dtype.kind in "iu" else np.float64
-    first, *rest = (part.astype(kind) for part in parts)
-    return first * int(UNITS["ns"]) + rest[0] if rest else first
+    def since(self, parts: Sequence[NDArray[Any]]) -> Float:
+        """Return the stamps in one column, or in those of seconds and nanoseconds, less the origin, in their unit.
+
+        Integers are subtracted before they lose digits.
+        """
+        whole = (one.dtype.kind in "iu" or (len(parts) > 1 and bool(np.isfinite(one).all())) for one in parts)
+        kind: Any = np.int64 if all(whole) else np.float64
+        raw, *rest = (part.astype(kind) for part in parts)
+        raw = raw * int(UNITS["ns"]) + rest[0] if rest else raw
+        if self.origin is None and np.isfinite(raw).any():
+            self.origin = raw[np.isfinite(raw).argmax()]
+        return np.full(len(raw), np.nan) if self.origin is None else (raw - self.origin).astype(np.float64, copy=False)
+
+    def unit_of(self, elapsed: Float) -> float:
+        """Return the units per second, which the first stamps decide."""
+        self.unit = self.unit or _unit_from_values(float(self.origin), elapsed)
+        return UNITS[self.unit]
+
+    def clock(self, elapsed: Float, path: str) -> Clock:
+        """Return the clock of stamps since the origin, None where no stamp is a number; works in place."""
+        if len(elapsed) == 0:
+            raise InputError(f"{path}: 0 samples; the table has a header and no rows; record the arm while it moves")
+        if self.origin is None or not np.isfinite(elapsed).any():
+            what = f"time holds no number in {len(elapsed)} rows"
+            raise InputError(f"{path}: {what}; name another clock with --map t=<column>")
+        if (per_second := self.unit_of(elapsed)) != 1.0:
+            elapsed /= per_second
+        far = max(-np.nanmin(elapsed), np.nanmax(elapsed))
+        if _LONGEST_S < far < np.inf:  # before its square overflows
+            row = int(np.nanargmax(np.abs(elapsed)))
+            what = f"the stamp of row {row + 1} is {elapsed[row]:.3g} s from the first one; expected one recording"
+            raise InputError(f"{path}: {what}; remove the row, or name another clock with --map t=<column>")
+        start_s = float(self.origin) / per_second
+        return Clock(elapsed, start_s if _EPOCH_S[0] < start_s < _EPOCH_S[1] else None, str(self.unit), start_s)
 
 
 def _split_stamp(names: Sequence[str]) -> TimeColumn | None:

@@ -8,16 +8,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers.channel_names import is_label, labels_of
-from friction_audit.io.readers.clocks import TimeColumn, stamps_of, to_clock
+from friction_audit.io.readers.clocks import Stamps, TimeColumn
 from friction_audit.io.readers.columns import ColumnMap
 from friction_audit.io.readers.csv_lines import Dialect, is_row, recognises, sniff_csv, split_line, value_of
-from friction_audit.io.readers.reader import BY_NUMBER, IN_BLOCKS_BYTES, ReadOptions, Topic, refuse_too_large
-from friction_audit.io.readers.table import ROBOT_COLUMN, Part, Table, part_in_blocks, read_table
-from friction_audit.io.recording import Recording, WholeLogError
+from friction_audit.io.readers.reader import BY_NUMBER, ReadOptions, Topic
+from friction_audit.io.readers.table import ROBOT_COLUMN, Cells, Part, Pieces, Table, read_table
+from friction_audit.io.recording import Recording, Samples, WholeLogError
 from friction_audit.joint_log import Finding, find_window
 from friction_audit.parallel import ahead
 
@@ -27,11 +26,9 @@ _MOST_BAD = 0.01  # of the lines with a cell that is no number; beyond, a column
 _EXPECTED = f"numbers, in {1.0 - _MOST_BAD:.0%} of the lines; repair them"
 _LONG_INTEGER = 16  # digits from which a stamp no longer fits a float exactly
 _EXCEPTION_LOG_ROWS, _EXCEPTION_LOG_S = 60, 0.1
-_SLOWER = 4  # times as long as numbers take in other files, so that smaller tables are not read twice
 _COUNTED_BYTES = 256 << 20  # lines of a larger file are not counted where it is only listed: that takes seconds
 
 __all__ = ["read", "recognises", "topics"]
-Block = dict[int, NDArray[Any]]  # position of a column -> its numbers or words
 
 
 def read(path: Path, options: ReadOptions) -> Recording:
@@ -46,6 +43,8 @@ def read(path: Path, options: ReadOptions) -> Recording:
 
 class CsvTable(Table):
     """A text table, parsed by Arrow in blocks of whole lines, and line by line where a block has a fault."""
+
+    slower = 4
 
     def __init__(self, dialect: Dialect) -> None:
         super().__init__(dialect.path, dialect.names[: dialect.width])
@@ -66,49 +65,49 @@ class CsvTable(Table):
         self._bad: list[str] = []
         self._cut: Finding | None = None
 
-    def read(self, columns: ColumnMap, options: ReadOptions) -> Part:
-        dialect, time, cells = self._dialect, columns.time, columns.cells
-        words = [*self._labels] if columns.joint is None else [columns.joint]
-        kind = _time_kind(dialect, time)
-        self._kinds = dict.fromkeys(words, str) | dict.fromkeys(cells, float) | dict.fromkeys(time.cells, kind)
-        unit = "ns" if len(time.cells) > 1 or kind is str else time.unit
-        rows = dialect.size * len(dialect.rows) // sum(sum(map(len, row)) + len(row) for row in dialect.rows)
-        size = 8 * rows * (len(cells) - len(time.cells) + 1)
-        # The first row of libfranka may hold no numbers.
-        plain = columns.joint is None and kind is not str and not self.is_libfranka
-        if options.in_blocks and plain and size > _SLOWER * IN_BLOCKS_BYTES:
-            rows = dialect.count_lines()
-            return part_in_blocks(columns, unit, rows, partial(self._pieces, rows), str(self.path))
-        if options.reads_part(8 * rows * len(self._kinds)):
-            return self._gather(columns, unit, options)
-        refuse_too_large(self.path, size, dialect.size)
-        return self._gather(columns, unit, None)
+    def size(self, columns: ColumnMap) -> tuple[int, int, str | None]:
+        words, kind = [*self._labels] if columns.joint is None else [columns.joint], self._time_kind(columns.time)
+        self._kinds = dict.fromkeys(words, str) | dict.fromkeys(columns.cells, float)
+        self._kinds |= dict.fromkeys(columns.time.cells, kind)
+        lines, size = self._dialect.rows, self._dialect.size
+        rows = size * len(lines) // sum(sum(map(len, line)) + len(line) for line in lines)
+        return rows, size, "ns" if len(columns.time.cells) > 1 or kind is str else columns.time.unit
 
-    def _gather(self, columns: ColumnMap, unit: str | None, options: ReadOptions | None) -> Part:
-        """Read all rows, or those of the part that is asked for, as far as these go."""
-        path, origin, first_s, last_s = str(self.path), None, np.inf, -np.inf
-        stamps, found = list[NDArray[Any]](), {cell: list[NDArray[Any]]() for cell in self._kinds}
+    def in_blocks(self, columns: ColumnMap) -> tuple[int, Pieces] | None:
+        if self._kinds[columns.time.cells[0]] is str or self.is_libfranka:  # whose first row may hold no numbers
+            return None
+        rows = self._dialect.count_lines()
+        return rows, partial(self._pieces, rows)
+
+    def gather(self, columns: ColumnMap, stamps: Stamps, part: ReadOptions | None, rows: int) -> Part:
+        first_s, last_s = np.inf, -np.inf
+        path, words = str(self.path), [] if columns.joint is None else [columns.joint]
+        samples = Samples(len(next(iter(columns.channels.values()))), columns.channels, rows if part is None else 0)
         for block in self._blocks(self._kinds, columns.time):
-            raw = stamps_of([block[cell] for cell in columns.time.cells])
+            t = stamps.since([block[cell] for cell in columns.time.cells])
             kept: Any = slice(None)
-            if options:
-                clock, (start, stop) = to_clock(raw.copy(), unit, path=path, origin=origin), options.window_of_clock()
-                unit, origin = clock.unit, raw[np.isfinite(raw).argmax()] if origin is None else origin
-                first_s, last_s = min(first_s, float(np.nanmin(clock.t))), max(last_s, float(np.nanmax(clock.t)))
-                if np.nanmin(clock.t) > stop and columns.joint is None:  # joints of a long table may follow each other
+            if part is not None and np.isfinite(t).any():
+                seconds, (start, stop) = t / stamps.unit_of(t), part.window_of_clock()
+                first_s, last_s = min(first_s, np.nanmin(seconds)), max(last_s, np.nanmax(seconds))
+                if np.nanmin(seconds) > stop and columns.joint is None:  # joints of a long table may follow each other
                     break
-                kept = (clock.t >= start) & (clock.t < stop)
-            stamps.append(raw[kept])
-            for cell, array in block.items():
-                found[cell].append(array[kept])
-        raw = np.concatenate(stamps) if stamps else np.empty(0)
-        if options and not len(raw):
-            length = (last_s - first_s) * options.time_scale
-            find_window(np.array([0.0, length]), options.t_start_s, options.t_end_s, path)
-        joint = None if columns.joint is None else np.concatenate(found[columns.joint] or [raw])
-        clock = to_clock(raw, unit, path=path, origin=origin)
-        channels = _channels(columns, found, len(raw))
-        return Part(clock=clock, channels=channels, joint=joint, first_s=first_s if options else None)
+                kept = (seconds >= start) & (seconds < stop)
+            times = dict(zip(("t", "joint"), (t[kept], *(block[cell][kept] for cell in words)), strict=False))
+            samples.add(times, {c: [block[cell][kept] for cell in cells] for c, cells in columns.channels.items()})
+        if part is not None and not samples.count:
+            length = (last_s - first_s) * part.time_scale
+            find_window(np.array([0.0, length]), part.t_start_s, part.t_end_s, path)
+        samples.resize(samples.count)
+        clock = stamps.clock(samples.times.get("t", np.empty(0)), path)
+        return Part(clock, samples.channels, samples.times.get("joint"), None if part is None else float(first_s))
+
+    def _pieces(self, rows: int, cells: Sequence[int]) -> Iterator[Cells]:
+        """Yield columns of whole lines; WholeLogError if a line has a fault, or there are not so many."""
+        for block in self._blocks({cell: self._kinds[cell] for cell in (*cells, *self._labels)}, None):
+            rows -= len(block[cells[0]])
+            yield block
+        if rows:
+            raise WholeLogError
 
     def findings(self) -> tuple[Finding, ...]:
         found = () if self._cut is None else (self._cut,)
@@ -117,7 +116,7 @@ class CsvTable(Table):
         message = f"{self._bad_lines} lines hold what is no number ({'; '.join(self._bad)}); these are missing values"
         return (*found, Finding("no_numbers", message, amount=float(self._bad_lines), damaged=True))
 
-    def _blocks(self, kinds: Mapping[int, Any], time: TimeColumn | None) -> Iterator[Block]:
+    def _blocks(self, kinds: Mapping[int, Any], time: TimeColumn | None) -> Iterator[Cells]:
         """Yield columns of whole lines, dates in nanoseconds; without a clock WholeLogError if a line has a fault."""
         for lines, block, is_last in ahead(self._dialect.blocks()):
             kept, line = block, lines.start
@@ -139,15 +138,16 @@ class CsvTable(Table):
                     raise InputError(f"{where} {what}; sort the columns by joint")
             yield columns if time is None or kinds[time.cells[0]] is not str else self._dated(columns, time)
 
-    def _pieces(self, rows: int, cells: Sequence[int]) -> Iterator[Block]:
-        """Yield columns of whole lines; WholeLogError if a line has a fault, or there are not so many."""
-        for block in self._blocks({cell: self._kinds[cell] for cell in (*cells, *self._labels)}, None):
-            rows -= len(block[cells[0]])
-            yield block
-        if rows:
-            raise WholeLogError
+    def _time_kind(self, time: TimeColumn) -> type:
+        """Return how stamps are read: as integers where a float would lose digits, as text where they are dates."""
+        texts = [row[cell].strip() for row in self._dialect.rows for cell in time.cells if cell < len(row)]
+        if texts and all(value_of(text, float, self._dialect.decimal) is None for text in texts):
+            return str
+        whole = [text for text in texts if text.lstrip("-").isdigit()]
+        is_split = len(time.cells) > 1 and len(whole) == len(texts)
+        return np.int64 if is_split or any(len(text) >= _LONG_INTEGER for text in whole) else float
 
-    def _by_line(self, block: bytes, line: int) -> Block:
+    def _by_line(self, block: bytes, line: int) -> Cells:
         """Read line by line; a few cells that are no number are missing values, or cost their line as a stamp."""
         dialect, found = self._dialect, {cell: list[Any]() for cell in self._kinds}
         for number, raw in enumerate(block.decode(errors="replace").split("\n"), start=line):
@@ -178,7 +178,7 @@ class CsvTable(Table):
                 expected = "one column per joint; split the lists, or give them to log_from_frame as arrays"
             raise InputError(f"{self.path}: {self._bad[0]}; expected {expected}")
 
-    def _dated(self, columns: Block, time: TimeColumn) -> Block:
+    def _dated(self, columns: Cells, time: TimeColumn) -> Cells:
         """Return the rows with dates, which become nanoseconds since 1970; not those beyond what these can hold."""
         import pandas as pd
 
@@ -201,20 +201,10 @@ class CsvTable(Table):
         return {own: array[dated] for own, array in columns.items()} | {cell: stamps}
 
 
-def _channels(columns: ColumnMap, found: dict[int, list[NDArray[Any]]], rows: int) -> dict[str, NDArray[np.float64]]:
-    """Join the pieces of each column; one column at a time is in memory twice."""
-    channels = {c: np.empty((rows, len(cells)), order="F") for c, cells in columns.channels.items()}
-    for channel, cells in columns.channels.items():
-        for place, cell in enumerate(cells):
-            np.concatenate(found[cell] or [np.empty(0)], out=channels[channel][:, place])
-            found[cell] = [channels[channel][:, place]]  # which several channels may have
-    return channels
-
-
 _DTYPES: dict[Any, Any] = {str: object, float: np.float64, np.int64: np.int64}
 
 
-def _parse(dialect: Dialect, block: bytes, kinds: Mapping[int, Any]) -> Block | None:
+def _parse(dialect: Dialect, block: bytes, kinds: Mapping[int, Any]) -> Cells | None:
     """Parse whole lines; None where Arrow refuses one of them."""
     import pyarrow as pa
     from pyarrow import compute, csv
@@ -236,7 +226,7 @@ def _parse(dialect: Dialect, block: bytes, kinds: Mapping[int, Any]) -> Block | 
         )
     except (pa.ArrowInvalid, pa.ArrowKeyError):
         return None
-    found: Block = {}
+    found: Cells = {}
     for (cell, kind), column in zip(kinds.items(), table.combine_chunks().itercolumns(), strict=True):
         own = column.chunk(0) if column.num_chunks else pa.array([], column.type)
         if kind is str:
@@ -246,16 +236,6 @@ def _parse(dialect: Dialect, block: bytes, kinds: Mapping[int, Any]) -> Block | 
             return None
         found[cell] = np.from_dlpack(compute.fill_null(own, np.nan) if own.null_count else own)
     return found if table.num_columns and table.num_rows else None
-
-
-def _time_kind(dialect: Dialect, time: TimeColumn) -> type:
-    """Return how stamps are read: as integers where a float would lose digits, as text where they are dates."""
-    texts = [row[cell].strip() for row in dialect.rows for cell in time.cells if cell < len(row)]
-    if texts and all(value_of(text, float, dialect.decimal) is None for text in texts):
-        return str
-    whole = [text for text in texts if text.lstrip("-").isdigit()]
-    is_split = len(time.cells) > 1 and len(whole) == len(texts)
-    return np.int64 if is_split or any(len(text) >= _LONG_INTEGER for text in whole) else float
 
 
 def _check_libfranka(recording: Recording, path: Path, options: ReadOptions) -> Recording:

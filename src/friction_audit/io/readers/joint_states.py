@@ -22,7 +22,7 @@ from friction_audit.io.readers.channel_names import (
     parse_name,
     ranks,
 )
-from friction_audit.io.readers.clocks import CLOCKS, Times
+from friction_audit.io.readers.clocks import Times
 from friction_audit.io.readers.columns import MOST_JOINTS
 from friction_audit.io.readers.message_decoder import Layout, MessageDecoder, Records
 from friction_audit.io.readers.message_stream import Block, BrokenError
@@ -224,52 +224,8 @@ def _nothing_to_read(candidates: Sequence[Candidate], topics: Sequence[Topic]) -
     return f"no topic with measured joint states; {_EXPECTED}"
 
 
-_SMALLEST_CAPACITY = 1024
 # Values of some joints in messages that follow each other: the clocks, and channel -> a column per joint.
 Piece = tuple[Times, Mapping[str, Sequence[NDArray[Any]]]]
-
-
-class JointSamples:
-    """Pieces one after the other in arrays, channels of shape (n, j) in Fortran order."""
-
-    def __init__(self, joints: int, channels: Iterable[str], expected: int, *, every: int = 1) -> None:
-        """Make room for the number of samples expected, which grows with the pieces; keep one of so many."""
-        room = max(expected // every, _SMALLEST_CAPACITY)
-        self.rows = self.count = 0  # samples so far, and those of them that are kept
-        self.channels = {name: np.empty((room, joints), order="F") for name in channels}
-        self._times = {name: np.empty(room, np.int64 if unit == "ns" else np.float64) for name, unit in CLOCKS.items()}
-        self._every = every
-
-    def add(self, piece: Piece) -> None:
-        """Append a piece."""
-        found, channels = piece
-        count = len(found["log_time"])
-        kept = slice(-self.rows % self._every, None, self._every)
-        rows = slice(self.count, self.count + len(range(count)[kept]))
-        if rows.stop > len(self._times["log_time"]):
-            self.resize(max(rows.stop, 2 * rows.start))
-        self.rows, self.count = self.rows + count, rows.stop
-        for name, array in self.channels.items():
-            for joint, column in enumerate(channels[name]):
-                array[rows, joint] = column[kept]
-        self._times = {name: times for name, times in self._times.items() if name in found}
-        for name, times in self._times.items():
-            times[rows] = found[name][kept]
-
-    def resize(self, rows: int) -> None:
-        """Move everything, one array at a time; memory that was never written to costs nothing."""
-        for arrays in (self.channels, self._times):
-            for name, old in arrays.items():
-                if len(old) == rows:
-                    continue
-                new = np.empty((rows, *old.shape[1:]), old.dtype, order="F")
-                new[: self.count] = old[: self.count]
-                arrays[name] = new
-
-    @property
-    def times(self) -> Times:
-        """The clocks that all pieces have."""
-        return {name: array[: self.count] for name, array in self._times.items()}
 
 
 class JointDecoder:

@@ -19,7 +19,6 @@ from friction_audit.io.readers.columns import MOST_JOINTS
 from friction_audit.io.readers.joint_states import (
     Candidate,
     JointDecoder,
-    JointSamples,
     MessageKind,
     choose_topic,
     match_kind,
@@ -28,7 +27,7 @@ from friction_audit.io.readers.joint_states import (
 from friction_audit.io.readers.message_decoder import decoder_for
 from friction_audit.io.readers.message_stream import Block, BrokenError, Connection, MessageStream, Window, one_block
 from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, MARGIN_S, ReadOptions, Topic, refuse_too_large, serial_in
-from friction_audit.io.recording import Blocks, Recording
+from friction_audit.io.recording import Blocks, Recording, Samples
 from friction_audit.joint_log import Finding, Float, find_window
 from friction_audit.parallel import ahead
 
@@ -68,10 +67,10 @@ def _read(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
         samples, skipped = part
     else:
         if options.in_blocks and stream.is_lasting and size > IN_BLOCKS_BYTES:  # the clocks alone
-            samples = JointSamples(len(joints), (), expected, every=-(-expected // _MOST_CLOCKS))
+            samples = Samples(len(joints), (), expected, every=-(-expected // _MOST_CLOCKS))
         else:
             refuse_too_large(path, size, size)
-            samples = JointSamples(len(joints), names, expected)
+            samples = Samples(len(joints), names, expected)
         decoder.undecodable = decoder.incomplete = 0
         missing = _missing(stream, chosen, _collect(stream, decoder, samples))
     if not samples.count:
@@ -124,14 +123,14 @@ def _blocks(
     if not wanted and len(clock.t) == rows:
         yield from ((clock.t[first : first + _BLOCK_ROWS].copy(), {}) for first in range(0, rows, _BLOCK_ROWS))
         return
-    decoder, samples = JointDecoder(chosen, joints, wanted), JointSamples(len(joints), wanted, _BLOCK_ROWS)
+    decoder, samples = JointDecoder(chosen, joints, wanted), Samples(len(joints), wanted, _BLOCK_ROWS)
     for block in chain(stream.blocks(list(chosen.decoders)), [None]):  # None at the end
         if block is not None:
-            samples.add(decoder.decode(block))
+            samples.add(*decoder.decode(block))
         if samples.count >= (1 if block is None else _BLOCK_ROWS):
             samples.resize(samples.count)
             yield (samples.times[clock.name] - clock.first) / UNITS[clock.unit], samples.channels
-            samples = JointSamples(len(joints), wanted, _BLOCK_ROWS)
+            samples = Samples(len(joints), wanted, _BLOCK_ROWS)
 
 
 def _topics(stream: MessageStream, candidates: Sequence[Candidate]) -> tuple[Topic, ...]:
@@ -231,7 +230,7 @@ def _kind(path: Path, connection: Connection, paths: Sequence[str], stated: Mapp
 
 
 def _collect(
-    stream: MessageStream, decoder: JointDecoder, samples: JointSamples, window: Window | None = None
+    stream: MessageStream, decoder: JointDecoder, samples: Samples, window: Window | None = None
 ) -> Counter[int]:
     """Decode the messages of the topic chosen; returns how many each connection has."""
     seen: Counter[int] = Counter()
@@ -240,23 +239,23 @@ def _collect(
         block = Block(found.key, found.log_time[kept], found.buffer, found.start[kept], found.size[kept])
         seen[block.key] += len(block)
         if len(block):
-            samples.add(decoder.decode(block))
+            samples.add(*decoder.decode(block))
     samples.resize(samples.count)
     return seen
 
 
 def _read_part(
     path: Path, stream: MessageStream, decoder: JointDecoder, options: ReadOptions
-) -> tuple[JointSamples, int] | None:
+) -> tuple[Samples, int] | None:
     """Decode the first messages, from which time counts, and those of the part asked for, found by log time.
 
     Returns also how many are the first ones; None if the log time does not follow the clock chosen.
     """
     chosen = decoder.chosen
-    samples = JointSamples(len(decoder.joints), chosen.channels, 0)
+    samples = Samples(len(decoder.joints), chosen.channels, 0)
     own = [connection for connection in stream.connections if connection.key in chosen.decoders]
     for first in filter(None, map(partial(_first_block, stream), own)):
-        samples.add(decoder.of_messages(first))
+        samples.add(*decoder.of_messages(first))
     skipped, decoder.undecodable = samples.count, 0
     if not skipped:
         return None

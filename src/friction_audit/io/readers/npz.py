@@ -21,9 +21,9 @@ from friction_audit.io.readers.arrays import ArrayTable, topics_of
 from friction_audit.io.readers.clocks import TimeColumn
 from friction_audit.io.readers.columns import ColumnMap
 from friction_audit.io.readers.reader import ReadOptions, Topic
-from friction_audit.io.readers.table import Part, part_in_blocks, read_table
+from friction_audit.io.readers.table import Cells, Piece, Pieces, Rows, read_table
 from friction_audit.io.recording import Recording
-from friction_audit.joint_log import Bool, Finding
+from friction_audit.joint_log import Finding
 
 _PANDA_PY = {"O_T_EE", "control_command_success_rate", "time"}
 _PANDA_PY_CLOCK = TimeColumn(cells=(), name="time", unit="ms", clock="robot_time")
@@ -67,32 +67,32 @@ class NpzTable(ArrayTable):
         super().__init__(path, self._entries, damage)
         named = entries.get("joint_names")
         if named is not None and named.dtype.kind == "U" and named.info.file_size <= _NAMES_BYTES:
-            self.joint_names = [str(name) for name in _array(archive, named).ravel()]
+            self.joint_names = [str(name) for _, part in _pieces(archive, named) for name in part.ravel()]
         wide = {name for name, entry in self._entries.items() if entry.width == len(self.joint_names) > 1}
-        self.labels = {cell: self.joint_names[j] for cell, (name, j) in enumerate(self._cells) if name in wide}
+        self.labels = {cell: self.joint_names[j] for cell, (name, j) in enumerate(self.arrays) if name in wide}
         self.clock = _PANDA_PY_CLOCK if self._entries.keys() >= _PANDA_PY else None
 
-    def load(self, name: str, rows: Bool | None = None) -> NDArray[Any]:
-        return _array(self._archive, self._entries[name], rows)
-
-    def in_blocks(self, columns: ColumnMap) -> Part | None:
+    def in_blocks(self, columns: ColumnMap) -> tuple[int, Pieces] | None:
         """Read pieces of all arrays side by side; None where one is compressed with its columns one after the other."""
-        entries = dict.fromkeys(self._entries[self._cells[cell][0]] for cell in columns.cells)
+        entries = dict.fromkeys(self._entries[self.arrays[cell][0]] for cell in columns.cells)
         by_column = [entry for entry in entries if entry.by_column]
         if any(entry.info.compress_type != zipfile.ZIP_STORED for entry in by_column):
             return None
-        for entry in by_column:  # a map says nothing of a wrong checksum
+        for entry in by_column:  # to read it in places says nothing of a wrong checksum
             for _ in _pieces(self._archive, entry):
                 pass
+        return next(iter(entries)).shape[0], self._side_by_side
 
-        def pieces(cells: Sequence[int]) -> Iterator[dict[int, NDArray[Any]]]:
-            names = list(dict.fromkeys(self._cells[cell][0] for cell in cells))
-            with _opened(self.path) as archive:
-                for chunks in zip(*(_chunks(archive, self._entries[name]) for name in names), strict=True):
-                    arrays = dict(zip(names, chunks, strict=True))
-                    yield {cell: arrays[self._cells[cell][0]][:, self._cells[cell][1]] for cell in cells}
+    def _side_by_side(self, cells: Sequence[int]) -> Iterator[Cells]:
+        names = list(dict.fromkeys(self.arrays[cell][0] for cell in cells))
+        with _opened(self.path) as archive:
+            for chunks in zip(*(_chunks(archive, self._entries[name]) for name in names), strict=True):
+                arrays = dict(zip(names, chunks, strict=True))
+                yield {cell: arrays[self.arrays[cell][0]][:, self.arrays[cell][1]] for cell in cells}
 
-        return part_in_blocks(columns, columns.time.unit, next(iter(entries)).shape[0], pieces, str(self.path))
+    def pieces(self, columns: ColumnMap, name: str, rows: Rows) -> Iterator[Piece]:  # noqa: ARG002
+        with _opened(self.path) as archive:
+            yield from _pieces(archive, self._entries[name])
 
 
 @contextmanager
@@ -141,20 +141,8 @@ def _entry(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> Entry:
     return entry
 
 
-def _array(archive: zipfile.ZipFile, entry: Entry, rows: Bool | None = None) -> NDArray[Any]:
-    """Return the rows of a mask, or all, of an array: (n,) or (n, k); all of it goes by, to verify its checksum."""
-    count, filled = entry.shape[0] if rows is None else int(np.count_nonzero(rows)), 0
-    numbers = np.empty((count, entry.width), entry.dtype, order="F" if entry.by_column else "C")
-    for first, columns, chunk in _pieces(archive, entry):
-        kept = chunk if rows is None else chunk[rows[first : first + len(chunk)]]
-        filled = filled if first else 0
-        numbers[filled : filled + len(kept), columns] = kept
-        filled += len(kept)
-    return numbers
-
-
-def _pieces(archive: zipfile.ZipFile, entry: Entry) -> Iterator[tuple[int, slice, NDArray[Any]]]:
-    """Yield an array as it lies in the file: number of the first row, which columns, and their numbers (m, k)."""
+def _pieces(archive: zipfile.ZipFile, entry: Entry) -> Iterator[Piece]:
+    """Yield an array as it lies in the file."""
     width = 1 if entry.by_column else entry.width
     with archive.open(entry.info) as stream:
         _read_exactly(stream, entry.offset)
@@ -162,21 +150,25 @@ def _pieces(archive: zipfile.ZipFile, entry: Entry) -> Iterator[tuple[int, slice
             for first in range(0, entry.shape[0], _BLOCK_ROWS):
                 rows = min(_BLOCK_ROWS, entry.shape[0] - first)
                 content = _read_exactly(stream, rows * width * entry.dtype.itemsize)
-                yield first, slice(column, column + width), np.frombuffer(content, entry.dtype).reshape(rows, width)
+                yield column, np.frombuffer(content, entry.dtype).reshape(rows, width)
         stream.read(1)  # which verifies the checksum
 
 
 def _chunks(archive: zipfile.ZipFile, entry: Entry) -> Iterator[NDArray[Any]]:
     """Yield the rows of an array, (m, k), in pieces that are alike for all arrays of one length."""
+    samples, size = entry.shape[0], entry.dtype.itemsize
     if not entry.by_column:
-        yield from (chunk for _, _, chunk in _pieces(archive, entry))
+        yield from (array for _, array in _pieces(archive, entry))
         return
-    name, samples = str(archive.filename), entry.shape[0]
-    with Path(name).open("rb") as file:
+    with Path(str(archive.filename)).open("rb") as file:
         file.seek(entry.info.header_offset + _NAME_LENGTHS)  # of the name and of the extra field that follow
-        place = file.tell() + 4 + sum(struct.unpack("<HH", file.read(4))) + entry.offset
-    numbers = np.memmap(name, entry.dtype, "r", place, (samples, entry.width), order="F")
-    yield from (numbers[first : first + _BLOCK_ROWS] for first in range(0, samples, _BLOCK_ROWS))
+        begin = sum(struct.unpack("<HH", file.read(4))) + file.tell() + entry.offset
+        for first in range(0, samples, _BLOCK_ROWS):
+            rows, lots = min(_BLOCK_ROWS, samples - first), list[bytes]()
+            for column in range(entry.width):
+                file.seek(begin + (column * samples + first) * size)
+                lots.append(_read_exactly(file, rows * size))
+            yield np.frombuffer(b"".join(lots), entry.dtype).reshape(rows, entry.width, order="F")
 
 
 def _read_exactly(stream: IO[bytes], size: int) -> bytes:

@@ -2,9 +2,12 @@
 
 import re
 from abc import ABC, abstractmethod
+from bisect import bisect
+from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import reduce
+from itertools import chain
 from math import inf, isfinite
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,15 +17,24 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import InputError, few
 from friction_audit.io.readers.channel_names import choose_arm, robot_of
-from friction_audit.io.readers.clocks import Clock, TimeColumn, stamps_of, to_clock
+from friction_audit.io.readers.clocks import Clock, Stamps, TimeColumn
 from friction_audit.io.readers.columns import MOST_JOINTS, REQUIRED, ColumnMap, absent, doubt_torque, map_columns
 from friction_audit.io.readers.join import interpolated
 from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, ReadOptions, refuse_bomb, refuse_too_large
 from friction_audit.io.recording import Block, Blocks, Recording, WholeLogError
 from friction_audit.joint_log import Bool, Finding, Float, find_window
+from friction_audit.parallel import per_joint
 
 ROBOT_COLUMN = re.compile(r"\s*(?:robot|arm)(?:[ _-]?(?:name|id|number|no|serial))?\s*", re.IGNORECASE)
 _WHOLE = re.compile(r"^(\d+)\.0+$")  # a joint's number in a column that was written as floats
+
+
+Cells = dict[int, NDArray[Any]]  # position of a column -> its numbers or words
+# Yields some columns by position, many rows of all of them at a time, from a group of rows on; the first stamps first.
+Pieces = Callable[..., Iterator[Cells]]
+Piece = tuple[int, NDArray[Any]]  # number of the first column of an array, and numbers of many rows, (m, k)
+Rows = tuple[int, float]  # that are read at least, from one to before another one
+ALL = (0, inf)
 
 
 class Part(NamedTuple):
@@ -47,6 +59,8 @@ class Table(ABC):
     start_s: float | None = None  # Unix time of the first row, as the file states it apart from its columns [s]
     clock: TimeColumn | None = None  # the clock as the container knows it, for the column of the same name
     damage: tuple[Finding, ...] = ()  # found when it was opened
+    groups: Sequence[int] = (0,)  # first rows of groups of rows, from each of which on it may be read
+    slower = 1  # times as long as reading the same numbers takes elsewhere: smaller tables are not read twice
 
     def __init__(self, path: Path, names: Sequence[str]) -> None:
         self.path = path
@@ -62,97 +76,128 @@ class Table(ABC):
                     "expected one robot; keep the rows of one, or rename the column if it holds something else"
                 )
 
-    @abstractmethod
-    def read(self, columns: ColumnMap, options: ReadOptions) -> Part:
-        """Read the columns; of a large table the part asked for alone."""
-
     def findings(self) -> tuple[Finding, ...]:
         """Return the damage found so far."""
         return self.damage
 
-
-class ColumnTable(Table):
-    """A table that is stored column by column, so that the clock can be read before all else."""
-
-    def read(self, columns: ColumnMap, options: ReadOptions) -> Part:
-        rows, packed = self.size(columns)
-        row_bytes = np.float64().itemsize * (1 + sum(map(len, columns.channels.values())))
-        is_part = options.reads_part(rows * row_bytes)
-        if options.in_blocks and columns.joint is None and rows * row_bytes > IN_BLOCKS_BYTES:
-            refuse_bomb(self.path, rows * row_bytes, packed)
-            part = self.in_blocks(columns)
-            if part is not None:
-                return part
-        refuse_too_large(self.path, rows * (np.float64().itemsize if is_part else row_bytes), packed)
-        if not is_part:
-            return self.read_rows(columns, self.read_clock(columns.time), None)
-        # The joints of a long table may follow each other.
-        whole = options.hashed or options.in_blocks or columns.joint is not None
-        start, stop = options.window_of_clock()
-        clock = self.read_clock(columns.time, inf if whole else stop)
-        first_s = float(np.nanmin(clock.t))
-        since = clock.t - first_s
-        kept = (since >= start) & (since < stop)
-        if not kept.any():
-            times = np.sort(since[np.isfinite(since)]) * options.time_scale
-            find_window(times, options.t_start_s, options.t_end_s, str(self.path))
-        clock = clock._replace(t=clock.t[kept])
-        refuse_too_large(self.path, len(clock.t) * row_bytes, packed)
-        return self.read_rows(columns, clock, kept)._replace(first_s=first_s)
-
     @abstractmethod
-    def size(self, columns: ColumnMap) -> tuple[int, int]:
-        """Return the number of rows, and the bytes that these columns take in the file."""
+    def size(self, columns: ColumnMap) -> tuple[int, int, str | None]:
+        """Return the number of rows, of a text table about, and the bytes that these columns take in the file.
 
-    @abstractmethod
-    def read_clock(self, time: TimeColumn, stop: float = inf) -> Clock:
-        """Read all stamps, or of a clock in order at least those up to so long after the first. [s]"""
+        The third is the unit of the stamps, None where their values decide.
+        """
 
-    @abstractmethod
-    def read_rows(self, columns: ColumnMap, clock: Clock, rows: Bool | None) -> Part:
-        """Read the channels, in the rows of a mask or in all."""
-
-    def in_blocks(self, columns: ColumnMap) -> Part | None:  # noqa: ARG002
-        """Read the first stamps alone, and say how to read blocks; None where the container does not allow that."""
+    def in_blocks(self, columns: ColumnMap) -> tuple[int, Pieces] | None:  # noqa: ARG002
+        """Return the exact number of rows and how they are read, or None where the table cannot be read in blocks."""
         return None
 
+    @abstractmethod
+    def gather(self, columns: ColumnMap, stamps: Stamps, part: ReadOptions | None, rows: int) -> Part:
+        """Read a number of rows, which are all, or those of the part that the options ask for."""
 
-Pieces = Callable[..., Iterator[dict[int, NDArray[Any]]]]
-"""Yields some columns of a table, by position, in one piece after the other; the first stamps come first."""
+    def read(self, columns: ColumnMap, options: ReadOptions) -> Part:
+        """Read the columns; of a large table the part asked for alone, or how blocks are read."""
+        rows, packed, unit = self.size(columns)
+        row_bytes = np.float64().itemsize * (1 + sum(map(len, columns.channels.values())))
+        if options.in_blocks and columns.joint is None and rows * row_bytes > self.slower * IN_BLOCKS_BYTES:
+            refuse_bomb(self.path, rows * row_bytes, packed)
+            if (found := self.in_blocks(columns)) is not None:
+                return self._read_in_blocks(columns, Stamps(unit), *found)
+        is_part = options.reads_part(rows * row_bytes)
+        refuse_too_large(self.path, rows * (np.float64().itemsize if is_part else row_bytes), packed)
+        return self.gather(columns, Stamps(unit), options if is_part else None, rows)
 
-
-def part_in_blocks(
-    columns: ColumnMap, unit: str | None, rows: int, pieces: Pieces, path: str, groups: Sequence[int] = ()
-) -> Part:
-    """Read the first stamps, which say what the clock is, and return how blocks are read.
-
-    ``groups`` are the first rows of groups of rows, from the number of which on pieces may be asked for.
-    """
-    time = columns.time
-    first = next(stamps_of([piece[cell] for cell in time.cells]) for piece in pieces(time.cells))
-    origin = first[np.isfinite(first).argmax()].item()
-    clock, is_sound = to_clock(first, unit, path=path), False
-
-    def read(names: Collection[str], *group: int) -> Iterator[Block]:
-        nonlocal is_sound
-        wanted = {channel: cells for channel, cells in columns.channels.items() if channel in names}
+    def _read_in_blocks(self, columns: ColumnMap, stamps: Stamps, rows: int, pieces: Pieces) -> Part:
+        """Read the first stamps, which say what the clock is, and return how blocks are read."""
+        path, time, is_sound = str(self.path), columns.time, False
         try:
-            for piece in pieces([*time.cells, *(cell for cells in wanted.values() for cell in cells)], *group):
-                t = to_clock(stamps_of([piece[cell] for cell in time.cells]), clock.unit, path=path, origin=origin).t
-                yield t, {c: np.array([piece[cell] for cell in cells], np.float64).T for c, cells in wanted.items()}
-        except (InputError, WholeLogError, OSError) as error:
-            if is_sound:
-                raise InputError(f"{path}: changed while it was read; read it again when it is finished") from error
+            first = next(pieces(time.cells))
+            clock = stamps.clock(stamps.since([first[cell] for cell in time.cells]), path)
+        except (InputError, OSError) as error:
             raise WholeLogError from error  # where all is read at once, it says what is wrong, or leaves it out
-        is_sound |= len(wanted) == len(columns.channels)
 
-    def since(row: int) -> tuple[int, Callable[[Collection[str]], Iterator[Block]]]:
-        group = int(np.searchsorted(groups, row, side="right")) - 1
-        return groups[group], lambda names: read(names, group)
+        def read(names: Collection[str], **group: int) -> Iterator[Block]:
+            nonlocal is_sound
+            wanted = {channel: cells for channel, cells in columns.channels.items() if channel in names}
+            cells = [*time.cells, *chain.from_iterable(wanted.values())]
+            try:
+                for piece in pieces(cells, **group):
+                    t = stamps.clock(stamps.since([piece[cell] for cell in time.cells]), path).t
+                    yield t, {c: np.array([piece[cell] for cell in own], np.float64).T for c, own in wanted.items()}
+            except (InputError, WholeLogError, OSError) as error:
+                if is_sound:
+                    raise InputError(f"{path}: changed while it was read; read it again when it is finished") from error
+                raise WholeLogError from error
+            is_sound |= len(wanted) == len(columns.channels)
 
-    nothing = {channel: np.empty((0, len(cells))) for channel, cells in columns.channels.items()}
-    blocks = Blocks(rows=rows, read=read, since=since if groups else None)
-    return Part(clock=clock._replace(t=np.empty(0)), channels=nothing, blocks=blocks)
+        nothing = {channel: np.empty((0, len(cells))) for channel, cells in columns.channels.items()}
+        blocks = Blocks(rows=rows, read=read, groups=self.groups)
+        return Part(clock._replace(t=np.empty(0)), nothing, blocks=blocks)
+
+
+class ColumnTable(Table):
+    """A table that is stored array by array, so that the stamps can be read before all else."""
+
+    arrays: list[tuple[str, int]]  # of each column, by position: name of its array, and number in it
+
+    @abstractmethod
+    def pieces(self, columns: ColumnMap, name: str, rows: Rows) -> Iterator[Piece]:
+        """Yield an array as it lies in the file, from the group of rows on in which the rows asked for begin."""
+
+    def gather(self, columns: ColumnMap, stamps: Stamps, part: ReadOptions | None, rows: int) -> Part:
+        clock, kept, first_s = self._read_clock(columns, stamps, part, rows), np.ones(rows, np.bool_), None
+        if part is not None:
+            first_s = float(np.nanmin(clock.t))
+            elapsed, (start, stop) = clock.t - first_s, part.window_of_clock()
+            kept = (elapsed >= start) & (elapsed < stop)
+            if not kept.any():
+                times = np.sort(elapsed[np.isfinite(elapsed)]) * part.time_scale
+                find_window(times, part.t_start_s, part.t_end_s, str(self.path))
+            clock = clock._replace(t=clock.t[kept])
+        size = len(clock.t) * np.float64().itemsize * (1 + sum(map(len, columns.channels.values())))
+        refuse_too_large(self.path, size, size)
+        channels = {c: np.empty((len(clock.t), len(cells)), order="F") for c, cells in columns.channels.items()}
+        words = [] if columns.joint is None else [(columns.joint, np.empty(len(clock.t), object))]
+        each = [(cell, channels[c][:, j]) for c, cells in columns.channels.items() for j, cell in enumerate(cells)]
+        wanted = defaultdict[str, dict[int, list[NDArray[Any]]]](lambda: defaultdict(list))
+        for cell, target in [*each, *words]:
+            wanted[self.arrays[cell][0]][cell].append(target)
+        lots = list(wanted.values())
+        per_joint(lambda number: self._fill(columns, lots[number], kept), len(lots))
+        return Part(clock, channels, words[0][1] if words else None, first_s=first_s)
+
+    def _read_clock(self, columns: ColumnMap, stamps: Stamps, part: ReadOptions | None, rows: int) -> Clock:
+        """Read all stamps, or of a clock in order at least those up to the end of the part."""
+        t, count = np.empty(rows), 0
+        # The joints of a long table may follow each other.
+        whole = part is None or part.hashed or part.in_blocks or columns.joint is not None
+        for both in zip(*(self.columns(columns, [cell]) for cell in columns.time.cells), strict=True):
+            elapsed = stamps.since([values for _, values in both])
+            t[count : count + len(elapsed)], count = elapsed, count + len(elapsed)
+            if whole or part is None or stamps.origin is None:
+                continue
+            if elapsed[-1] / stamps.unit_of(elapsed) > part.window_of_clock()[1]:
+                break
+        return stamps.clock(t[:count], str(self.path))
+
+    def _fill(self, columns: ColumnMap, targets: Mapping[int, Sequence[NDArray[Any]]], kept: Bool) -> None:
+        """Read columns of an array into others, in the rows of a mask."""
+        first, last = int(kept.argmax()), len(kept) - int(kept[::-1].argmax())
+        begin = self.groups[bisect(self.groups, first) - 1]
+        seen, filled = dict.fromkeys(targets, begin), dict.fromkeys(targets, 0)
+        for cell, values in self.columns(columns, [*targets], (first, last)):
+            own = kept[seen[cell] : seen[cell] + len(values)]
+            numbers = values if own.all() else values[: len(own)][own]
+            for target in targets[cell]:
+                target[filled[cell] : filled[cell] + len(numbers)] = numbers
+            seen[cell], filled[cell] = seen[cell] + len(values), filled[cell] + len(numbers)
+
+    def columns(self, columns: ColumnMap, cells: Sequence[int], rows: Rows = ALL) -> Iterator[Piece]:
+        """Yield pieces of some columns of one array, each with its position."""
+        for begin, array in self.pieces(columns, self.arrays[cells[0]][0], rows):
+            for cell in cells:
+                if 0 <= (place := self.arrays[cell][1] - begin) < array.shape[1]:
+                    yield cell, array[:, place]
 
 
 def read_table(table: Table, options: ReadOptions) -> Recording:
