@@ -60,7 +60,7 @@ class ParquetTable(ColumnTable):
     def __init__(self, path: Path, file: ParquetFile) -> None:
         """Name the numbers of a row: scalars, and the elements of lists as long as the first that is not empty."""
         fields = arrow.flat(pa.Table.from_batches([], file.schema_arrow)).schema
-        self._file, self._damage = file, dict[tuple[str, int], str]()
+        self._file, self._damage = file, dict[tuple[str, int], tuple[int, str]]()
         self._types = {field.name: field.type for field in fields}
         self._sizes = [file.metadata.row_group(group).num_rows for group in range(file.metadata.num_row_groups)]
         self.groups = np.cumsum([0, *self._sizes]).tolist()
@@ -155,7 +155,7 @@ class ParquetTable(ColumnTable):
                 except MemoryError:  # Arrow's own is an ArrowException too
                     raise
                 except (pa.ArrowException, OSError) as error:
-                    self._damage[name, group] = " ".join(str(error).split())
+                    self._damage[name, group] = size - done, " ".join(str(error).split())
                     self._refuse_lost_stamps(columns.time)
                     yield 0, np.full((size - done, max(self._widths[name], 1)), np.nan)
 
@@ -186,10 +186,10 @@ class ParquetTable(ColumnTable):
             )
 
     def findings(self) -> tuple[Finding, ...]:
-        sizes, text = self._sizes, "{}: row group {} of {} is damaged and left out ({})"
+        text, many = "{}: row group {} of {} is damaged, and its last {} rows are left out ({})", len(self._sizes)
         return tuple(
-            Finding("damaged_numbers", text.format(name, n + 1, len(sizes), why), amount=float(sizes[n]), damaged=True)
-            for (name, n), why in sorted(self._damage.items())
+            Finding("damaged_numbers", text.format(name, n + 1, many, rows, why), amount=float(rows), damaged=True)
+            for (name, n), (rows, why) in sorted(self._damage.items())
         )
 
     def _values(self, array: pa.Array, column: str, start: int) -> NDArray[Any]:
