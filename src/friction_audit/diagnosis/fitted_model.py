@@ -22,16 +22,22 @@ class FittedModel:
         self.gram, self.problem = training.gram, training.gram.problem
         self.fit = training.fit(active)
         self.coefficients = self.fit.of_blocks
-        # torque of each effect on the samples, shape (m,) [N m]
-        self.torques = [c @ block.columns for block, c in zip(active, self.coefficients, strict=True)]
         self._known = self.gram.base_raw[self.gram.precision == 0.0]  # the nominal model, and an offset that may be any
-        # rms of the torques free of these, shape (k,) [N m]
-        self.sizes = np.array([_rms_without(self._known, torque) for torque in self.torques])
 
     @cached_property
     def nominal(self) -> Nominal:
         """The nominal model as fitted together with the effects."""
         return self.problem.nominal.baseline(self.fit.coefficients[: len(self.problem.X)])
+
+    @cached_property
+    def torques(self) -> list[Float]:
+        """Torque of each effect on the samples, shape (m,). [N m]"""
+        return [c @ block.columns for block, c in zip(self.active, self.coefficients, strict=True)]
+
+    @cached_property
+    def sizes(self) -> Float:
+        """Rms of each effect's torque free of the nominal model, and of an offset that may be any, shape (k,). [N m]"""
+        return np.array([_rms_without(self._known, torque) for torque in self.torques])
 
     @cached_property
     def residual(self) -> Float:
