@@ -8,12 +8,12 @@ import numpy as np
 
 from friction_audit.dynamics import forward
 from friction_audit.dynamics.motion import Forward, Motion, Others
-from friction_audit.dynamics.stick_slip import run_pieces
+from friction_audit.dynamics.stick_slip import integrate_segments
 from friction_audit.dynamics.torque_tables import Tables, tabulate
 from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.joint_log import Float
 
-simulate_along: Any = forward.simulate_along  # None, for what cannot be simulated, would fail in every test
+simulate_segments: Any = forward.simulate_segments  # None, for what cannot be simulated, would fail in every test
 
 
 def invent(
@@ -83,4 +83,4 @@ def simulate(model: JointModel, t: Float, drive: Float, *, q: float = 0.0, dq: f
     """A joint whose friction follows from the velocity under a torque that is linear between even samples."""
     n, step_s = len(t), float(t[1] - t[0])
     start, whole, steps = (np.full(n, q), np.full(n, dq)), np.array([[0, n - 1]]), int(np.ceil(step_s / STEP_S - 1e-6))
-    return Moved(*run_pieces(step_s, steps, drive, *start, whole, np.zeros((n, 1)), tables_of(model)))
+    return Moved(*integrate_segments(step_s, steps, drive, *start, whole, np.zeros((n, 1)), tables_of(model)))

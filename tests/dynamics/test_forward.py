@@ -9,11 +9,11 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from friction_audit.dynamics.bristles import bristles_of
+from friction_audit.dynamics.bristles import fit_bristles
 from friction_audit.dynamics.motion import Motion, Term
 from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.joint_log import Float
-from tests.dynamics.joints import invent, joint_with, make_recording, recording_of, simulate, simulate_along
+from tests.dynamics.joints import invent, joint_with, make_recording, recording_of, simulate, simulate_segments
 
 RATE_HZ = 400.0
 COULOMB, VISCOUS, B = 0.3, 0.07, 0.3
@@ -33,7 +33,7 @@ def free(model: JointModel, t: Float, drive: Float, *, q: float = 0.0, dq: float
     positions[0] = q
     speeds = np.where(np.arange(len(t)) % 2, 2.0, -2.0)
     speeds[0] = dq
-    return np.asarray(simulate_along(model, recording_of(t, positions, speeds), drive, whole(t)))
+    return np.asarray(simulate_segments(model, recording_of(t, positions, speeds), drive, whole(t)))
 
 
 @pytest.mark.parametrize("stribeck", [False, True])
@@ -93,7 +93,7 @@ def test_a_spring_puts_the_measured_side_ahead(term: Term, twist: Callable[[Floa
     rigid = simulate(joint_with(), t, drive)
     ahead = twist(drive)
     seen = recording_of(t, rigid.q + ahead, rigid.dq + np.gradient(ahead, t))
-    found, plain = (simulate_along(model, seen, drive, whole(t)) for model in (joint_with(term), joint_with()))
+    found, plain = (simulate_segments(model, seen, drive, whole(t)) for model in (joint_with(term), joint_with()))
     # At the ends the torque is averaged to one side.
     assert found[5:-5] == pytest.approx(seen.dq[5:-5], abs=2e-3)
     assert np.abs(plain - seen.dq).max() > 5e-3
@@ -110,7 +110,7 @@ def test_within_a_play_the_measured_side_is_where_it_was_measured() -> None:
     drive = joint_with().torque(recording_of(t, inner, dq))
     seen = recording_of(t, q, 0.3 * np.cos(t))
     pieces = np.array([[1000, len(t) - 1]])
-    found, plain = (simulate_along(model, seen, drive, pieces) for model in (joint_with(term), joint_with()))
+    found, plain = (simulate_segments(model, seen, drive, pieces) for model in (joint_with(term), joint_with()))
     wrong = [np.sqrt(np.mean((one - seen.dq)[1000:] ** 2)) for one in (found, plain)]
     assert wrong[0] < 0.2 * wrong[1]
 
@@ -137,7 +137,7 @@ def test_a_term_with_a_past_is_iterated_to_what_scipy_finds() -> None:
         rtol=1e-9,
     ).y[0]
     seen = recording_of(t, np.cumsum(exact) / RATE_HZ, exact + 0.1 * np.sin(t))
-    found = simulate_along(JointModel(inertia_kg_m2=0.3, terms=(term,)), seen, drive, whole(t))
+    found = simulate_segments(JointModel(inertia_kg_m2=0.3, terms=(term,)), seen, drive, whole(t))
     assert found == pytest.approx(exact, abs=0.01)
 
 
@@ -170,7 +170,7 @@ def test_pieces_give_the_recording_back_from_their_starts_and_nothing_between_th
     recording = replace(make_recording(10.0), rest=None)
     pieces = np.array([[100, 700], [900, 3900]])
     model = joint_with(*terms)
-    found = simulate_along(model, recording, model.torque(recording), pieces)
+    found = simulate_segments(model, recording, model.torque(recording), pieces)
     inside = np.zeros(len(found), bool)
     inside[100:701] = inside[900:3901] = True
     assert np.array_equal(np.isfinite(found), inside)
@@ -196,8 +196,8 @@ def test_springs_remember_every_reversal() -> None:
     def two(q: Float) -> Float:
         return 0.5 * (stop(q, 0.002) + stop(q, 0.01))
 
-    _, found, springs = bristles_of(invent(lambda motion: two(motion.q) - np.sign(motion.dq), LEVEL, "bristle"))
+    _, found, springs = fit_bristles(invent(lambda motion: two(motion.q) - np.sign(motion.dq), LEVEL, "bristle"))
     q = np.interp(np.arange(5001), [0, 1000, 2000, 3000, 4000, 5000], [0.0, 0.03, 0.018, 0.022, 0.01, 0.03])
-    wrong = [np.sqrt(np.mean((one.along(q) - LEVEL * two(q)) ** 2)) for one in (springs, found)]
+    wrong = [np.sqrt(np.mean((one.torque_along(q) - LEVEL * two(q)) ** 2)) for one in (springs, found)]
     assert wrong[0] < 3e-3
     assert wrong[1] > 5.0 * wrong[0]

@@ -9,12 +9,12 @@ from hypothesis import given, settings, strategies as st
 from scipy.integrate import solve_ivp
 
 from friction_audit.dynamics.motion import Motion
-from friction_audit.dynamics.stick_slip import Step, advance, link_of, move_two_sides
+from friction_audit.dynamics.stick_slip import Step, advance, integrate_two_masses, two_mass_model
 from friction_audit.dynamics.torque_tables import tabulate
 from friction_audit.dynamics.transmission import Transmission
 from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_model
 from friction_audit.joint_log import Float
-from tests.dynamics.joints import recording_of, simulate, simulate_along, tables_of
+from tests.dynamics.joints import recording_of, simulate, simulate_segments, tables_of
 
 B, COULOMB, VISCOUS = 0.3, 0.4, 0.1
 MODEL = simple_model(inertia_kg_m2=B, coulomb_nm=COULOMB, viscous_nms_per_rad=VISCOUS)
@@ -101,13 +101,13 @@ def moved(share: float, coulomb_nm: float = 0.0, gap_rad: float = 0.0, damping_r
     terms = (FittedTerm("coulomb", (coulomb_nm,)), FittedTerm("viscous", (0.0,)))
     still = recording_of(T, 0.5 * np.sin(T), 0.5 * np.cos(T))
     tables, _ = tabulate(share * B, terms, still)
-    link = link_of(
+    link = two_mass_model(
         Transmission(stiffness_nm_per_rad=STIFFNESS, damping_ratio=damping_ratio, gap_rad=gap_rad),
         (1.0 - share) * B,
         share * B,
     )
     nothing = np.zeros(len(T))
-    return move_two_sides(drive(), nothing, (nothing, nothing), STEP_S, WHOLE, link, tables)
+    return integrate_two_masses(np.stack([drive(), nothing]), (nothing, nothing), STEP_S, WHOLE, link, tables)
 
 
 def drive() -> Float:
@@ -142,9 +142,9 @@ def test_both_sides_of_a_spring_move_as_scipy_finds(share: float) -> None:
     exact = solve_ivp(rates, (0.0, T[-1]), np.zeros(4), t_eval=T, rtol=1e-7, atol=1e-9, max_step=STEP_S).y
     seen = recording_of(T, np.where(np.arange(len(T)) % 2, exact[0], 0.0), exact[1])
     model = JointModel(inertia_kg_m2=B, terms=(FittedTerm("viscous", (DRAG,)), spring(share)))
-    found = simulate_along(model, seen, drive(), WHOLE)
+    found = simulate_segments(model, seen, drive(), WHOLE)
     assert found == pytest.approx(exact[1], abs=6e-3)
-    rigid = simulate_along(replace(model, terms=model.terms[:1]), seen, drive(), WHOLE)
+    rigid = simulate_segments(replace(model, terms=model.terms[:1]), seen, drive(), WHOLE)
     assert np.sqrt(np.mean((found - exact[1]) ** 2)) < 0.3 * np.sqrt(np.mean((rigid - exact[1]) ** 2))
 
 
@@ -170,7 +170,7 @@ def test_pieces_begin_with_what_the_recording_has_done_to_the_spring() -> None:
     rows = moved(share, friction, damping_ratio=0.1)
     model = JointModel(inertia_kg_m2=B, terms=(FittedTerm("coulomb", (friction,)), spring(share, 0.1)))
     pieces = np.array([[300, 700], [700, 1100]])
-    found = simulate_along(model, recording_of(T, rows[0], rows[1]), drive(), pieces)
+    found = simulate_segments(model, recording_of(T, rows[0], rows[1]), drive(), pieces)
     inside = np.isfinite(found)
     assert inside.sum() == 801
     assert found[700] == rows[1, 700]

@@ -12,28 +12,28 @@ from friction_audit.dynamics import transmission
 from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.transmission import (
     HIGHEST_HZ,
-    FarSide,
+    FrictionSide,
     Transmission,
     added_torques,
-    bend_of,
-    far_side,
-    pushed,
+    fit_friction_side,
+    hardening,
+    spring_torque,
 )
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 
 STEP_S = 0.0025
-PLAIN = FarSide(inertia_kg_m2=0.2, coulomb_nm=0.0, viscous_nms_per_rad=0.0)
-RUBBING = FarSide(inertia_kg_m2=0.2, coulomb_nm=0.4, viscous_nms_per_rad=0.1)
+PLAIN = FrictionSide(inertia_kg_m2=0.2, coulomb_nm=0.0, viscous_nms_per_rad=0.0)
+RUBBING = FrictionSide(inertia_kg_m2=0.2, coulomb_nm=0.4, viscous_nms_per_rad=0.1)
 
 
-def added_torque(motion: Motion, far: FarSide, link: Transmission) -> Float:
+def added_torque(motion: Motion, far: FrictionSide, link: Transmission) -> Float:
     """What one transmission adds to the torque of a rigid joint."""
     ((_, added),) = added_torques(motion, [far], [link])
     return np.asarray(added[0])
 
 
-def transmitted(motion: Motion, far: FarSide, link: Transmission) -> Float:
+def transmitted(motion: Motion, far: FrictionSide, link: Transmission) -> Float:
     """All that the measured side feels."""
     followed = max(far.inertia_kg_m2, link.stiffness_nm_per_rad / (2.0 * np.pi * HIGHEST_HZ) ** 2)
     return added_torque(motion, far, link) + rigid(motion, replace(far, inertia_kg_m2=followed))
@@ -55,7 +55,7 @@ def ramp(*corners: float, speed: float) -> Motion:
     return Motion(t=t, q=q, dq=dq, ddq=np.zeros(len(q)))
 
 
-def rigid(motion: Motion, far: FarSide) -> Float:
+def rigid(motion: Motion, far: FrictionSide) -> Float:
     friction = far.coulomb_nm * np.sign(motion.dq) + far.viscous_nms_per_rad * motion.dq
     return np.asarray(far.inertia_kg_m2 * motion.ddq + friction)
 
@@ -68,9 +68,11 @@ def amplitude(signal: Float, motion: Motion, hertz: float) -> complex:
 
 def test_inertia_and_friction_are_read_off_the_torque() -> None:
     motion = sine(0.5, 0.7)
-    assert astuple(far_side(replace(motion, rest=rigid(motion, RUBBING)))) == pytest.approx((0.2, 0.4, 0.1), rel=1e-9)
+    assert astuple(fit_friction_side(replace(motion, rest=rigid(motion, RUBBING)))) == pytest.approx(
+        (0.2, 0.4, 0.1), rel=1e-9
+    )
     with pytest.raises(AnalysisError, match="no torque of inertia and friction"):
-        far_side(motion)
+        fit_friction_side(motion)
 
 
 @pytest.mark.parametrize("hertz", [0.5, 3.0, 5.0, 20.0])
@@ -135,7 +137,7 @@ def test_no_transmission_gives_energy(gap: float, stiffness: float, hertz: float
 @pytest.mark.parametrize("inertia", [1e-3, 1e-6, 1e-12])
 @pytest.mark.parametrize("soft", [0.0, 1e-3])
 def test_a_far_side_of_hardly_any_inertia_does_not_run_away(inertia: float, soft: float) -> None:
-    far = FarSide(inertia_kg_m2=inertia, coulomb_nm=0.3, viscous_nms_per_rad=0.03)
+    far = FrictionSide(inertia_kg_m2=inertia, coulomb_nm=0.3, viscous_nms_per_rad=0.03)
     spring = Transmission(stiffness_nm_per_rad=1e5, damping_ratio=0.05, soft_nm=soft)
     assert np.abs(added_torque(sine(0.5, 0.7), far, spring)).max() < 2.0 * far.coulomb_nm + 0.01
 
@@ -188,9 +190,11 @@ def test_where_a_load_changes_its_side_the_far_side_crosses_the_gap() -> None:
 
 def test_a_spring_that_stiffens_up_to_3_nm_by_hand() -> None:
     """Half as stiff without torque; at the twist at which a straight spring has 4 N m it has 3, and is whole."""
-    bend, curve = bend_of(3.0)
+    bend, curve = hardening(3.0)
     straight = np.array([0.0, 2.0, 4.0, 6.0, -2.0, -6.0])
-    assert [pushed(one, bend, curve) for one in straight] == pytest.approx([0.0, 1.25, 3.0, 5.0, -1.25, -5.0])
-    slopes = [(pushed(at + 1e-6, bend, curve) - pushed(at, bend, curve)) / 1e-6 for at in (0.0, 2.0, 4.0, 9.0)]
+    assert [spring_torque(one, bend, curve) for one in straight] == pytest.approx([0.0, 1.25, 3.0, 5.0, -1.25, -5.0])
+    slopes = [
+        (spring_torque(at + 1e-6, bend, curve) - spring_torque(at, bend, curve)) / 1e-6 for at in (0.0, 2.0, 4.0, 9.0)
+    ]
     assert slopes == pytest.approx([0.5, 0.75, 1.0, 1.0], abs=1e-5)
-    assert pushed(-0.7, *bend_of(0.0)) == -0.7
+    assert spring_torque(-0.7, *hardening(0.0)) == -0.7

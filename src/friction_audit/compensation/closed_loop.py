@@ -12,7 +12,7 @@ from friction_audit.compensation.law import JOINT_MODEL
 from friction_audit.compiled import Record, compiled
 from friction_audit.dynamics.bristles import bristle_damping, bristle_nm
 from friction_audit.dynamics.stick_slip import Step, advance
-from friction_audit.dynamics.torque_tables import Tables, taken
+from friction_audit.dynamics.torque_tables import Tables, lookup_nm
 from friction_audit.joint_log import Float, read_only
 
 # A cycle of the compensator.
@@ -271,7 +271,7 @@ def feel(q: float, v: float, sign: float, i: int, push: float, u: float, bent: F
     """Return what the sensor of a joint with tables feels of the push: that, less what the operator takes. [N m]"""
     spring, acceleration = loop.stiffness_nm_per_rad * q, 0.0
     if sign != 0.0:
-        torque = taken(sign, q, abs(v), float(i), loop.tables)
+        torque = lookup_nm(sign, q, abs(v), float(i), loop.tables)
         torque += bristle_nm(bent, 0.0, loop.tables.bristles) + bristle_damping(bent, sign, loop.tables.bristles) * v
         acceleration = (push + u - spring - torque) / loop.tables.inertia_kg_m2
     return float(push - loop.inertia_kg_m2 * acceleration - loop.damping_nms_per_rad * v - spring)
@@ -293,7 +293,7 @@ def move(
         moved = q - before
         if moved != 0.0:
             position, speed, sample, mean = 0.5 * (before + q), abs(moved) / h, 0.5 * (begin + end), 0.5 * (held + bent)
-            both = taken(1.0, position, speed, sample, tables) - taken(-1.0, position, speed, sample, tables)
+            both = lookup_nm(1.0, position, speed, sample, tables) - lookup_nm(-1.0, position, speed, sample, tables)
             level = 0.5 * both - loop.damping_nms_per_rad * speed
             damping = bristle_damping(mean, math.copysign(1.0, moved), tables.bristles)
             lost += level * abs(moved) + (bristle_nm(mean, 0.0, tables.bristles) + damping * moved / h) * moved

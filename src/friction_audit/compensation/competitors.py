@@ -24,9 +24,9 @@ import numpy as np
 
 from friction_audit.compensation.law import FINITE, EnergyCompensator, Law, positive, soft_sign, within
 from friction_audit.compiled import Record, compiled
-from friction_audit.dynamics.bristles import bend_on, bristle_damping, bristle_nm
+from friction_audit.dynamics.bristles import advance_bristles, bristle_damping, bristle_nm
 from friction_audit.dynamics.motion import Motion, Term
-from friction_audit.dynamics.torque_tables import Tables, tabulate, taken
+from friction_audit.dynamics.torque_tables import Tables, lookup_nm, tabulate
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.joint_log import Float
@@ -283,7 +283,7 @@ def feed_of(terms: Sequence[FittedTerm], motion: Motion) -> Feed:
     """Return the feed-forward of terms of friction, before the first tick."""
     tables, past = tabulate(0.0, terms, motion)
     refuse((), past)
-    return Feed(straighten(tables), np.zeros(1 + len(tables.bristles.reach)))
+    return Feed(straighten(tables), np.zeros(1 + len(tables.bristles.yield_rad)))
 
 
 @compiled()
@@ -291,10 +291,10 @@ def feed_friction(memory: Record, feed: Feed, q: float, v: float, i: int) -> Non
     """Give a compensator what friction takes at sample i; nothing later than that is read."""
     bristles, bent = feed.tables.bristles, feed.bent
     if memory.ticks > 0:
-        bend_on(bent, q - memory.q_rad, bristles)
+        advance_bristles(bent, q - memory.q_rad, bristles)
     memory.q_rad = q
     sign = 1.0 if v >= 0.0 else -1.0
-    memory.modelled_nm = sign * taken(sign, q, abs(v), float(i), feed.tables)
+    memory.modelled_nm = sign * lookup_nm(sign, q, abs(v), float(i), feed.tables)
     memory.bristle_nm = bristle_nm(bent, 0.0, bristles) + bristle_damping(bent, sign, bristles) * v
 
 

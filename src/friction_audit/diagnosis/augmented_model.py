@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from friction_audit.diagnosis.prepare import Subject
 from friction_audit.diagnosis.result import JointDiagnosis, SimulationGap
-from friction_audit.dynamics.forward import simulate_along
+from friction_audit.dynamics.forward import simulate_segments
 from friction_audit.dynamics.torque_tables import rms
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, Provenance
@@ -111,8 +111,8 @@ def simulate_cycles(
         return None
     motion = replace(data.motion(), smooth_direction=None)  # what is simulated has its own direction
     load = None if data.load is None else data.load - known_inertia_kg_m2 * data.ddq
-    before = simulate_along(models[0], motion, drive, pieces, load)
-    after = before if models[1] == models[0] else simulate_along(models[1], motion, drive, pieces, load)
+    before = simulate_segments(models[0], motion, drive, pieces, load)
+    after = before if models[1] == models[0] else simulate_segments(models[1], motion, drive, pieces, load)
     if before is None or after is None:
         return None
     inside, traces = np.isfinite(before), {}

@@ -7,7 +7,7 @@ from math import exp
 import numpy as np
 
 from friction_audit.dynamics.motion import Motion
-from friction_audit.dynamics.transmission import far_side, simple_torque
+from friction_audit.dynamics.transmission import fit_friction_side, simple_torque
 from friction_audit.effects.effect import LARGEST_SHARE, Each, Effect, Points
 from friction_audit.effects.joint_data import JointData, Nominal, reversals
 from friction_audit.effects.parameter import Parameter
@@ -43,7 +43,7 @@ class FrictionalLag(Effect):
 
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield friction at the lagged speed less that at the present one; equal lags have their speed in common."""
-        far, speed, sign = far_side(motion), np.abs(motion.dq), motion.direction
+        far, speed, sign = fit_friction_side(motion), np.abs(motion.dq), motion.direction
         step = float(motion.t[1] - motion.t[0])
         now = {fading: np.exp(-speed / fading) for fading in {fading for _, _, fading in many}}
         for lag in dict.fromkeys(lag for lag, _, _ in many):

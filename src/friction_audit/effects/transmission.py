@@ -14,11 +14,11 @@ from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.transmission import (
     HIGHEST_HZ,
     MANY_SAMPLES,
-    FarSide,
+    FrictionSide,
     Transmission,
     added_torques,
-    far_side,
-    flank_stiffness,
+    contact_stiffness,
+    fit_friction_side,
     simple_torque,
 )
 from friction_audit.effects.effect import LARGEST_SHARE, Each, Effect, Nonlinear, Points
@@ -55,7 +55,7 @@ class Link(Effect):
     # Share of the coefficient that it follows from above which it is possible.
     least: ClassVar[float]
 
-    def link(self, far: FarSide, usual_nm: float, values: Sequence[float]) -> Transmission:
+    def link(self, far: FrictionSide, usual_nm: float, values: Sequence[float]) -> Transmission:
         """Return the link of some values to a far side that usually takes so much torque (RMS)."""
         raise NotImplementedError
 
@@ -68,7 +68,7 @@ class Link(Effect):
         torque = simple_torque(motion)
         usual = sqrt(torque @ torque / len(torque))
         for places, rows in self._follow(
-            motion, [far_side(motion)] * len(many), [usual] * len(many), many, np.transpose
+            motion, [fit_friction_side(motion)] * len(many), [usual] * len(many), many, np.transpose
         ):
             yield from zip(places, rows[..., None], strict=True)
 
@@ -79,7 +79,7 @@ class Link(Effect):
         names = ("inertia_kg_m2", "coulomb_nm", "viscous_nms_per_rad")
         # Negative inertia or friction of the nominal model counts as none.
         numbers = np.maximum([[getattr(one, name) for name in names] for one in nominals], 0.0)
-        far = [FarSide(**dict(zip(names, own, strict=True))) for own in numbers.tolist()]
+        far = [FrictionSide(**dict(zip(names, own, strict=True))) for own in numbers.tolist()]
         # Points with ``motion_below_hz`` go along the motion below that frequency, all others as measured.
         for below_hz in dict.fromkeys(at.get("motion_below_hz") for at in grid):
             own = [place for place, at in enumerate(grid) if at.get("motion_below_hz") == below_hz]
@@ -94,7 +94,7 @@ class Link(Effect):
     def _follow(
         self,
         motion: Motion,
-        far: Sequence[FarSide],
+        far: Sequence[FrictionSide],
         usual_nm: Sequence[float],
         many: Sequence[Sequence[float]],
         seen: Callable[[Float], Float],
@@ -170,7 +170,7 @@ class JointElasticity(Link):
     }
     least = 0.5
 
-    def link(self, far: FarSide, usual_nm: float, values: Sequence[float]) -> Transmission:
+    def link(self, far: FrictionSide, usual_nm: float, values: Sequence[float]) -> Transmission:
         stiffness, soft_nm, damping_ratio, share = values
         return Transmission(
             stiffness_nm_per_rad=stiffness, soft_nm=soft_nm, damping_ratio=damping_ratio, far_share=share
@@ -178,7 +178,7 @@ class JointElasticity(Link):
 
     def tries(self, data: JointData) -> list[Nonlinear]:
         """Return springs that ring below the regression's corner, or twist by more than the noise of the position."""
-        far, usual = far_side(data.motion(data.torque)), float(np.sqrt(np.mean(data.torque**2))) or 1.0
+        far, usual = fit_friction_side(data.motion(data.torque)), float(np.sqrt(np.mean(data.torque**2))) or 1.0
         # Stiffnesses on which the inertia in the torque rings at all frequencies, from the stiffest. [N m/rad]
         inertia, hz = far.inertia_kg_m2 or USUAL_INERTIA_KG_M2, np.array([MOTION_BELOW_HZ, CORNER_HZ, *RINGING_HZ])
         smooth_at, corner, *_ = ringing = inertia * (2.0 * np.pi * hz) ** 2
@@ -238,10 +238,10 @@ class Backlash(Link):
     separate = {"contact_event": "reverse again at the same places: a gap opens at every reversal"}
     least = 0.4
 
-    def link(self, far: FarSide, usual_nm: float, values: Sequence[float]) -> Transmission:
+    def link(self, far: FrictionSide, usual_nm: float, values: Sequence[float]) -> Transmission:
         gap, contact_hz, damping_ratio, share = values
         return Transmission(
-            stiffness_nm_per_rad=flank_stiffness(share * far.inertia_kg_m2, contact_hz, gap, usual_nm),
+            stiffness_nm_per_rad=contact_stiffness(share * far.inertia_kg_m2, contact_hz, gap, usual_nm),
             damping_ratio=damping_ratio,
             gap_rad=gap,
             far_share=share,
