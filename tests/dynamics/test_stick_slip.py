@@ -101,13 +101,10 @@ def moved(share: float, coulomb_nm: float = 0.0, gap_rad: float = 0.0, damping_r
     terms = (FittedTerm("coulomb", (coulomb_nm,)), FittedTerm("viscous", (0.0,)))
     still = recording_of(T, 0.5 * np.sin(T), 0.5 * np.cos(T))
     tables, _ = tabulate(share * B, terms, still)
-    link = two_mass_model(
-        Transmission(stiffness_nm_per_rad=STIFFNESS, damping_ratio=damping_ratio, gap_rad=gap_rad),
-        (1.0 - share) * B,
-        share * B,
-    )
+    gear = Transmission(stiffness_nm_per_rad=STIFFNESS, damping_ratio=damping_ratio, gap_rad=gap_rad)
+    model = two_mass_model(gear, (1.0 - share) * B, share * B)
     nothing = np.zeros(len(T))
-    return integrate_two_masses(np.stack([drive(), nothing]), (nothing, nothing), STEP_S, WHOLE, link, tables)
+    return integrate_two_masses(np.stack([drive(), nothing]), (nothing, nothing), STEP_S, WHOLE, model, tables)
 
 
 def drive() -> Float:

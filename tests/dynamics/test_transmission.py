@@ -68,9 +68,8 @@ def amplitude(signal: Float, motion: Motion, hertz: float) -> complex:
 
 def test_inertia_and_friction_are_read_off_the_torque() -> None:
     motion = sine(0.5, 0.7)
-    assert astuple(fit_friction_side(replace(motion, rest=rigid(motion, RUBBING)))) == pytest.approx(
-        (0.2, 0.4, 0.1), rel=1e-9
-    )
+    found = fit_friction_side(replace(motion, rest=rigid(motion, RUBBING)))
+    assert astuple(found) == pytest.approx((0.2, 0.4, 0.1), rel=1e-9)
     with pytest.raises(AnalysisError, match="no torque of inertia and friction"):
         fit_friction_side(motion)
 
@@ -190,11 +189,9 @@ def test_where_a_load_changes_its_side_the_far_side_crosses_the_gap() -> None:
 
 def test_a_spring_that_stiffens_up_to_3_nm_by_hand() -> None:
     """Half as stiff without torque; at the twist at which a straight spring has 4 N m it has 3, and is whole."""
-    bend, curve = hardening(3.0)
+    spring = hardening(3.0)
     straight = np.array([0.0, 2.0, 4.0, 6.0, -2.0, -6.0])
-    assert [spring_torque(one, bend, curve) for one in straight] == pytest.approx([0.0, 1.25, 3.0, 5.0, -1.25, -5.0])
-    slopes = [
-        (spring_torque(at + 1e-6, bend, curve) - spring_torque(at, bend, curve)) / 1e-6 for at in (0.0, 2.0, 4.0, 9.0)
-    ]
+    assert [spring_torque(one, *spring) for one in straight] == pytest.approx([0.0, 1.25, 3.0, 5.0, -1.25, -5.0])
+    slopes = [(spring_torque(at + 1e-6, *spring) - spring_torque(at, *spring)) / 1e-6 for at in (0.0, 2.0, 4.0, 9.0)]
     assert slopes == pytest.approx([0.5, 0.75, 1.0, 1.0], abs=1e-5)
     assert spring_torque(-0.7, *hardening(0.0)) == -0.7

@@ -60,8 +60,7 @@ def simulate_segments(
         # Undo the delay of the torque; a load that is delayed too was subtracted too early.
         own = np.zeros(len(drive)) if motion.load is None else motion.load * round(_parameter(late, "delayed_load"))
         drive = np.asarray(np.interp(motion.t + _parameter(late, "delay_s"), motion.t, drive + own) - own)
-    load = motion.load if load is None else load
-    load = np.zeros(len(drive)) if load is None else load
+    load = next((one for one in (load, motion.load) if one is not None), np.zeros(len(drive)))
     step_s = float(motion.t[1] - motion.t[0])
     recording = _Recording(motion, drive, load, segments, step_s)
     acting = [term for term in model.terms if term.effect.forward not in BETWEEN]

@@ -64,14 +64,12 @@ def tabulate(inertia_kg_m2: float, terms: Iterable[Term], motion: Motion) -> tup
             dry, *models = fit_bristles(term)
             candidates = (empty._replace(speed=np.array([[dry], [-dry]]), bristles=model) for model in models)
         added = next((one for one in candidates if _reproduces(one, term, motion)), None)
-        bristles = [
-            one.bristles for one in (added, tables) if one and len(one.bristles.path) + len(one.bristles.stiffness)
-        ]
-        if added is None or len(bristles) > 1:
+        used = [one.bristles for one in (added, tables) if one and len(one.bristles.path) + len(one.bristles.stiffness)]
+        if added is None or len(used) > 1:
             with_memory.append(term)
         else:
             sums: dict[str, Any] = {name: getattr(tables, name) + getattr(added, name) for name in ADDED}
-            tables = tables._replace(**sums, bristles=bristles[0] if bristles else NO_BRISTLES)
+            tables = tables._replace(**sums, bristles=used[0] if used else NO_BRISTLES)
     return tables, tuple(with_memory)
 
 

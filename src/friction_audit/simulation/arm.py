@@ -12,8 +12,8 @@ from friction_audit.robot.arm import STANDARD_GRAVITY, load_arm
 from friction_audit.simulation import settings as shared
 from friction_audit.simulation.bench import JOINTS, PandaSettings, Progress, assemble, moved_by, rotor_mass
 from friction_audit.simulation.effects import Hidden
+from friction_audit.simulation.mechanics.control_loop import run, set_equilibrium, set_hand_impedance, set_masses
 from friction_audit.simulation.mechanics.records import Mechanism
-from friction_audit.simulation.mechanics.tick import guide, load_masses, run, settle
 from friction_audit.simulation.periodic import Commanded, intend_joints
 from friction_audit.simulation.strokes import HandPath, plan_hand
 
@@ -84,7 +84,7 @@ class ArmSettings(PandaSettings):
         arm = (ServoedArm if self.driven else GuidedArm)(self, mechanism, streams.person)
         # The inner sides, the motors' or the links', bear gravity compensation or their weight.
         load = -arm.compute(pose, 0.0 * pose)[1] if self.driven else arm.support(pose)
-        settle(mechanism.joints, mechanism.body, load)
+        set_equilibrium(mechanism.joints, mechanism.body, load)
         for k in range(ticks + 1):
             # Position and velocity at tick k, half a tick after the mechanism's state except at the start.
             ahead, (y, v, a) = 0.5 * mechanism.dt * (k > 0), (of[arm.link] for of in arm.states)
@@ -175,7 +175,7 @@ class GuidedArm(RigidBody):
         mj.mju_quat2Vel(self._turn, self._quaternion, 1.0)
         off, target = np.concatenate([self._place[k] - data.xpos[self._flange], self._turn]), self._target[k]
         pull = springs * off + dampers * target + self._lift
-        guide(body, mass, bias, jacobian, springs, dampers, pull, springs * target, q, rotor, gravity)
+        set_hand_impedance(body, mass, bias, jacobian, springs, dampers, pull, springs * target, q, rotor, gravity)
 
 
 class ServoedArm(RigidBody):
@@ -195,4 +195,4 @@ class ServoedArm(RigidBody):
         body.push[:n] = gravity + servo.stiffness_nm_per_rad * position + servo.damping_nms_per_rad * speed
         body.push_rate[:n] = servo.stiffness_nm_per_rad * speed
         body.support[:n] = -bias
-        load_masses(body, self.rotor, mass)
+        set_masses(body, self.rotor, mass)

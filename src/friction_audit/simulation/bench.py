@@ -18,8 +18,8 @@ from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.sensors import torque_drift_nm
 from friction_audit.simulation.effects.slow_and_events import draw_events
 from friction_audit.simulation.effects.structure import coupled_mass
+from friction_audit.simulation.mechanics.control_loop import run, set_equilibrium, set_masses
 from friction_audit.simulation.mechanics.records import KEPT, ROWS, STATE, Loop, Mechanism, make_body, pack
-from friction_audit.simulation.mechanics.tick import load_masses, run, settle
 from friction_audit.simulation.periodic import MotionSettings
 from friction_audit.simulation.sensors import draw_noise
 from friction_audit.simulation.strokes import StopAndGo
@@ -80,11 +80,11 @@ def move(
     push = hand.stiffness_nm_per_rad * position + hand.damping_nms_per_rad * intended.velocity
     mechanism = assemble(settings, ticks, np.array([start_rad]), streams)
     body = mechanism.body
-    load_masses(body, np.array([[hand.inertia_kg_m2]]), rotor_mass(settings.joints, settings.hidden))
+    set_masses(body, np.array([[hand.inertia_kg_m2]]), rotor_mass(settings.joints, settings.hidden))
     body.stiffness[0, 0], body.drive_damping[0, 0] = hand.stiffness_nm_per_rad, hand.damping_nms_per_rad
     gravity = np.array([settings.gravity_nm, settings.gravity_phase_rad])
     weight = settings.gravity_nm * np.sin(start_rad + settings.gravity_phase_rad)
-    settle(mechanism.joints, body, np.array([-weight if settings.driven else weight]))
+    set_equilibrium(mechanism.joints, body, np.array([-weight if settings.driven else weight]))
     no_hand = np.zeros((6, 1)), np.zeros(0)
     for first in range(0, ticks + 1, CHUNK_TICKS):
         last = min(first + CHUNK_TICKS, ticks + 1)
@@ -100,7 +100,7 @@ def moved_by(mechanism: Mechanism, path: str, gravity: Float | None = None) -> s
     motion = shared.TrueMotion(t=t, **dict(zip(KEPT, np.swapaxes(mechanism.out, 0, 1), strict=True)))
     names = (TRACE.names or ()) if mechanism.traced.shape[2] else ()
     traces = {name: mechanism.traced.view(TRACE)[:, :, 0][name] for name in names}
-    return shared.Moved(shared.require_sane(motion, path), mechanism.loop, traces, gravity)
+    return shared.Moved(shared.require_bounded(motion, path), mechanism.loop, traces, gravity)
 
 
 HALF_SUBSTEPS = 5  # integration steps in half a tick of the controller
@@ -166,7 +166,7 @@ def make_loop(settings: shared.SomeSettings, ticks: int, streams: shared.Streams
     return Loop(
         settings=pack_compensators(shared.of_each_joint(settings.compensator, len(memory)), shared.CONTROL_RATE_HZ),
         memory=memory,
-        words=memory.view(np.int64).reshape(len(memory), -1),
+        memory_fields=memory.view(np.int64).reshape(len(memory), -1),
         torque_noise=torque,
         velocity_noise=velocity,
         position_noise=position,

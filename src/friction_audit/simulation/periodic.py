@@ -75,8 +75,7 @@ class Commanded(Checked):
 
     def intend(self, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
         """Return the multisine of one joint; it starts and ends at rest at 0."""
-        joints = intend_joints(self, 1, ticks, dt, rng)
-        return Intention(joints.position[:, 0], joints.velocity[:, 0])
+        return Intention(*(signal[:, 0] for signal in intend_joints(self, 1, ticks, dt, rng)))
 
 
 def intend_joints(settings: Commanded, joints: int, ticks: int, dt: float, rng: np.random.Generator) -> Intention:

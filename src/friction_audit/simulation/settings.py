@@ -204,17 +204,15 @@ class Simulation:
     truth: Truth = field(repr=False)
 
 
-FASTEST_RAD_S, STRONGEST_NM = 1e3, 1e6  # far beyond all joints of arms
+FASTEST_RAD_S, STRONGEST_NM = 1e3, 1e6  # far above those of any arm
 
 
-def require_sane(motion: TrueMotion, path: str) -> TrueMotion:
-    """Return a motion that did not diverge; refuse one with a speed or torque not finite or beyond all joints."""
+def require_bounded(motion: TrueMotion, path: str) -> TrueMotion:
+    """Return the motion; AnalysisError if a speed or torque is not finite or above its limit: it diverged."""
     speeds = (motion.dq, motion.inner_dq)
     torques = (motion.port_nm, motion.support_nm, motion.friction_nm, motion.compensation_nm, motion.passivity_nm)
-    for signals, limit, what, unit in (
-        (speeds, FASTEST_RAD_S, "speed", "rad/s"),
-        (torques, STRONGEST_NM, "torque", "N m"),
-    ):
+    groups = (speeds, FASTEST_RAD_S, "speed", "rad/s"), (torques, STRONGEST_NM, "torque", "N m")
+    for signals, limit, what, unit in groups:
         # Written so that NaN, which compares as false, is caught.
         if all(-limit <= signal.min() and signal.max() <= limit for signal in signals):
             continue

@@ -10,9 +10,9 @@ from scipy.integrate import solve_ivp
 from friction_audit.joint_log import Float
 from friction_audit.simulation.bench import BenchSettings, Operator, assemble, moved_by, rotor_mass
 from friction_audit.simulation.effects import Hidden, velocity
+from friction_audit.simulation.mechanics.control_loop import run, set_masses
+from friction_audit.simulation.mechanics.integrator import accelerate
 from friction_audit.simulation.mechanics.records import Body, make_body
-from friction_audit.simulation.mechanics.step import accelerate
-from friction_audit.simulation.mechanics.tick import load_masses, run
 from friction_audit.simulation.settings import IDEAL_SENSORS, JointParameters, TrueMotion, make_streams
 
 # The mechanics of one joint, released from anywhere and stepped as finely as wanted.
@@ -44,7 +44,7 @@ def release(
     ticks = round(duration_s / tick_s)
     mechanism = assemble(settings, ticks, np.zeros(1), make_streams(0, 1))
     body, hand, inner = mechanism.body, settings.operator, mechanism.body.inner[0]
-    load_masses(body, np.array([[hand.inertia_kg_m2]]), rotor_mass(settings.joints, settings.hidden))
+    set_masses(body, np.array([[hand.inertia_kg_m2]]), rotor_mass(settings.joints, settings.hidden))
     body.stiffness[0, 0], body.drive_damping[0, 0] = hand.stiffness_nm_per_rad, hand.damping_nms_per_rad
     body.y[inner], body.v[inner], body.y[0], body.v[0] = q[1], dq[1], q[0], dq[0]
     if dq[1] != 0.0 and body.mode[inner] == 0.0:

@@ -1,7 +1,7 @@
-"""Joints, their states and coordinates as records of numbers that compiled code reads by name.
+"""Joints, their states and coordinates as structured arrays, which compiled code reads by field name.
 
-Every joint has an inner side, where friction acts, and beyond the torque sensor an outer one: motor and link where a
-hand moves it, link and motor where the robot does. An elastic joint, or one with backlash, has a coordinate for each.
+Every joint has an inner side, where friction acts, and an outer side beyond the torque sensor: motor and link where a
+hand moves the joint, link and motor where the robot does. With elasticity or backlash each side has its coordinate.
 """
 
 from collections.abc import Sequence
@@ -115,16 +115,16 @@ def pack(settings: Sequence[Any]) -> np.ndarray[Any, Any]:
     return np.array([astuple(item) for item in settings], record_type(settings[0].__class__))
 
 
-KEPT = tuple(item.name for item in fields(TrueMotion))[1:]  # what ``tick.keep`` keeps of every tick and joint
+KEPT = tuple(item.name for item in fields(TrueMotion))[1:]  # written at every tick by ``control_loop.write_truth``
 ROWS = len(KEPT)
 
 
 class Loop(NamedTuple):
-    """The compensator in the loop and what it sees."""
+    """The compensators and the errors of the sensors that they read."""
 
     settings: Any  # records of the compensators, shape (n,)
     memory: Any  # their memory, shape (n,); changed
-    words: NDArray[np.int64]  # the same memory, field by field, shape (n, fields)
+    memory_fields: NDArray[np.int64]  # a view of the memory, one column per field, shape (n, fields)
     torque_noise: Float  # error of the torque as read, shape (ticks + 1, n) [N m]
     velocity_noise: Float  # error of the velocity as read, shape (ticks + 1, n) [rad/s]
     position_noise: Float  # error of the position as read, shape (ticks + 1, n); no compensator looks at it [rad]
@@ -133,13 +133,13 @@ class Loop(NamedTuple):
 
 
 class Mechanism(NamedTuple):
-    """Everything that moves, and where it is written down; n joints. All but the joints and the steps is changed."""
+    """State of a simulation and its output, n joints; all but joints, dt and substeps is changed."""
 
     joints: Any  # records of the joints, shape (n,)
     states: Any  # their states, shape (n,)
     events: Float  # contact events, shape (n, m, 3)
     body: Any  # coordinates and matrices
-    loop: Loop  # compensators and what they see
+    loop: Loop  # compensators and errors of their sensors
     dt: float  # time from tick to tick of the controller [s]
     substeps: int  # steps of the integration in half a tick
     out: Float  # truth of every tick, shape (ticks + 1, ROWS, n)

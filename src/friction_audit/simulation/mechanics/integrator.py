@@ -1,4 +1,4 @@
-"""Torques in a joint at one instant, and a step of coordinates that slide, stick or are free."""
+"""Torques in a joint at one instant, and an integration step of coordinates that slide, stick or are free."""
 
 import math
 
@@ -7,11 +7,11 @@ from friction_audit.joint_log import Float
 from friction_audit.simulation.effects import load_and_place, slow_and_events, structure, velocity
 from friction_audit.simulation.mechanics.records import FREE, LOOP_MEMORY
 
-LEAST_LEVEL_NM = 1e-9  # bristles divide by the level
+LEAST_LEVEL_NM = 1e-9  # the bristle equations divide by the level
 
 
 @compiled()
-def viscous_now(joint: Record, state: Record, t: float) -> float:
+def viscous_coefficient(joint: Record, state: Record, t: float) -> float:
     """Return the viscous coefficient at a time. [N m s/rad]"""
     hidden, coefficient = joint.hidden, joint.viscous_nms_per_rad
     if hidden.warm_up.reduction != 0.0:
@@ -24,7 +24,7 @@ def viscous_now(joint: Record, state: Record, t: float) -> float:
 
 @compiled()
 def coulomb_factor(joint: Record, state: Record, q: float, t: float) -> float:
-    """Return what position, warmth and time make of the Coulomb level."""
+    """Return the factor of the Coulomb level by position, warmth and time."""
     hidden, factor = joint.hidden, 1.0
     if hidden.position_dependent_friction.share != 0.0:
         factor *= load_and_place.position_factor(hidden.position_dependent_friction, q)
@@ -37,7 +37,7 @@ def coulomb_factor(joint: Record, state: Record, q: float, t: float) -> float:
 
 @compiled()
 def sliding_level(joint: Record, state: Record, q: float, speed: float, sign: float, t: float) -> float:
-    """Return the friction of sliding in a direction; only with a frictional lag its viscous part is in it. [N m]"""
+    """Return the kinetic friction in a direction, without the viscous part unless friction lags. [N m]"""
     hidden, level = joint.hidden, joint.coulomb_nm
     lagging = hidden.frictional_lag.lag_s != 0.0
     seen = state.speed_seen if lagging else speed
@@ -52,22 +52,22 @@ def sliding_level(joint: Record, state: Record, q: float, speed: float, sign: fl
     level += hidden.asymmetric_coulomb.half_difference_nm * sign
     level += hidden.asymmetric_viscous.half_difference_nms_per_rad * sign * seen
     if lagging:
-        return max(0.0, float(level + viscous_now(joint, state, t) * seen))
+        return max(0.0, float(level + viscous_coefficient(joint, state, t) * seen))
     if level < 0.0:
-        # What asymmetric viscous friction takes off in one direction is taken off the linear viscous part.
-        level = max(level, -viscous_now(joint, state, t) * speed)
+        # Asymmetric viscous friction may reduce the viscous part in one direction, to zero at most.
+        level = max(level, -viscous_coefficient(joint, state, t) * speed)
     return float(level)
 
 
 @compiled(inline=True)
 def bristle_level(joint: Record, state: Record, q: float, dq: float, t: float) -> float:
-    """Return the friction of a joint on bristles that slides steadily. [N m]"""
+    """Return the friction of steady sliding for the bristle equations. [N m]"""
     return max(LEAST_LEVEL_NM, sliding_level(joint, state, q, abs(dq), 1.0 if dq >= 0.0 else -1.0, t))
 
 
 @compiled(inline=True)
-def regulate_torque(joint: Record, state: Record, body: Record, j: int, h: float) -> None:
-    """Let the joint torque control of a joint feed back, over a step of length h, the torque of its dead time ago."""
+def control_torque(joint: Record, state: Record, body: Record, j: int, h: float) -> None:
+    """Update the torque of the joint torque control over a step h, from the torque one dead time ago."""
     loop, c, gap, gear = joint.torque_loop, body.inner[j], joint.hidden.backlash, joint.hidden.joint_elasticity
     twist, closing = body.y[c] - body.y[j], body.v[c] - body.v[j]
     torque = structure.elastic_torque_nm(gear, structure.engaged(gap, twist))
@@ -79,8 +79,8 @@ def regulate_torque(joint: Record, state: Record, body: Record, j: int, h: float
 
 
 @compiled()
-def load_drive(body: Record, since: float, ahead: float) -> None:
-    """Set torques and damping of the drive for an instant ``since`` its tick, ``ahead`` of the present positions."""
+def set_drive(body: Record, since: float, ahead: float) -> None:
+    """Set torques and damping of the drive at a time ``since`` the tick, positions extrapolated by ``ahead``. [s]"""
     n = body.joints
     for i in range(body.count):
         body.force[i] = 0.0
@@ -95,11 +95,11 @@ def load_drive(body: Record, since: float, ahead: float) -> None:
 
 
 @compiled()
-def load_joint(joint: Record, state: Record, events: Float, body: Record, j: int, ahead: float, t: float) -> None:
-    """Add what acts inside one joint: transmission, friction, the other torques on the inner side."""
+def add_torques(joint: Record, state: Record, events: Float, body: Record, j: int, ahead: float, t: float) -> None:
+    """Add the torques inside one joint: transmission, friction, other torques on the inner side."""
     c, hidden = body.inner[j], joint.hidden
     if c != j:
-        _load_transmission(joint, body, j, ahead)
+        _add_transmission(joint, body, j, ahead)
     q, dq = body.y[c] + ahead * body.v[c], body.v[c] + ahead * body.a[c]
     torque = state.compensation_nm + state.unlogged_nm + state.loop_nm
     if hidden.cable_spring.stiffness_nm_per_rad != 0.0:
@@ -114,14 +114,14 @@ def load_joint(joint: Record, state: Record, events: Float, body: Record, j: int
     else:
         body.inner_torque[j] += load_and_place.cogging_nm(hidden.torque_ripple, q)
     body.force[c] += body.inner_torque[j]
-    body.viscous[j] = 0.0 if hidden.frictional_lag.lag_s != 0.0 else viscous_now(joint, state, t)
+    body.viscous[j] = 0.0 if hidden.frictional_lag.lag_s != 0.0 else viscous_coefficient(joint, state, t)
     body.damping[c, c] += body.viscous[j]
-    load_friction(joint, state, body, j, ahead, t)
+    set_friction(joint, state, body, j, ahead, t)
 
 
 @compiled()
-def load_friction(joint: Record, state: Record, body: Record, j: int, ahead: float, t: float) -> None:
-    """Set what friction does to one joint, sliding, stuck or free."""
+def set_friction(joint: Record, state: Record, body: Record, j: int, ahead: float, t: float) -> None:
+    """Set the friction of one joint: kinetic if it slides, static limits if it sticks, bristles if it is free."""
     c = body.inner[j]
     q, dq, mode, bent = body.y[c] + ahead * body.v[c], body.v[c] + ahead * body.a[c], body.mode[c], state.bristles
     if mode == FREE:
@@ -137,24 +137,24 @@ def load_friction(joint: Record, state: Record, body: Record, j: int, ahead: flo
 
 
 @compiled(inline=True)
-def _load_transmission(joint: Record, body: Record, j: int, ahead: float) -> None:
-    """Add the spring and the damper, or the flanks, between the two sides of a joint."""
+def _add_transmission(joint: Record, body: Record, j: int, ahead: float) -> None:
+    """Add spring and damper, or the contact of the backlash, between the two sides of a joint."""
     c = body.inner[j]
-    stretch = body.y[c] + ahead * body.v[c] - body.y[j] - ahead * body.v[j]
-    elastic, flanks = joint.hidden.joint_elasticity, joint.hidden.backlash
-    engaged = structure.engaged(flanks, stretch)
-    if engaged == 0.0 and flanks.gap_rad != 0.0:
+    twist = body.y[c] + ahead * body.v[c] - body.y[j] - ahead * body.v[j]
+    elastic, backlash = joint.hidden.joint_elasticity, joint.hidden.backlash
+    engaged = structure.engaged(backlash, twist)
+    if engaged == 0.0 and backlash.gap_rad != 0.0:
         return
-    ringing = body.mass[c, c] * body.mass[j, j] / (body.mass[c, c] + body.mass[j, j])
+    reduced = body.mass[c, c] * body.mass[j, j] / (body.mass[c, c] + body.mass[j, j])
     torque, compliance = structure.elastic_torque_nm(elastic, engaged), elastic.compliance_rad_per_nm
     ratio = elastic.damping_ratio
     if compliance == 0.0:
-        compliance, ratio = flanks.contact_compliance_rad_per_nm, flanks.contact_damping_ratio
+        compliance, ratio = backlash.contact_compliance_rad_per_nm, backlash.contact_damping_ratio
         torque = engaged / compliance
-    damping = 2.0 * ratio * math.sqrt(ringing / compliance)
+    damping = 2.0 * ratio * math.sqrt(reduced / compliance)
     closing = body.v[c] + ahead * body.a[c] - body.v[j] - ahead * body.a[j]
-    if flanks.gap_rad != 0.0 and (torque + damping * closing) * engaged < 0.0:
-        return  # Flanks that part push no more, and they never pull.
+    if backlash.gap_rad != 0.0 and (torque + damping * closing) * engaged < 0.0:
+        return  # the contact never pulls
     body.force[c] -= torque
     body.force[j] += torque
     body.damping[c, c] += damping
@@ -163,12 +163,12 @@ def _load_transmission(joint: Record, body: Record, j: int, ahead: float) -> Non
     body.damping[j, c] -= damping
 
 
-# Acceleration, with friction holding what it can, and the step.
+# Accelerations with static friction, and the step.
 
 
 @compiled(inline=True)
-def solve(body: Record) -> None:
-    """Solve the equations of the coordinates that are not stuck, in place; they are positive definite (Cholesky)."""
+def solve_cholesky(body: Record) -> None:
+    """Solve the positive definite equations of the coordinates that do not stick, in place, by Cholesky."""
     system, right, count = body.system, body.right, body.free
     for i in range(count):
         for j in range(i + 1):
@@ -186,8 +186,8 @@ def solve(body: Record) -> None:
 
 
 @compiled()
-def _move_the_active(body: Record, h: float) -> None:
-    """Give the coordinates that are not stuck their accelerations, damping taken at the middle of the step."""
+def _solve_accelerations(body: Record, h: float) -> None:
+    """Solve for the accelerations of the coordinates that do not stick, damping taken at the middle of the step."""
     count = 0
     for c in range(body.count):
         body.a[c] = 0.0
@@ -205,14 +205,14 @@ def _move_the_active(body: Record, h: float) -> None:
             column = body.active[j]
             body.system[i, j] = body.mass[row, column] + 0.5 * h * body.damping[row, column]
     body.free = count
-    solve(body)
+    solve_cholesky(body)
     for i in range(count):
         body.a[body.active[i]] = body.right[i]
 
 
 @compiled()
-def _release(body: Record, h: float) -> bool:
-    """Free the stuck coordinate that is pulled most beyond what friction can bear; return whether there is one."""
+def _break_away(body: Record, h: float) -> bool:
+    """Break away the stuck coordinate that exceeds its static friction most; return whether there is one."""
     worst, excess, direction = -1, 0.0, 0.0
     for c in range(body.count):
         if body.mode[c] == 0.0:
@@ -231,8 +231,8 @@ def _release(body: Record, h: float) -> bool:
 
 
 @compiled(inline=True)
-def _hold_again(body: Record) -> bool:
-    """Hold a coordinate that broke away and that others, free since then, pull back; return whether there is one."""
+def _stick_again(body: Record) -> bool:
+    """Stick a coordinate again that broke away and is now accelerated back; return whether there is one."""
     for c in range(body.count):
         if body.v[c] == 0.0 and abs(body.mode[c]) == 1.0 and body.a[c] * body.mode[c] < 0.0:
             body.mode[c] = 0.0
@@ -243,15 +243,15 @@ def _hold_again(body: Record) -> bool:
 @compiled()
 def accelerate(body: Record, h: float) -> None:
     """Set ``a`` for a step h, or at 0 of the instant, ``mode`` of what breaks away, ``reaction`` of what sticks."""
-    _move_the_active(body, h)
+    _solve_accelerations(body, h)
     for _ in range(2 * body.count):
-        if not (_hold_again(body) or _release(body, h)):
+        if not (_stick_again(body) or _break_away(body, h)):
             break
-        _move_the_active(body, h)
+        _solve_accelerations(body, h)
 
 
 ROOT_ITERATIONS = 3
-EVENTS = 32  # stops within a step; what comes after is taken without stopping again
+EVENTS = 32  # stops within a step; the rest of the step is integrated without stops
 
 
 @compiled(inline=True)
@@ -262,7 +262,7 @@ def _first_stop(body: Record, h: float) -> tuple[int, float]:
         mode = body.mode[c]
         after = body.v[c] + h * body.a[c]
         if abs(mode) == 1.0 and after * mode < 0.0:
-            # Two that stop at one instant: the second may have gone past zero already, at the end of the step even.
+            # Of two that stop at one instant, the second may have passed zero already.
             crossing = body.v[c] / (body.v[c] - after) if body.v[c] * mode > 0.0 else 0.0
             if first < 0 or crossing < share:
                 first, share = c, crossing
@@ -302,7 +302,7 @@ def _drift(states: Record, body: Record, h: float) -> None:
 
 
 @compiled()
-def _remember(joint: Record, state: Record, body: Record, j: int, t: float, h: float) -> None:
+def _advance_bristles(joint: Record, state: Record, body: Record, j: int, t: float, h: float) -> None:
     q, dq = body.y[body.inner[j]], body.v[body.inner[j]]
     if joint.hidden.presliding.displacement_rad != 0.0:
         level = bristle_level(joint, state, q, dq, t)
@@ -310,19 +310,19 @@ def _remember(joint: Record, state: Record, body: Record, j: int, t: float, h: f
 
 
 @compiled()
-def slide(joints: Record, states: Record, events: Float, body: Record, since: float, t: float, h: float) -> None:
-    """Move on by h, stopping and turning every coordinate exactly where its velocity is zero.
+def advance(joints: Record, states: Record, events: Float, body: Record, since: float, t: float, h: float) -> None:
+    """Integrate over h; the step is split at the instants at which a velocity passes zero.
 
-    Position forces are taken at the middle of the step (drift, kick, drift), damping is implicit.
-    States and body change. ``since`` counts from the tick that the drive's torque refers to. [s]
+    Position forces are taken at the middle of the step (leapfrog: drift, kick, drift), damping is implicit.
+    States and body change. ``since`` is the time since the tick of the drive's torque. [s]
     """
     for j in range(len(joints)):
-        _remember(joints[j], states[j], body, j, t, 0.5 * h)
+        _advance_bristles(joints[j], states[j], body, j, t, 0.5 * h)
         if joints[j].torque_loop.gain != 0.0 or joints[j].torque_loop.damping_s != 0.0:
-            regulate_torque(joints[j], states[j], body, j, h)
-    load_drive(body, since + 0.5 * h, 0.5 * h)
+            control_torque(joints[j], states[j], body, j, h)
+    set_drive(body, since + 0.5 * h, 0.5 * h)
     for j in range(len(joints)):
-        load_joint(joints[j], states[j], events[j], body, j, 0.5 * h, t + 0.5 * h)
+        add_torques(joints[j], states[j], events[j], body, j, 0.5 * h, t + 0.5 * h)
     left = h
     for _ in range(EVENTS):
         accelerate(body, left)
@@ -332,12 +332,12 @@ def slide(joints: Record, states: Record, events: Float, body: Record, since: fl
         time = _stop_time(body, c, left, share)
         _drift(states, body, time)
         body.v[c], body.mode[c] = 0.0, 0.0
-        load_friction(joints[body.joint[c]], states[body.joint[c]], body, body.joint[c], 0.0, t + h)
+        set_friction(joints[body.joint[c]], states[body.joint[c]], body, body.joint[c], 0.0, t + h)
         left -= time
     else:
         accelerate(body, left)
     _drift(states, body, left)
     for j in range(len(joints)):
-        _remember(joints[j], states[j], body, j, t + h, 0.5 * h)
+        _advance_bristles(joints[j], states[j], body, j, t + h, 0.5 * h)
         speed = abs(body.v[body.inner[j]])
         states[j].speed_seen = velocity.frictional_lag_speed(joints[j].hidden.frictional_lag, states[j].lag, speed, h)

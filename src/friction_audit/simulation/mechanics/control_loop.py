@@ -1,4 +1,4 @@
-"""One tick of the controller: move on by half a tick, find the torques, read the sensors, run the compensators."""
+"""One tick of the controller: integrate half a tick, evaluate the torques, read the sensors, run the compensators."""
 
 import math
 
@@ -9,48 +9,48 @@ from friction_audit.compiled import Record, compiled
 from friction_audit.joint_log import Float
 from friction_audit.simulation.effects import slow_and_events, structure
 from friction_audit.simulation.mechanics import records
-from friction_audit.simulation.mechanics.step import accelerate, load_drive, load_joint, slide
+from friction_audit.simulation.mechanics.integrator import accelerate, add_torques, advance, set_drive
 from friction_audit.simulation.sensors import rounded
 
-HALVINGS = 60  # of an interval, until nothing is left of it
+HALVINGS = 60  # bisection steps, to the last digit
 
 
 @compiled()
-def settle(joints: Record, body: Record, load_nm: Float) -> None:
-    """Let the inner sides stand where the transmissions carry a load; without one, in the middle of their gap."""
+def set_equilibrium(joints: Record, body: Record, load_nm: Float) -> None:
+    """Set the inner sides at rest where the transmissions carry a load; without a load, in the middle of the gap."""
     for j in range(len(joints)):
-        elastic, flanks = joints[j].hidden.joint_elasticity, joints[j].hidden.backlash
+        elastic, backlash = joints[j].hidden.joint_elasticity, joints[j].hidden.backlash
         if body.inner[j] == j or load_nm[j] == 0.0:
             continue
-        # The twist, by bisection; a hardening gear is at most twice as soft as its compliance says.
-        load, soft, flank = abs(load_nm[j]), elastic.compliance_rad_per_nm, flanks.contact_compliance_rad_per_nm
-        low, high = 0.0, 2.0 * load * (soft + flank)
+        # The twist, by bisection; a hardening spring has at most twice the compliance.
+        load, soft, contact = abs(load_nm[j]), elastic.compliance_rad_per_nm, backlash.contact_compliance_rad_per_nm
+        low, high = 0.0, 2.0 * load * (soft + contact)
         for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
-            torque = structure.elastic_torque_nm(elastic, middle) if soft != 0.0 else middle / flank
+            torque = structure.elastic_torque_nm(elastic, middle) if soft != 0.0 else middle / contact
             if torque < load:
                 low = middle
             else:
                 high = middle
-        body.y[body.inner[j]] = body.y[j] + math.copysign(0.5 * (low + high + flanks.gap_rad), load_nm[j])
+        body.y[body.inner[j]] = body.y[j] + math.copysign(0.5 * (low + high + backlash.gap_rad), load_nm[j])
 
 
 @compiled()
-def advance(
+def integrate(
     joints: Record, states: Record, events: Float, body: Record, dt: float, substeps: int, t: float, since: float
 ) -> None:
-    """Move on by half a tick."""
+    """Integrate over half a tick."""
     h = 0.5 * dt / substeps
     for i in range(substeps):
-        slide(joints, states, events, body, since + i * h, t + i * h, h)
+        advance(joints, states, events, body, since + i * h, t + i * h, h)
 
 
 @compiled(inline=True)
 def evaluate(joints: Record, states: Record, events: Float, body: Record, t: float) -> None:
-    """Find accelerations, friction and the torques at the sensors at an instant."""
-    load_drive(body, 0.0, 0.0)
+    """Evaluate accelerations, friction and the torques at the sensors at an instant."""
+    set_drive(body, 0.0, 0.0)
     for j in range(len(joints)):
-        load_joint(joints[j], states[j], events[j], body, j, 0.0, t)
+        add_torques(joints[j], states[j], events[j], body, j, 0.0, t)
     accelerate(body, 0.0)
     for j in range(len(joints)):
         c = body.inner[j]
@@ -66,8 +66,8 @@ def evaluate(joints: Record, states: Record, events: Float, body: Record, t: flo
 
 
 @compiled(inline=True)
-def keep(states: Record, body: Record, out: Float) -> None:
-    """Write the truth of an instant into ``out``, shape (ROWS, n)."""
+def write_truth(states: Record, body: Record, out: Float) -> None:
+    """Write the true motion at an instant into ``out``, shape (ROWS, n)."""
     for j in range(len(states)):
         c, interaction = body.inner[j], body.port[j] + body.support[j]
         link = c if states[j].driven else j
@@ -82,7 +82,7 @@ def keep(states: Record, body: Record, out: Float) -> None:
 
 
 @compiled(inline=True)
-def control(joints: Record, states: Record, body: Record, loop: Record, dt: float, k: int, cut: int) -> None:
+def run_controllers(joints: Record, states: Record, body: Record, loop: Record, dt: float, k: int, ends: int) -> None:
     """Read the sensors at tick k and set the compensators' torques for the time up to the next tick."""
     for j in range(len(joints)):
         state, hidden = states[j], joints[j].hidden
@@ -93,12 +93,12 @@ def control(joints: Record, states: Record, body: Record, loop: Record, dt: floa
         state.unlogged_nm = slow_and_events.unlogged_nm(hidden.unlogged_compensation, velocity)
         read = rounded(loop.torque_step[j], -body.port[j] - loop.torque_noise[k, j])
         interaction = body.support[j] - read
-        state.compensation_nm = controller.step(loop.settings[j], loop.memory[j], velocity, interaction, dt, cut)
+        state.compensation_nm = controller.step(loop.settings[j], loop.memory[j], velocity, interaction, dt, ends)
         state.passivity_nm = loop.memory[j].passivity_nm
 
 
 @compiled()
-def load_masses(body: Record, outer: Float, inner: Float) -> None:
+def set_masses(body: Record, outer: Float, inner: Float) -> None:
     """Set the mass matrices of the two sides of the joints, shape (n, n) each."""
     n = body.joints
     body.mass[:] = 0.0
@@ -110,7 +110,7 @@ def load_masses(body: Record, outer: Float, inner: Float) -> None:
 
 
 @compiled()
-def guide(  # noqa: PLR0913
+def set_hand_impedance(  # noqa: PLR0913
     body: Record,  # coordinates and matrices; changed
     mass: Float,  # of the links, shape (n, n) [kg m^2]
     bias: Float,  # Coriolis and gravity torque, shape (n,) [N m]
@@ -123,9 +123,9 @@ def guide(  # noqa: PLR0913
     rotor: Float,  # mass matrix of the motors, shape (n, n) [kg m^2]
     support: Float,  # gravity compensation, shape (n,) [N m]
 ) -> None:
-    """Let the hand pull at the arm: its springs and dampers seen from the joints, linear about the pose q."""
+    """Set the impedance of the hand in joint coordinates, linearised about the pose q."""
     n = len(q)
-    load_masses(body, mass, rotor)
+    set_masses(body, mass, rotor)
     for i in range(n):
         push, rate = -bias[i], 0.0
         for a in range(6):
@@ -142,7 +142,7 @@ def guide(  # noqa: PLR0913
 
 
 @compiled(inline=True)
-def hand_cut(body: Record, loop: Record, jacobian: Float, cycle: Float, k: int, dt: float) -> int:
+def hand_ends_cycle(body: Record, loop: Record, jacobian: Float, cycle: Float, k: int, dt: float) -> int:
     """Return 1 if the hand rests and every joint has moved, which ends a cycle (paper, section V.B), else 0."""
     square = 0.0
     for a in range(3):
@@ -158,8 +158,8 @@ def hand_cut(body: Record, loop: Record, jacobian: Float, cycle: Float, k: int, 
 
 
 @compiled(inline=True)
-def push_bench(mechanism: Record, push: Float, gravity: Float, k: int) -> None:
-    """Set what drives the one joint of a bench at tick k, and the weight of its load."""
+def set_bench_drive(mechanism: Record, push: Float, gravity: Float, k: int) -> None:
+    """Set the drive torque of the joint of a bench at tick k, and the gravity torque of its load."""
     body, dt, driven = mechanism.body, mechanism.dt, mechanism.states[0].driven
     link = body.inner[0] if driven else 0
     position = body.y[link] + (0.5 * dt * body.v[link] if k > 0 else 0.0)
@@ -173,26 +173,26 @@ def push_bench(mechanism: Record, push: Float, gravity: Float, k: int) -> None:
 
 @compiled()
 def run(mechanism: Record, push: Float, gravity: Float, jacobian: Float, cycle: Float, first: int, last: int) -> None:
-    """Run joints from tick ``first`` to before ``last``; one entry for bench and arm, for it takes long to compile.
+    """Simulate from tick ``first`` to before ``last``; one function for bench and arm, because it compiles slowly.
 
-    Each tick moves on from half a tick before it to half a tick after it, as far as that is within the recording.
-    ``push`` is the torque of the drive of a bench with the joint at zero, ``gravity`` amplitude and phase of its load's
-    gravity torque; without a push, the drive is in the body. Where the hand ends the cycles of all joints, ``cycle`` is
-    its state and ``jacobian`` that of the hand; else the cycle is empty.
+    Each tick integrates from half a tick before it to half a tick after it, within the recording.
+    ``push`` is the drive torque of a bench with the joint at zero, ``gravity`` amplitude and phase of the gravity
+    torque of its load; if ``push`` is empty, the drive is in the body. ``cycle`` is the state that ends the cycles of
+    all joints by the speed of the hand, empty without it, and ``jacobian`` that of the hand.
     """
     joints, states, events, body, loop, dt, substeps, out, traced = mechanism
     for k in range(first, last):
         t = k * dt
         if len(push) > 0:
-            push_bench(mechanism, push, gravity, k)
+            set_bench_drive(mechanism, push, gravity, k)
         if k > 0:
-            advance(joints, states, events, body, dt, substeps, t - 0.5 * dt, -0.5 * dt)
+            integrate(joints, states, events, body, dt, substeps, t - 0.5 * dt, -0.5 * dt)
         evaluate(joints, states, events, body, t)
-        keep(states, body, out[k])
-        cut = hand_cut(body, loop, jacobian, cycle, k, dt) if len(cycle) > 0 else controller.FIND
-        control(joints, states, body, loop, dt, k, cut)
+        write_truth(states, body, out[k])
+        ends = hand_ends_cycle(body, loop, jacobian, cycle, k, dt) if len(cycle) > 0 else controller.FIND
+        run_controllers(joints, states, body, loop, dt, k, ends)
         for j in range(len(joints)):
             for field in range(traced.shape[2]):
-                traced[k, j, field] = loop.words[j, field]
+                traced[k, j, field] = loop.memory_fields[j, field]
         if k + 1 < len(out):
-            advance(joints, states, events, body, dt, substeps, t, 0.0)
+            integrate(joints, states, events, body, dt, substeps, t, 0.0)
