@@ -20,7 +20,7 @@ from friction_audit.simulation import EFFECTS, IDEAL_SENSORS, ArmSettings, Hidde
 from friction_audit.simulation.bench import PANDA_JOINTS
 from friction_audit.simulation.effects.load_and_place import GravityError
 from friction_audit.simulation.effects.structure import Backlash, JointElasticity
-from friction_audit.simulation.periodic import intend_joints
+from friction_audit.simulation.periodic import multisine
 from friction_audit.simulation.settings import make_streams
 from tests.each_case import thorough, with_thorough
 from tests.simulation.test_arm_dynamics import flange_poses, intended
@@ -154,7 +154,7 @@ def coulomb(estimate: Estimate) -> Float:
 def test_a_driven_arm_follows_its_command_and_its_friction_is_found() -> None:
     driven = simulate(DRIVEN, AUDITED_SEED)
     motion = driven.truth.motion
-    command = intend_joints(DRIVEN.servo.motion, 7, len(motion.t) - 1, 1e-3, make_streams(AUDITED_SEED, 7).person)
+    command = multisine(DRIVEN.servo.motion, 7, len(motion.t) - 1, 1e-3, make_streams(AUDITED_SEED, 7).person)
     assert np.abs(motion.q - command.position - np.array(DRIVEN.pose_rad)).max() < 0.03
     assert (np.ptp(motion.q, axis=0) > 0.3).all()
     settings = AuditSettings(torque=TorqueSettings(drive="robot", robot="panda"))

@@ -121,7 +121,7 @@ def test_interaction_torque_is_what_the_hand_exerts_less_its_own_inertia(name: s
     simulation = simulate(settings, PORT_SEED)
     log = simulation.log
     q, dq, hand = log.q[:, 0], log.dq[:, 0], settings.operator
-    wanted = hand.motion.intend(len(q) - 1, 1e-3, make_streams(PORT_SEED, 1).person)
+    wanted = hand.motion.reference(len(q) - 1, 1e-3, make_streams(PORT_SEED, 1).person)
     drive = hand.stiffness_nm_per_rad * (wanted.position - q) + hand.damping_nms_per_rad * (wanted.velocity - dq)
     expected = cumulative_trapezoid(drive, log.t, initial=0) - hand.inertia_kg_m2 * dq
     sensor = cumulative_trapezoid(log.channels()["tau_interaction"][:, 0], log.t, initial=0)

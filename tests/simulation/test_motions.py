@@ -24,11 +24,11 @@ every_motion = pytest.mark.parametrize("motion", get_args(MotionSettings))
 
 @every_motion
 def test_starts_and_ends_at_rest(motion: type[MotionSettings]) -> None:
-    intention = motion().intend(TICKS, DT, _rng(1))
+    intention = motion().reference(TICKS, DT, _rng(1))
     assert intention.position.shape == intention.velocity.shape == (TICKS + 1,)
     assert intention.position[0] == intention.velocity[0] == intention.velocity[-1] == 0.0
     assert np.ptp(intention.position) > 0.1
-    short = motion().intend(2, DT, _rng(4))  # too short for any motion
+    short = motion().reference(2, DT, _rng(4))  # too short for any motion
     assert np.abs(short.position).max() <= 0.8
     assert_allclose(short.velocity[[0, -1]], 0.0, atol=0)
 
@@ -39,7 +39,7 @@ def test_velocity_is_the_derivative_of_the_position(motion: type[MotionSettings]
     error = []
     for dt in (DT, DT / 10):
         ticks = round(TICKS * DT / dt)
-        intention = motion().intend(ticks, dt, _rng(2))
+        intention = motion().reference(ticks, dt, _rng(2))
         slope = (intention.position[2:] - intention.position[:-2]) / (2 * dt)
         error.append(np.median(np.abs(slope - intention.velocity[1:-1])[intention.velocity[1:-1] != 0.0]))
         assert_allclose(slope, intention.velocity[1:-1], atol=dt)
@@ -64,7 +64,7 @@ BOUNDED = st.one_of(
 @given(motion=BOUNDED, seed=st.integers(0, 2**32 - 1), ticks=st.integers(2, 10_000))
 @settings(max_examples=80, deadline=None)
 def test_range_and_speed_limits_hold(motion: StopAndGo | SlowSweep | Commanded, seed: int, ticks: int) -> None:
-    intention, (low, high) = motion.intend(ticks, 4e-3, _rng(seed)), motion.range_rad
+    intention, (low, high) = motion.reference(ticks, 4e-3, _rng(seed)), motion.range_rad
     if isinstance(motion, Commanded):
         fastest = motion.peak_speed_rad_s
     elif isinstance(motion, SlowSweep):
@@ -80,7 +80,7 @@ def test_range_and_speed_limits_hold(motion: StopAndGo | SlowSweep | Commanded, 
 
 def _intend(sinusoid: Sinusoid, duration_s: float, seed: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     ticks = round(duration_s / DT)
-    intention = sinusoid.intend(ticks, DT, _rng(seed))
+    intention = sinusoid.reference(ticks, DT, _rng(seed))
     return np.arange(ticks + 1) * DT, intention.position, intention.velocity
 
 
@@ -107,7 +107,7 @@ def test_spread_keeps_the_half_periods(seed: int, spread: float, ease_s: float) 
 def test_one_speed_by_hand() -> None:
     """0.1 rad/s for 2 s to one side and back, then to the other; a stroke lasts 2 s and one ease."""
     sweep = SlowSweep(speeds_rad_s=(0.1, 0.1), steps=1, longest_s=2.0, ease_s=0.5, dwell_s=0.5)
-    intention = sweep.intend(14_000, DT, _rng(0))
+    intention = sweep.reference(14_000, DT, _rng(0))
     t = np.arange(14_001) * DT
     going = (t > 1.0 + 1e-9) & (t < 2.5 - 1e-9)
     assert_allclose(intention.velocity[going], -0.1, rtol=1e-12)

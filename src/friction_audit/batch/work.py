@@ -19,7 +19,7 @@ from friction_audit.drift.session import BY_REGRESSION, COEFFICIENTS, Conditions
 from friction_audit.errors import FrictionAuditError, InputError, encodable
 from friction_audit.friction.history import NAN, UNDETERMINED, Coefficient, JointFriction
 from friction_audit.friction.settings import FEWEST_CYCLES
-from friction_audit.friction.weighted import fit_windows, set_up
+from friction_audit.friction.weighted import fit_windows, normal_equations
 from friction_audit.io.files import sha256_of
 from friction_audit.io.readers import SeveralLogsError, arm_of_log, read_log
 from friction_audit.joint_log import Float
@@ -167,7 +167,7 @@ def _change_within(own: EnergyCycles, joint: JointFriction) -> dict[str, Coeffic
     kept = own.rows(own.reason == KEPT)
     third, found = len(kept.start) // 3, dict.fromkeys(COEFFICIENTS, UNDETERMINED)
     if not joint.reason and third >= FEWEST_CYCLES:
-        fit = fit_windows(set_up(kept, joint.model), third)  # apart, for points of the history share cycles
+        fit = fit_windows(normal_equations(kept, joint.model), third)  # apart, for points of the history share cycles
         for key, name in zip(COEFFICIENTS, ("coulomb", "viscous"), strict=True):
             first, last = (fit.coefficient(name, end) for end in (0, -1))
             found[key] = relative_change(first, last) if first.low > 0.0 else UNDETERMINED

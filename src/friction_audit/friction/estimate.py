@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from friction_audit.friction import history as made, reasons
+from friction_audit.friction import history as results, reasons
 from friction_audit.friction.settings import PARTS, FrictionSettings
 from friction_audit.friction.torque_regression import CUTOFF_HZ, HIGHEST_CONDITION, RegressionRows, regress_torque
-from friction_audit.friction.weighted import FRICTION, fit_windows, set_up
+from friction_audit.friction.weighted import FRICTION, fit_windows, normal_equations
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.energy_cycles import KEPT, EnergyCycles
@@ -27,22 +27,22 @@ Columns = dict[str, tuple[Float, Float, Float]]
 
 
 class JointPass:
-    """One joint of a log on its way through parts that follow each other: cycles, and what else friction is made of."""
+    """Accumulates cycles, signal ranges and regression rows of one joint over consecutive parts of a log."""
 
     def __init__(
         self, log: JointLog, column: int, settings: CycleSettings, own: Thresholds, hand: Hand | None = None
     ) -> None:
-        """Take the joint (0-based) and what separates its cycles; of the log, its clock."""
+        """Set up for a joint (0-based) of a log and the thresholds of its cycles."""
         self._column, self._rate_hz = column, log.rate_hz
         self.search = CycleSearch(settings, column, log.rate_hz, own, hand)
-        self.seen = reasons.Extremes(column, log.samples)
+        self.seen = reasons.SignalRange(column, log.samples)
         self.rows = RegressionRows(column, log.samples, log.rate_hz)
         self._cutoffs_hz = settings.cutoff_hz, CUTOFF_HZ  # of the cycles, and of the regression
         # Samples around new ones, beyond what a filter remembers.
         self.margin = max(self.rows.around, *(settling_samples(log.rate_hz, hz) for hz in self._cutoffs_hz))
 
     def take(self, part: Interaction, own: Interaction, around: Interaction, *, more: bool) -> None:
-        """Take the samples that are new in a part, given those and the ones around them; ``more`` if others follow."""
+        """Add the new samples ``own`` of a part, given with the samples around them; ``more`` if other parts follow."""
         dq, first = around.dq[:, self._column], own.first - around.first
         filtered = {hz: filter_velocity(dq, rate_hz=self._rate_hz, cutoff_hz=hz) for hz in {*self._cutoffs_hz}}
         of_cycles, of_rows = (filtered[hz] for hz in self._cutoffs_hz)
@@ -57,11 +57,11 @@ def friction_of(
     cycles_of: Callable[[int], EnergyCycles],
     settings: FrictionSettings,
     dead_torque: frozenset[int],
-) -> made.FrictionHistory:
+) -> results.FrictionHistory:
     """Estimate the friction of every joint (0-based) after its pass, from its cycles and the rows of all joints."""
     rows = {number: one.rows for number, one in zip(port.joint_numbers, every, strict=True)}
 
-    def estimated(column: int) -> tuple[made.JointFriction, tuple[Caution, ...]]:
+    def estimated(column: int) -> tuple[results.JointFriction, tuple[Caution, ...]]:
         number, seen, own = port.joint_numbers[column], every[column].seen, cycles_of(column)
         kept = own if (own.reason == KEPT).all() else own.rows(own.reason == KEPT)
         dead = reasons.dead_channel(seen, dead_torque=number in dead_torque)
@@ -75,7 +75,7 @@ def friction_of(
             regression = regress_torque(rows[number], standstill, others if alone else None)
         many = len(kept.start)
         window = settings.window or max(min(many // PARTS, settings.cycles_per_point), settings.fewest_cycles)
-        joint = made.JointFriction(
+        joint = results.JointFriction(
             joint=number,
             name=port.joint_names[column],
             model=settings.model,
@@ -92,7 +92,7 @@ def friction_of(
         return _conclude(joint, seen, kept, standstill)
 
     found = per_joint(estimated, len(every))
-    return made.FrictionHistory(
+    return results.FrictionHistory(
         estimator=settings.estimator,
         joints=tuple(joint for joint, _ in found),
         warnings=tuple(caution for _, cautions in found for caution in cautions),
@@ -100,13 +100,13 @@ def friction_of(
 
 
 def _solve_weighted(own: EnergyCycles, kept: EnergyCycles, model: str, window: int) -> dict[str, Any]:
-    equations = set_up(kept, model)
+    equations = normal_equations(kept, model)
     whole = fit_windows(equations, len(kept.start))
     condition, correlation = equations.conditioning()
     window = min(window, len(kept.start))
     offset, x, y = (whole.coefficient(name).value for name in ("offset", "gravity_x", "gravity_y"))
     moved = fit_windows(equations, window)  # over the first cycles together a change would hide in the mean
-    found = ((name, *moved.column(name)) for name in made.UNITS)
+    found = ((name, *moved.column(name)) for name in results.UNITS)
     columns = {name: (value, value - half, value + half) for name, value, half in found}
     return {
         "coulomb": whole.coefficient("coulomb"),
@@ -124,7 +124,7 @@ def _solve_paper(own: EnergyCycles, kept: EnergyCycles, model: str, window: int)
     sums, used = kept.sums, FRICTION[model]
     lengths = {"coulomb": sums.rectified_path_rad, "viscous": sums.square_speed_rad2_s}
     matrix = np.stack([lengths[name] for name in used], axis=1)
-    found = {name: np.full(max(len(matrix) - window + 1, 0), made.NAN) for name in made.UNITS}
+    found = {name: np.full(max(len(matrix) - window + 1, 0), results.NAN) for name in results.UNITS}
     for first in range(len(found["coulomb"])):
         rows = matrix[first : first + window]
         scale = np.linalg.norm(rows, axis=0)
@@ -134,22 +134,22 @@ def _solve_paper(own: EnergyCycles, kept: EnergyCycles, model: str, window: int)
             for name, value in zip(used, solution / scale, strict=True):
                 found[name][first] = value
     medians = {
-        name: made.Coefficient(value=float(np.nanmedian(values)), low=made.NAN, high=made.NAN)
+        name: results.Coefficient(value=float(np.nanmedian(values)), low=results.NAN, high=results.NAN)
         for name, values in found.items()
         if np.isfinite(values).any()
     }
-    nothing = np.full(len(found["coulomb"]), made.NAN)
+    nothing = np.full(len(found["coulomb"]), results.NAN)
     history = _history(own, window, {name: (values, nothing, nothing) for name, values in found.items()})
     return {**medians, "history": replace(history, dissipated_j=own.sums.printed_net_j[history.cycle - 1])}
 
 
-def _history(own: EnergyCycles, first: int, columns: Columns) -> made.CoefficientHistory:
+def _history(own: EnergyCycles, first: int, columns: Columns) -> results.CoefficientHistory:
     """Return one row per cycle that counts, from the first one with an estimate on."""
     kept = np.flatnonzero(own.reason == KEPT)[first - 1 :]
     coefficients = {
-        name: column for one in made.UNITS for name, column in zip(made.COLUMNS[one], columns[one], strict=True)
+        name: column for one in results.UNITS for name, column in zip(results.COLUMNS[one], columns[one], strict=True)
     }
-    return made.CoefficientHistory(
+    return results.CoefficientHistory(
         cycle=kept + 1,
         start_s=own.start_s[kept],
         stop_s=own.stop_s[kept],
@@ -162,8 +162,8 @@ def _history(own: EnergyCycles, first: int, columns: Columns) -> made.Coefficien
 
 
 def _conclude(
-    joint: made.JointFriction, seen: reasons.Extremes, kept: EnergyCycles, standstill_rad_s: float
-) -> tuple[made.JointFriction, tuple[Caution, ...]]:
+    joint: results.JointFriction, seen: reasons.SignalRange, kept: EnergyCycles, standstill_rad_s: float
+) -> tuple[results.JointFriction, tuple[Caution, ...]]:
     """Choose the method of a joint, let its intervals cover both methods, and drop what is not determined."""
     found = joint.regression
     if joint.reason and found is not None and found.doubt:
@@ -182,10 +182,10 @@ def _conclude(
         return determined, reasons.cautions_of(determined)
     lost = tuple(
         Caution(code=f"{name}_not_determined", joint=joint.joint, numbers={"most": MOST_UNCERTAIN})
-        for name in made.UNITS
+        for name in results.UNITS
         if np.isnan(getattr(determined, name).value) and not np.isnan(getattr(joint, name).value)
     )
-    lost = (*reasons.repeated(joint, kept), *reasons.not_simultaneous(joint), *lost)
+    lost = (*reasons.repeated_cycles(joint, kept), *reasons.timing_cautions(joint), *lost)
     if joint.method == "regression":
         return determined, (Caution(code="from_regression", joint=joint.joint), *lost)
     alike = False
@@ -199,24 +199,24 @@ def _conclude(
     return _covering(determined, alike=alike), (*reasons.cautions_of(determined), *lost)
 
 
-def _determined(joint: made.JointFriction, largest: dict[str, float]) -> made.JointFriction:
+def _determined(joint: results.JointFriction, largest: dict[str, float]) -> results.JointFriction:
     """Drop the coefficients, of the log and of its history, whose intervals are too wide."""
     changed: dict[str, Any] = {}
     history = joint.history
-    for name in made.UNITS:
-        one: made.Coefficient = getattr(joint, name)
+    for name in results.UNITS:
+        one: results.Coefficient = getattr(joint, name)
         if one.high - one.low > 2.0 * largest[name]:
-            changed[name] = made.UNDETERMINED
+            changed[name] = results.UNDETERMINED
         columns = history.of(name)
         wide = columns[2] - columns[1] > 2.0 * largest[name]
-        history = history.with_coefficient(name, *(np.where(wide, made.NAN, column) for column in columns))
+        history = history.with_coefficient(name, *(np.where(wide, results.NAN, column) for column in columns))
     found = replace(joint, history=history, **changed)
-    if not changed or not all(np.isnan(getattr(found, name).value) for name in made.UNITS):
+    if not changed or not all(np.isnan(getattr(found, name).value) for name in results.UNITS):
         return found
     return replace(found, reason=(Caution("wide_intervals", numbers={"most": MOST_UNCERTAIN}),))
 
 
-def _covering(joint: made.JointFriction, *, alike: bool) -> made.JointFriction:
+def _covering(joint: results.JointFriction, *, alike: bool) -> results.JointFriction:
     """Widen the intervals of the log and of its history to the union with those of the regression.
 
     Where two methods disagree beyond their intervals neither interval holds what the method itself gets wrong, and a
@@ -224,7 +224,7 @@ def _covering(joint: made.JointFriction, *, alike: bool) -> made.JointFriction:
     """
     if joint.regression is None:
         return joint
-    for name in made.UNITS:
+    for name in results.UNITS:
         one, other = getattr(joint, name), getattr(joint.regression, name)
         if (alike and np.isfinite(one.low)) or one.low > other.high or other.low > one.high:
             low, high = float(np.fmin(one.low, other.low)), float(np.fmax(one.high, other.high))

@@ -1,4 +1,4 @@
-"""What the user must know about an estimate: negative coefficients, weak separation, two methods that disagree."""
+"""Cautions about an estimate, and reasons for none: negative coefficients, weak separation, methods that disagree."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -24,7 +24,7 @@ ENOUGH = 1 << 16  # samples of a root mean square: it is right to a percent, eno
 STANDSTILL = 0.1  # share of the initiation threshold below which a joint stands still
 
 
-def not_simultaneous(joint: JointFriction) -> Iterator[Caution]:
+def timing_cautions(joint: JointFriction) -> Iterator[Caution]:
     """Yield a caution where the torque is certainly late after the motion, or early, or slow at reversals."""
     if joint.regression is None:
         return
@@ -36,7 +36,7 @@ def not_simultaneous(joint: JointFriction) -> Iterator[Caution]:
         yield Caution(code="slow_reversals", joint=joint.joint, numbers=dict(zip(UNITS, turning, strict=True)))
 
 
-def repeated(joint: JointFriction, kept: EnergyCycles) -> Iterator[Caution]:
+def repeated_cycles(joint: JointFriction, kept: EnergyCycles) -> Iterator[Caution]:
     """Yield a caution where cycles repeat earlier ones, energies and paths alike, though noise makes all others differ.
 
     A simulated periodic motion without noise has few cycles that differ: these are no copies.
@@ -80,8 +80,8 @@ def _disagree(a: Coefficient, b: Coefficient) -> bool:
     return apart and abs(a.value - b.value) > max(LEAST_DIFFERENCE, LEAST_SHARE * abs(b.value))
 
 
-class Extremes:
-    """Extremes and some samples of one joint's signals, gathered from parts of a log that follow each other."""
+class SignalRange:
+    """SignalRange and some samples of one joint's signals, gathered from parts of a log that follow each other."""
 
     def __init__(self, column: int, samples: int) -> None:
         """Take the joint (0-based) and the number of samples of the log."""
@@ -109,7 +109,7 @@ class Extremes:
         return torque, speed
 
 
-def dead_channel(seen: Extremes, *, dead_torque: bool) -> Reason:
+def dead_channel(seen: SignalRange, *, dead_torque: bool) -> Reason:
     """Say which channel of a joint records nothing; what is removed from a dead torque makes it move."""
     (changes, travel, _), fastest = seen.high - seen.low, max(seen.high[2], -seen.low[2])
     if dead_torque or (changes == 0.0 and travel > LEAST_TRAVEL_RAD):
@@ -120,7 +120,7 @@ def dead_channel(seen: Extremes, *, dead_torque: bool) -> Reason:
     return ()
 
 
-def missing_motion(cycles: EnergyCycles, settings: FrictionSettings, seen: Extremes) -> Reason:
+def missing_motion(cycles: EnergyCycles, settings: FrictionSettings, seen: SignalRange) -> Reason:
     """Say why all cycles of one joint, with its thresholds alone, allow no estimate; empty if they do."""
     if not len(cycles.start):
         initiation, fastest, travel_rad = cycles.initiation, cycles.fastest, float(seen.high[1] - seen.low[1])

@@ -31,7 +31,7 @@ MOST_STROKES = 40  # left out one at a time with an unknown chain; of more, seve
 RIDGE = 1e-10  # relative to unit columns: keeps a window without any motion of one kind solvable
 
 
-class Equations(NamedTuple):
+class NormalEquations(NamedTuple):
     """Weighted equations of one joint, summed by group (a cycle, or a stroke)."""
 
     names: tuple[str, ...]  # names of columns; those of the friction model come first
@@ -54,7 +54,7 @@ class Equations(NamedTuple):
         return condition, float(covariance[0, 1] / np.sqrt(covariance[0, 0] * covariance[1, 1]))
 
 
-def set_up(cycles: EnergyCycles, model: str) -> Equations:
+def normal_equations(cycles: EnergyCycles, model: str) -> NormalEquations:
     """Set up the equations of the cycles of one joint that count.
 
     The noise of an energy is the torque's noise weighted with the velocity, so its variance grows with the integral of
@@ -71,7 +71,7 @@ def set_up(cycles: EnergyCycles, model: str) -> Equations:
         if gram[one, one] - gram[one, used] @ by_others > INDEPENDENT_SHARE**2:
             used.append(one)
     scale = scale[used]
-    return Equations(
+    return NormalEquations(
         names=tuple(COLUMNS[one] for one in used),
         normal=cycles.products[:, place[np.ix_(used, used)]] / np.outer(scale, scale),
         right=cycles.products[:, place[used, -1]] / scale,
@@ -120,7 +120,7 @@ def t_quantile(freedom: int) -> float:
     return math.sqrt(freedom) * math.tan(angle)
 
 
-def fit_windows(equations: Equations, window: int) -> Fit:
+def fit_windows(equations: NormalEquations, window: int) -> Fit:
     """Solve all windows of so many consecutive groups, m at most, each with a jackknife over its groups."""
     both = (equations.normal, equations.right)
     normal, right = (np.lib.stride_tricks.sliding_window_view(one, window, axis=0).sum(axis=-1) for one in both)
@@ -171,7 +171,7 @@ class Rows(NamedTuple):
         return self._replace(**changed, chain=None)
 
 
-def fit_rows(rows: Rows) -> tuple[Equations, Fit]:
+def fit_rows(rows: Rows) -> tuple[NormalEquations, Fit]:
     """Sum the rows by stroke with Huber's weights, and solve, with intervals by the factor that the weights ask for.
 
     A clipped residual does not answer to a change of the coefficients, which weights that are held do not show:
@@ -189,7 +189,7 @@ def fit_rows(rows: Rows) -> tuple[Equations, Fit]:
         first = first[:: -(-len(first) // MOST_STROKES)]
     weighted = instruments * weights[:, None]
     strokes = [slice(*both) for both in pairwise([*first.tolist(), len(scaled)])]
-    equations = Equations(
+    equations = NormalEquations(
         names=rows.names,
         normal=np.stack([weighted[one].T @ scaled[one] for one in strokes]),
         right=np.add.reduceat(weighted.T * rows.torque, first, axis=-1).T,

@@ -31,7 +31,7 @@ from friction_audit.planning.task import Joint, subject_of
 from friction_audit.presets import PRESETS
 from friction_audit.robot.arm import read_urdf
 from friction_audit.robot.urdf import limits_in
-from friction_audit.simulation.strokes import PEAK, Prescribed, Stroke, starts_of
+from friction_audit.simulation.strokes import PEAK, Prescribed, Stroke, start_times
 
 # Where the highest acceleration is published, a quarter of it, with this jerk: as joint_limits.yaml of
 # panda_moveit_config (moveit_resources) does for the Panda.
@@ -234,7 +234,7 @@ def information_of(
 ) -> Information:
     """Simulate the joint along all candidates; one of the ``truths`` is there, and the ``certain`` in any case."""
     motion = Prescribed(strokes=tuple(one for c in candidates for one in c.strokes))
-    data = subject_of(joint, joint.settings(motion, float(starts_of(motion)[-1]) + 0.5), seed=1).data
+    data = subject_of(joint, joint.settings(motion, float(start_times(motion)[-1]) + 0.5), seed=1).data
     problem = RegressionProblem.build(data, None)
     nominal = joint.nominal(data)
     nuisances, moved = problem.nuisances(nominal, problem.X), data.motion(nominal.torque)
@@ -249,7 +249,7 @@ def information_of(
         grids.setdefault(block.name, []).append(block)
     blocks = [block for grid in grids.values() for block in grid[:: max(1, len(grid) // MOST_POINTS)]]
     ends = np.cumsum([len(c.strokes) for c in candidates])
-    place = np.searchsorted(starts_of(motion)[ends], problem.samples.t, side="right")
+    place = np.searchsorted(start_times(motion)[ends], problem.samples.t, side="right")
     slices = [np.flatnonzero(place == k) for k in range(len(candidates))]
     if not blocks or not len(problem.y):
         raise AnalysisError("no candidate motion shows any effect; widen the limits")

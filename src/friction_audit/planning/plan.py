@@ -24,7 +24,7 @@ from friction_audit.planning.task import AUTO, Arm, Joint, Task, subject_of, ter
 from friction_audit.simulation import BenchSettings, Hidden, simulate
 from friction_audit.simulation.effects.effect import HiddenEffect, NoEqualError, Setting
 from friction_audit.simulation.hide import EQUALS, near_of
-from friction_audit.simulation.strokes import Prescribed, starts_of
+from friction_audit.simulation.strokes import Prescribed, start_times
 
 DURATION_S = 120.0
 END_S = 0.5  # rest after the last stroke
@@ -81,7 +81,7 @@ class JointPlan:
     @property
     def duration_s(self) -> float:
         """Length of the motion with a rest before and after. [s]"""
-        return float(starts_of(self.motion)[-1]) + END_S
+        return float(start_times(self.motion)[-1]) + END_S
 
 
 def trajectory_of(plans: Sequence[JointPlan], arm: Arm, rate_hz: float) -> Trajectory:
@@ -89,7 +89,7 @@ def trajectory_of(plans: Sequence[JointPlan], arm: Arm, rate_hz: float) -> Traje
     parts, begin = [], 0.0
     for plan in plans:
         ticks, every = round(plan.duration_s * RATE_HZ), max(round(RATE_HZ / rate_hz), 1)
-        found, t = plan.motion.intend(ticks, 1.0 / RATE_HZ, np.random.default_rng(0)), np.arange(ticks + 1) / RATE_HZ
+        found, t = plan.motion.reference(ticks, 1.0 / RATE_HZ, np.random.default_rng(0)), np.arange(ticks + 1) / RATE_HZ
         moved = plan.limits.start_rad + found.position, found.velocity, np.gradient(found.velocity, t)
         whole = np.zeros((3, len(t), len(arm.names)))
         whole[0] = arm.start_rad

@@ -10,11 +10,11 @@ from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.robot.arm import STANDARD_GRAVITY, load_arm
 from friction_audit.simulation import settings as shared
-from friction_audit.simulation.bench import JOINTS, PandaSettings, Progress, assemble, moved_by, rotor_mass
+from friction_audit.simulation.bench import JOINTS, PandaSettings, Progress, build_mechanism, moved_by, rotor_inertia
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.mechanics.control_loop import run, set_equilibrium, set_hand_impedance, set_masses
 from friction_audit.simulation.mechanics.records import Mechanism
-from friction_audit.simulation.periodic import Commanded, intend_joints
+from friction_audit.simulation.periodic import Commanded, multisine
 from friction_audit.simulation.strokes import HandPath, plan_hand
 
 CHUNK_TICKS = 1000  # between two reports of the progress
@@ -79,7 +79,7 @@ class ArmSettings(PandaSettings):
             joints[number - 1] = replace(joints[number - 1], coulomb_nm=BRAKE_NM)
             hidden[number - 1] = Hidden()
         held = replace(self, joints=tuple(joints), hidden=tuple(hidden))
-        mechanism = assemble(held, ticks, pose, streams)
+        mechanism = build_mechanism(held, ticks, pose, streams)
         gravity = np.zeros((ticks + 1, len(pose)))
         arm = (ServoedArm if self.driven else GuidedArm)(self, mechanism, streams.person)
         # The inner sides, the motors' or the links', bear gravity compensation or their weight.
@@ -100,14 +100,14 @@ class ArmSettings(PandaSettings):
 HAND_INERTIA_KG_M2 = 0.002  # of the hand about any axis through the flange; a guess that hardly matters
 
 
-class RigidBody:
+class ArmDynamics:
     """The true arm, the controller's model of it, and the mechanism that moves."""
 
     def __init__(self, settings: ArmSettings, mechanism: Mechanism, held_kg: float) -> None:
         import mujoco as mj
 
         self.settings, self.mechanism, self._mj = settings, mechanism, mj
-        self.rotor = rotor_mass(settings.joints, settings.hidden)
+        self.rotor = rotor_inertia(settings.joints, settings.hidden)
         turning = np.eye(3) * (HAND_INERTIA_KG_M2 if held_kg > 0 else 0.0)
         known = load_arm()
         self._known = known.model
@@ -147,7 +147,7 @@ class RigidBody:
         return self._mass, self._bias
 
 
-class GuidedArm(RigidBody):
+class GuidedArm(ArmDynamics):
     """An arm whose hand is guided."""
 
     def __init__(self, settings: ArmSettings, mechanism: Mechanism, person: np.random.Generator) -> None:
@@ -178,13 +178,13 @@ class GuidedArm(RigidBody):
         set_hand_impedance(body, mass, bias, jacobian, springs, dampers, pull, springs * target, q, rotor, gravity)
 
 
-class ServoedArm(RigidBody):
+class ServoedArm(ArmDynamics):
     """An arm that moves by itself."""
 
     def __init__(self, settings: ArmSettings, mechanism: Mechanism, person: np.random.Generator) -> None:
         super().__init__(settings, mechanism, 0.0)
         self._servo, body = settings.servo, mechanism.body
-        self._command = intend_joints(self._servo.motion, self._joints, self._ticks, self._dt, person)
+        self._command = multisine(self._servo.motion, self._joints, self._ticks, self._dt, person)
         body.stiffness[:] = np.eye(len(body.y)) * self._servo.stiffness_nm_per_rad
         body.drive_damping[:] = np.eye(len(body.y)) * self._servo.damping_nms_per_rad
 

@@ -73,14 +73,14 @@ class BenchSettings(shared.RecordingSettings):
 def move(
     settings: BenchSettings, streams: shared.Streams, progress: Progress | None, *, start_rad: float = 0.0
 ) -> Mechanism:
-    """Let the operator move the joint from rest at the start; return the mechanism with the truth written down."""
+    """Simulate the joint under the operator, from rest; return the mechanism with its output."""
     ticks, hand = shared.count_ticks(settings.duration_s, settings.rate_hz), settings.operator
-    intended = hand.motion.intend(ticks, 1.0 / shared.CONTROL_RATE_HZ, streams.person)
+    intended = hand.motion.reference(ticks, 1.0 / shared.CONTROL_RATE_HZ, streams.person)
     position = start_rad + intended.position
     push = hand.stiffness_nm_per_rad * position + hand.damping_nms_per_rad * intended.velocity
-    mechanism = assemble(settings, ticks, np.array([start_rad]), streams)
+    mechanism = build_mechanism(settings, ticks, np.array([start_rad]), streams)
     body = mechanism.body
-    set_masses(body, np.array([[hand.inertia_kg_m2]]), rotor_mass(settings.joints, settings.hidden))
+    set_masses(body, np.array([[hand.inertia_kg_m2]]), rotor_inertia(settings.joints, settings.hidden))
     body.stiffness[0, 0], body.drive_damping[0, 0] = hand.stiffness_nm_per_rad, hand.damping_nms_per_rad
     gravity = np.array([settings.gravity_nm, settings.gravity_phase_rad])
     weight = settings.gravity_nm * np.sin(start_rad + settings.gravity_phase_rad)
@@ -95,7 +95,7 @@ def move(
 
 
 def moved_by(mechanism: Mechanism, path: str, gravity: Float | None = None) -> shared.Moved:
-    """Return what was written down, by its names."""
+    """Return the output of a mechanism by names, after a check that it did not diverge."""
     t = np.arange(len(mechanism.out), dtype=np.float64) * mechanism.dt
     motion = shared.TrueMotion(t=t, **dict(zip(KEPT, np.swapaxes(mechanism.out, 0, 1), strict=True)))
     names = (TRACE.names or ()) if mechanism.traced.shape[2] else ()
@@ -110,7 +110,7 @@ class _Joint(shared.JointParameters):
     hidden: Hidden
 
 
-def rotor_mass(joints: tuple[shared.JointParameters, ...], hidden: tuple[Hidden, ...]) -> Float:
+def rotor_inertia(joints: tuple[shared.JointParameters, ...], hidden: tuple[Hidden, ...]) -> Float:
     """Return the mass matrix of the motors, with what is hidden in it, shape (n, n). [kg m^2]"""
     pairs = zip(joints, hidden, strict=True)
     inertias = np.array([joint.inertia_kg_m2 + inside.inertia_error.extra_kg_m2 for joint, inside in pairs])
@@ -121,7 +121,7 @@ def rotor_mass(joints: tuple[shared.JointParameters, ...], hidden: tuple[Hidden,
     return coupled_mass(inertias, np.array([inside.inertial_coupling.ratio for inside in hidden]))
 
 
-def assemble(settings: shared.SomeSettings, ticks: int, start: Float, streams: shared.Streams) -> Mechanism:
+def build_mechanism(settings: shared.SomeSettings, ticks: int, start: Float, streams: shared.Streams) -> Mechanism:
     """Build the mechanism at rest; its masses and its drive are the caller's to set."""
     n, hidden, driven = len(settings.joints), settings.hidden, settings.driven
     for number, (joint, inside) in enumerate(zip(settings.joints, hidden, strict=True), start=1):

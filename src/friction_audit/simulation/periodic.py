@@ -8,7 +8,7 @@ import numpy as np
 from friction_audit.compensation.law import FINITE, Checked, positive, within
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.simulation.strokes import SHORTEST_S, Intention, Prescribed, SlowSweep, StopAndGo, area, min_jerk
+from friction_audit.simulation.strokes import SHORTEST_S, Prescribed, Reference, SlowSweep, StopAndGo, area, min_jerk
 
 WIDEST = 0.5  # up to this spread, the speed never changes its sign inside a half-period
 ROUNDING = 1e-9  # a half-period that ends with the recording still fits
@@ -25,7 +25,7 @@ class Sinusoid(Checked):
     # time in which the sinusoid picks up its speed; 0 for at once. It comes late by half of that [s]
     ease_s: float = within(0.0)
 
-    def intend(self, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
+    def reference(self, ticks: int, dt: float, rng: np.random.Generator) -> Reference:
         """Return the whole half-periods that fit, then rest; at rest throughout if not one fits."""
         t, half_period = np.arange(ticks + 1, dtype=np.float64) * dt, self.period_s / 2
         # How many half-periods have passed, and how many pass in a second.
@@ -47,7 +47,7 @@ class Sinusoid(Checked):
         x, side = halves - half, np.where(half % 2 == 0, 1.0, -1.0)
         rate = pi * amplitude * np.sin(pi * x) - change * np.cos(pi * x)
         position = self.amplitude_rad - side * amplitude * np.cos(pi * x)
-        return Intention(position, side * rate * halves_per_s)
+        return Reference(position, side * rate * halves_per_s)
 
 
 STRIDE = 7  # a joint takes every seventh frequency; arms with more joints take as many as they have joints
@@ -73,12 +73,12 @@ class Commanded(Checked):
         if not low < 0 < high:
             raise UsageError(f"commanded: range_rad {low:g}, {high:g}: expected a range around the start at 0")
 
-    def intend(self, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
+    def reference(self, ticks: int, dt: float, rng: np.random.Generator) -> Reference:
         """Return the multisine of one joint; it starts and ends at rest at 0."""
-        return Intention(*(signal[:, 0] for signal in intend_joints(self, 1, ticks, dt, rng)))
+        return Reference(*(signal[:, 0] for signal in multisine(self, 1, ticks, dt, rng)))
 
 
-def intend_joints(settings: Commanded, joints: int, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
+def multisine(settings: Commanded, joints: int, ticks: int, dt: float, rng: np.random.Generator) -> Reference:
     """Return a multisine for each of the joints, shape (ticks + 1, joints), all frequencies different."""
     t = np.arange(ticks + 1, dtype=np.float64) * dt
     pulsation = 2 * np.pi * frequencies_hz(settings, joints)
@@ -98,7 +98,7 @@ def intend_joints(settings: Commanded, joints: int, ticks: int, dt: float, rng: 
     speed = np.abs(velocity).max(axis=0) / settings.peak_speed_rad_s
     excess = np.maximum.reduce([position.max(axis=0) / high, position.min(axis=0) / low, speed])
     excess = np.where(excess > 0, excess, 1.0)
-    return Intention(position / excess, velocity / excess)
+    return Reference(position / excess, velocity / excess)
 
 
 def frequencies_hz(settings: Commanded, joints: int) -> Float:
@@ -109,6 +109,6 @@ def frequencies_hz(settings: Commanded, joints: int) -> Float:
     return settings.lowest_hz * roots.reshape(settings.sines, stride).T[:joints]
 
 
-# What a person or the commander of a robot intends with one joint: ``settings.intend(ticks, dt, rng)`` is the intended
-# position and velocity at the ticks + 1 instants of the controller, from rest at 0.
+# Reference trajectories of one joint, by a person or a robot: ``settings.reference(ticks, dt, rng)`` is the position
+# and velocity at the ticks + 1 instants of the controller, from rest at 0.
 MotionSettings = StopAndGo | Sinusoid | SlowSweep | Commanded | Prescribed

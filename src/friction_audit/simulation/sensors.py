@@ -1,4 +1,4 @@
-"""What the sensors and the recorder make of the truth: noise, resolution, the channels of a log, losses and jitter."""
+"""Sensor and recorder model: noise, quantisation, the channels of a log, lost samples, jitter of the time stamps."""
 
 import hashlib
 from collections.abc import Callable, Sequence
@@ -26,26 +26,26 @@ TEMPERATURE_STEP_C = 0.1
 
 
 def draw_noise(ticks: int, rate_hz: float, sensors: Sensors, rng: np.random.Generator) -> tuple[Float, Float, Float]:
-    """Draw what the sensors of one joint add to torque, velocity and position at ticks + 1 states."""
+    """Draw the sensor noise of torque, velocity and position of one joint, shape (ticks + 1,) each."""
     velocity = sensors.velocity_noise_rad_s * rng.normal(0.0, 1.0, ticks + 1)
     # A fast and a slow first-order autoregressive process, together of the variance of the noise.
     share = sensors.slow_noise_share
-    fast = _colour(rng.normal(0.0, 1.0, ticks + 1), rate_hz, sensors.torque_correlation_s)
-    slow = _colour(rng.normal(0.0, 1.0, ticks + 1), rate_hz, sensors.slow_correlation_s)
+    fast = _autoregressive(rng.normal(0.0, 1.0, ticks + 1), rate_hz, sensors.torque_correlation_s)
+    slow = _autoregressive(rng.normal(0.0, 1.0, ticks + 1), rate_hz, sensors.slow_correlation_s)
     torque = np.asarray(sensors.torque_noise_nm * (np.sqrt(1.0 - share) * fast + np.sqrt(share) * slow))
     return torque, velocity, sensors.position_noise_rad * rng.normal(0.0, 1.0, ticks + 1)
 
 
-def _colour(noise: Float, rate_hz: float, correlation_s: float) -> Float:
+def _autoregressive(noise: Float, rate_hz: float, correlation_s: float) -> Float:
     """Turn white noise of unit variance into first-order autoregressive noise of unit variance."""
     if correlation_s == 0:
         return noise
     keep = np.exp(-1.0 / (rate_hz * correlation_s))
     gain = np.sqrt((1.0 + keep) / (1.0 - keep))
-    return np.asarray(gain * _smooth(noise, keep, gain))
+    return np.asarray(gain * _low_pass(noise, keep, gain))
 
 
-def _smooth(signal: Float, keep: float, gain: float = 1.0) -> Float:
+def _low_pass(signal: Float, keep: float, gain: float = 1.0) -> Float:
     """Apply the recursion y[k] = keep y[k-1] + (1 - keep) x[k] to columns, beginning at the first value over a gain."""
     from scipy.signal import lfilter
 
@@ -54,12 +54,12 @@ def _smooth(signal: Float, keep: float, gain: float = 1.0) -> Float:
 
 
 @compiled()
-def rounded(step: float, value: Number) -> Number:
+def quantised(step: float, value: Number) -> Number:
     """Round to multiples of a step; a step of 0 changes nothing."""
     return value if step == 0.0 else np.rint(np.rint(value / step) * step * SCALE) / SCALE
 
 
-quantise: Callable[[float, Float], Float] = rounded.py_func  # type: ignore[attr-defined]  # the same of an array
+quantise: Callable[[float, Float], Float] = quantised.py_func  # type: ignore[attr-defined]  # the same of an array
 
 
 def read_log(settings: SomeSettings, moved: Moved, streams: Streams, path: str) -> JointLog:
@@ -91,7 +91,7 @@ def _channels(settings: SomeSettings, moved: Moved) -> dict[str, Float]:
         # First order, causal, settled at the first value, as a vendor's controller filters.
         keep = np.exp(-2.0 * np.pi * EXTERNAL_CUTOFF_HZ / CONTROL_RATE_HZ)
         channels["tau_J"] = tau_J
-        channels["tau_ext_hat_filtered"] = quantise(EXTERNAL_STEP_NM, _smooth(tau_J - logged, keep))
+        channels["tau_ext_hat_filtered"] = quantise(EXTERNAL_STEP_NM, _low_pass(tau_J - logged, keep))
         channels["gravity"] = quantise(GRAVITY_STEP_NM, logged)
     if settings.compensator is not None:
         channels["tau_compensation"] = motion.compensation_nm

@@ -1,4 +1,4 @@
-"""Checks that settings share, the joint, its sensors, the clock of a recording; and what a simulation gives."""
+"""Settings of a joint, its sensors and its recording, with their checks; the result of a simulation."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
@@ -157,7 +157,7 @@ def of_each_joint(compensator: AnyCompensator | None, joints: int) -> tuple[Comp
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class TrueMotion:
-    """What truly happened at every tick of the controller, free of noise; n + 1 ticks, j joints."""
+    """True motion and torques at every tick of the controller, free of noise; n + 1 ticks, j joints."""
 
     t: Float  # time, shape (n + 1,) [s]
     q: Float  # position of the link, shape (n + 1, j), as all that follow [rad]
@@ -177,7 +177,7 @@ class TrueMotion:
 
 
 class Moved(NamedTuple):
-    """What moved, as far as sensors and recorder read it."""
+    """Result of the mechanics, the input of the sensor model."""
 
     motion: TrueMotion
     loop: Any  # ``records.Loop``: compensators and the noise that they saw

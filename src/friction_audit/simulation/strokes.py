@@ -14,18 +14,18 @@ from friction_audit.joint_log import Float
 
 PEAK = 1.875  # steepest slope of ``min_jerk``, half-way: the peak speed of a stroke of length 1 in time 1
 REST_S = 0.5  # rest before the first stroke of a motion and after the last
-SHORTEST_S = 0.01  # no person starts a stroke and ends it in less
+SHORTEST_S = 0.01  # shortest duration of a stroke
 
 
-class Intention(NamedTuple):
-    """The intended motion at the controller's ticks from rest at 0, shape (n + 1,); (n + 1, joints) for several."""
+class Reference(NamedTuple):
+    """Reference trajectory at the controller's ticks from rest at 0, shape (n + 1,); (n + 1, joints) for several."""
 
     position: Float  # relative to the start [rad]
     velocity: Float  # its exact derivative [rad/s]
 
 
 def min_jerk(x: Float) -> tuple[Float, Float]:
-    """Return the share of a stroke covered at the share x of the time, and its derivative; level outside of [0, 1]."""
+    """Return the share of a stroke at the share x of its time, and the derivative; constant outside of [0, 1]."""
     x = np.clip(x, 0.0, 1.0)
     covered = x * x * x * (10.0 + x * (6.0 * x - 15.0))
     return covered, 30.0 * x * x * (1.0 - x) * (1.0 - x)
@@ -37,21 +37,21 @@ def area(x: Float) -> Float:
     return inside**4 * (2.5 + inside * (inside - 3.0)) + np.maximum(x - 1.0, 0.0)
 
 
-def latest(start_s: Float, t: Float) -> np.ndarray[tuple[int, ...], np.dtype[np.intp]]:
-    """Return for every time the last of the strokes that has begun, the first before any has; shape of t."""
+def segment_at(start_s: Float, t: Float) -> np.ndarray[tuple[int, ...], np.dtype[np.intp]]:
+    """Return the index of the stroke at every time, the first one before its start; shape of t."""
     return np.maximum(np.searchsorted(start_s, t, side="right") - 1, 0)
 
 
-def at_constant_speed(t: Float, start_s: Float, displacement: Float, speed: Float, ease_s: Float) -> Intention:
-    """Return strokes of a constant speed, each with a smooth rise of the velocity and a fall; arrays one per stroke."""
+def constant_speed_strokes(t: Float, start_s: Float, displacement: Float, speed: Float, ease_s: Float) -> Reference:
+    """Return strokes of constant speed with a smooth rise and fall of the velocity; arrays hold one entry each."""
     if not len(start_s):
-        return Intention(np.zeros_like(t), np.zeros_like(t))
-    stroke = latest(start_s, t)
+        return Reference(np.zeros_like(t), np.zeros_like(t))
+    stroke = segment_at(start_s, t)
     rise = (t - start_s[stroke]) / ease_s[stroke]
     fall = rise - (np.abs(displacement) / speed / ease_s)[stroke]
     signed, origin = np.copysign(speed, displacement)[stroke], (np.cumsum(displacement) - displacement)[stroke]
     position = origin + signed * ease_s[stroke] * (area(rise) - area(fall))
-    return Intention(position, signed * (min_jerk(rise)[0] - min_jerk(fall)[0]))
+    return Reference(position, signed * (min_jerk(rise)[0] - min_jerk(fall)[0]))
 
 
 STRATA = 10  # the speeds of so many strokes in a row are spread evenly over their distribution
@@ -76,7 +76,7 @@ class StopAndGo(Checked):
         if not low <= 0 <= high or low == high:
             raise UsageError(f"stop_and_go: range_rad {low:g}, {high:g}: expected a range around the start at 0")
 
-    def intend(self, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
+    def reference(self, ticks: int, dt: float, rng: np.random.Generator) -> Reference:
         """Return the strokes that fit between two rests at the ticks of the controller; at rest if not one fits."""
         rows, speeds = [(0.0, REST_S, 0.0, 0.0)], list[float]()  # start, duration [s], origin, signed length [rad]
         begin, position, direction = REST_S, 0.0, 1.0
@@ -96,9 +96,9 @@ class StopAndGo(Checked):
             begin += needed + rng.uniform(*self.pause_s)
             position, direction = position + displacement, float(np.sign(displacement))
         strokes, t = np.array(rows), np.arange(ticks + 1, dtype=np.float64) * dt
-        start, lasts, origin, change = strokes[latest(strokes[:, 0], t)].T
+        start, lasts, origin, change = strokes[segment_at(strokes[:, 0], t)].T
         covered, slope = min_jerk((t - start) / lasts)
-        return Intention(origin + change * covered, change / lasts * slope)
+        return Reference(origin + change * covered, change / lasts * slope)
 
 
 def _draw_length(settings: StopAndGo, speed: float, q: float, direction: float, rng: np.random.Generator) -> float:
@@ -142,7 +142,7 @@ class SlowSweep(Checked):
             expected = f"a range around the start at 0, from {-wide:g} or less to {wide:g} or more"
             raise UsageError(f"slow_sweep: range_rad {low:g}, {high:g}: expected {expected}")
 
-    def intend(self, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
+    def reference(self, ticks: int, dt: float, rng: np.random.Generator) -> Reference:
         """Return the strokes that fit, ending at 0; at rest throughout if the first there and back does not fit."""
         now, rows = REST_S, [np.zeros((3, 0))]
         for targets in _excursions(self, rng):
@@ -155,7 +155,7 @@ class SlowSweep(Checked):
             now += float(lasts.sum())
         start, displacement, speed = np.hstack(rows)
         t = np.arange(ticks + 1, dtype=np.float64) * dt
-        return at_constant_speed(t, start, displacement, speed, np.full(len(start), self.ease_s))
+        return constant_speed_strokes(t, start, displacement, speed, np.full(len(start), self.ease_s))
 
 
 def _excursions(settings: SlowSweep, rng: np.random.Generator) -> Iterator[list[Target]]:
@@ -207,14 +207,14 @@ class Prescribed(Checked):
                 expected = "a length of at least speed times ease, both above zero, and a rest of zero or more"
                 raise UsageError(f"prescribed: {found}: expected {expected}")
 
-    def intend(self, ticks: int, dt: float, _: np.random.Generator) -> Intention:
+    def reference(self, ticks: int, dt: float, _: np.random.Generator) -> Reference:
         """Return the strokes; those that do not fit are cut off, after the last one there is rest."""
         t = np.arange(ticks + 1, dtype=np.float64) * dt
         displacement, speed, ease, _rest = np.array(self.strokes).reshape(-1, 4).T
-        return at_constant_speed(t, starts_of(self)[:-1], displacement, speed, ease)
+        return constant_speed_strokes(t, start_times(self)[:-1], displacement, speed, ease)
 
 
-def starts_of(settings: Prescribed) -> Float:
+def start_times(settings: Prescribed) -> Float:
     """Return when each stroke begins, and when the last rest ends, shape (m + 1,). [s]"""
     return settings.start_s + np.cumsum([0.0, *(one.duration_s for one in settings.strokes)])
 
@@ -262,7 +262,7 @@ def plan_hand(settings: HandPath, ticks: int, dt: float, rng: np.random.Generato
         begin += needed + rng.uniform(*settings.pause_s)
         pose = pose + change
     strokes, t = np.array(rows), np.arange(ticks + 1, dtype=np.float64) * dt
-    start, lasts, origin, change = np.split(strokes[latest(strokes[:, 0], t)], [1, 2, 8], axis=1)
+    start, lasts, origin, change = np.split(strokes[segment_at(strokes[:, 0], t)], [1, 2, 8], axis=1)
     covered, slope = min_jerk((t[:, np.newaxis] - start) / lasts)
     position, rotation = np.hsplit(origin + covered * change, 2)
     velocity, turning = np.hsplit(slope / lasts * change, 2)

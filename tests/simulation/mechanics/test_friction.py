@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy.integrate import solve_ivp
 
 from friction_audit.joint_log import Float
-from friction_audit.simulation.bench import BenchSettings, Operator, assemble, moved_by, rotor_mass
+from friction_audit.simulation.bench import BenchSettings, Operator, build_mechanism, moved_by, rotor_inertia
 from friction_audit.simulation.effects import Hidden, velocity
 from friction_audit.simulation.mechanics.control_loop import run, set_masses
 from friction_audit.simulation.mechanics.integrator import accelerate
@@ -42,9 +42,9 @@ def release(
     """Let go of a joint whose outer and inner side are at q with dq, under a push of the hand known at every tick."""
     tick_s = 2.0 * step_s if tick_s is None else tick_s
     ticks = round(duration_s / tick_s)
-    mechanism = assemble(settings, ticks, np.zeros(1), make_streams(0, 1))
+    mechanism = build_mechanism(settings, ticks, np.zeros(1), make_streams(0, 1))
     body, hand, inner = mechanism.body, settings.operator, mechanism.body.inner[0]
-    set_masses(body, np.array([[hand.inertia_kg_m2]]), rotor_mass(settings.joints, settings.hidden))
+    set_masses(body, np.array([[hand.inertia_kg_m2]]), rotor_inertia(settings.joints, settings.hidden))
     body.stiffness[0, 0], body.drive_damping[0, 0] = hand.stiffness_nm_per_rad, hand.damping_nms_per_rad
     body.y[inner], body.v[inner], body.y[0], body.v[0] = q[1], dq[1], q[0], dq[0]
     if dq[1] != 0.0 and body.mode[inner] == 0.0:

@@ -10,7 +10,7 @@ from friction_audit.joint_log import Float
 from friction_audit.simulation.effects import slow_and_events, structure
 from friction_audit.simulation.mechanics import records
 from friction_audit.simulation.mechanics.integrator import accelerate, add_torques, advance, set_drive
-from friction_audit.simulation.sensors import rounded
+from friction_audit.simulation.sensors import quantised
 
 HALVINGS = 60  # bisection steps, to the last digit
 
@@ -89,9 +89,9 @@ def run_controllers(joints: Record, states: Record, body: Record, loop: Record, 
         power = body.friction[j] * body.v[body.inner[j]]
         state.port_nm = body.port[j]
         state.warmth = slow_and_events.warm_up_advance(hidden.warm_up, state.warmth, power, dt)
-        velocity = rounded(loop.velocity_step[j], body.v[j] + loop.velocity_noise[k, j])
+        velocity = quantised(loop.velocity_step[j], body.v[j] + loop.velocity_noise[k, j])
         state.unlogged_nm = slow_and_events.unlogged_nm(hidden.unlogged_compensation, velocity)
-        read = rounded(loop.torque_step[j], -body.port[j] - loop.torque_noise[k, j])
+        read = quantised(loop.torque_step[j], -body.port[j] - loop.torque_noise[k, j])
         interaction = body.support[j] - read
         state.compensation_nm = controller.step(loop.settings[j], loop.memory[j], velocity, interaction, dt, ends)
         state.passivity_nm = loop.memory[j].passivity_nm
@@ -148,7 +148,7 @@ def hand_ends_cycle(body: Record, loop: Record, jacobian: Float, cycle: Float, k
     for a in range(3):
         along = 0.0
         for j in range(body.joints):
-            velocity = rounded(loop.velocity_step[j], body.v[j] + loop.velocity_noise[k, j])
+            velocity = quantised(loop.velocity_step[j], body.v[j] + loop.velocity_noise[k, j])
             along += jacobian[a, j] * velocity
         square += along * along
     moved = True
