@@ -22,7 +22,7 @@ from friction_audit.compensation.comparison.methods import (
 )
 from friction_audit.compensation.comparison.result import find_reference, measure, vibration_nm
 from friction_audit.compensation.competitors import DisturbanceObserver
-from friction_audit.compensation.law import PUBLISHED, RIDGE, Coefficients, EnergyCompensator, payback_s
+from friction_audit.compensation.law import NO_RIDGE, RIDGE, Coefficients, EnergyCompensator, payback_s
 from friction_audit.parallel import own_process
 from friction_audit.reproduce.checks import LOW_PEAK_NM, compensated, peak_nm
 from friction_audit.reproduce.claims import SECOND, make_course
@@ -69,7 +69,7 @@ def single_joint(persons: int) -> Iterator[str]:
     assert isinstance(fig10.settings, BenchSettings)
     assert isinstance(fig10.settings.compensator, EnergyCompensator)
     white, slow = fig10.settings.sensors[0], PANDA_SENSORS[0]
-    for ridge, sensors in ((PUBLISHED, white), (0.001, white), (RIDGE, white), (PUBLISHED, slow), (RIDGE, slow)):
+    for ridge, sensors in ((NO_RIDGE, white), (0.001, white), (RIDGE, white), (NO_RIDGE, slow), (RIDGE, slow)):
         energy = replace(fig10.settings.compensator, ridge=ridge)
         settings = replace(fig10.settings, compensator=energy, sensors=(sensors,))
         courses = [make_course(simulate(settings, seed)) for seed in range(persons)]

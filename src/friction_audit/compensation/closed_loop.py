@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.compensation.competitors import Feed, feed_friction
+from friction_audit.compensation.competitors import Feedforward, update_feedforward
 from friction_audit.compensation.controller import step
 from friction_audit.compensation.law import JOINT_MODEL
 from friction_audit.compiled import Record, compiled
@@ -73,29 +73,29 @@ def count_energy(tally: Record, settings: Record, friction_j: float, net_j: floa
 
 
 @compiled(inline=True)
-def count_tick(tally: Record, settings: Record, memory: Record, u_before: float) -> None:
+def count_tick(tally: Record, settings: Record, state: Record, u_before: float) -> None:
     """Look at ledger, controller and limits after a tick of the compensator."""
-    ledger = memory.observed_energy_j
+    ledger = state.observed_energy_j
     tally.lowest_j = min(tally.lowest_j, ledger)
     if ledger < -tally.tolerance_j:
         tally.violations += 1
-    if memory.active == 1:
+    if state.active == 1:
         if math.isnan(tally.activation_s):
             tally.activation_s, tally.reserve_j = tally.t_s, ledger
-        tally.lowest_since_activation_j = min(tally.lowest_since_activation_j, memory.active_energy_j)
-        if memory.active_energy_j < -tally.tolerance_j:
+        tally.lowest_since_activation_j = min(tally.lowest_since_activation_j, state.active_energy_j)
+        if state.active_energy_j < -tally.tolerance_j:
             tally.violations_since_activation += 1
         out = max(GIVEN_OUT * tally.active_friction_j, BEYOND_NOISE * tally.reserve_j)
-        if ledger >= 0.0 and out > 0.0 and memory.active_energy_j < -out:
+        if ledger >= 0.0 and out > 0.0 and state.active_energy_j < -out:
             tally.hidden = True
-    if memory.damping_nms_per_rad > 0.0:
+    if state.damping_nms_per_rad > 0.0:
         tally.acting_s += settings.period_s
-    tally.injected_j = memory.dissipated_j
+    tally.injected_j = state.dissipated_j
     tally.peak_compensation_nm = max(tally.peak_compensation_nm, abs(u_before))
-    change = abs(memory.u_nm - u_before)
+    change = abs(state.u_nm - u_before)
     tally.peak_rate_nm_s = max(tally.peak_rate_nm_s, change / settings.period_s)
     at_rate = change >= settings.max_torque_rate_nm_s * settings.period_s * NEARLY
-    if at_rate or abs(memory.u_nm) >= settings.max_torque_nm * NEARLY:
+    if at_rate or abs(state.u_nm) >= settings.max_torque_nm * NEARLY:
         tally.limited += 1
 
 
@@ -139,10 +139,10 @@ class Control(NamedTuple):
     """The compensator of a joint, and where its run is written."""
 
     settings: Record  # record of the compensator
-    memory: Record  # its memory; changed
+    state: Record  # its state; changed
     tally: Record  # record of TALLY; changed
-    feed: Feed  # friction that a compensator with a joint's model feeds forward
-    # per sample FIND, or 1 where a cycle ends and 0 elsewhere, shape (n,); one entry stands for all
+    feed: Feedforward  # friction that a compensator with a joint's model feeds forward
+    # per sample DETECT, or 1 where a cycle ends and 0 elsewhere, shape (n,); one entry stands for all
     cuts: NDArray[np.int64]
     torques: Float  # zeros that receive torques in force: person, law, passivity controller, limits, shape (4, n) [N m]
     rows: Record  # receives a record of CYCLE for every cycle that ends in this part, shape (most,)
@@ -166,37 +166,37 @@ class Loop(NamedTuple):
 
 @compiled()
 def tick(
-    settings: Record, memory: Record, tally: Record, rows: Record, t: float, v: float, interaction: float, cut: int
+    settings: Record, state: Record, tally: Record, rows: Record, t: float, v: float, interaction: float, cut: int
 ) -> bool:
     """Run the compensator on a sample and count what it does; return False once the loop has diverged."""
-    u, cycle, acted = memory.u_nm, memory.cycle, memory.acted
-    coulomb, viscous = memory.coulomb_nm, memory.viscous_nms_per_rad
-    step(settings, memory, v, interaction, t - tally.t_s if memory.ticks > 0 else 0.0, cut)
-    if memory.unstable == 1:
+    u, cycle, acted = state.u_nm, state.cycle, state.acted
+    coulomb, viscous = state.coulomb_nm, state.viscous_nms_per_rad
+    step(settings, state, v, interaction, t - tally.t_s if state.ticks > 0 else 0.0, cut)
+    if state.unstable == 1:
         return False
     tally.t_s = t
-    count_tick(tally, settings, memory, u)
-    if memory.cycle > cycle:  # a cycle ended, during which the coefficients from before the tick were applied
+    count_tick(tally, settings, state, u)
+    if state.cycle > cycle:  # a cycle ended, during which the coefficients from before the tick were applied
         row = rows[tally.cycles]
-        row.stop, row.stop_s, row.acted, row.status = memory.ticks - 1, t, acted == 1, memory.status
+        row.stop, row.stop_s, row.acted, row.status = state.ticks - 1, t, acted == 1, state.status
         row.friction_j, row.net_energy_j = tally.friction_j, tally.net_j
         row.path_rad, row.square_speed_rad2_s = tally.path_rad, tally.square_rad2_s
         row.coulomb_applied_nm, row.viscous_applied_nms_per_rad = coulomb, viscous
-        row.coulomb_estimated_nm = memory.estimated_coulomb_nm
-        row.viscous_estimated_nms_per_rad = memory.estimated_viscous_nms_per_rad
+        row.coulomb_estimated_nm = state.estimated_coulomb_nm
+        row.viscous_estimated_nms_per_rad = state.estimated_viscous_nms_per_rad
         tally.friction_j = tally.net_j = tally.path_rad = tally.square_rad2_s = 0.0
         tally.cycles += 1
     return True
 
 
 @compiled(inline=True)
-def write_torques(torques: Float, memory: Record, i: int, interaction: float) -> None:
-    """Write down the torques in force at sample i; memory for zeros that is never written to is never taken."""
-    torques[0, i], torques[1, i] = interaction, memory.compensation_nm
-    if memory.passivity_nm != 0.0:
-        torques[2, i] = memory.passivity_nm
-    if memory.limited_nm != 0.0:
-        torques[3, i] = memory.limited_nm
+def write_torques(torques: Float, state: Record, i: int, interaction: float) -> None:
+    """Write down the torques in force at sample i; state for zeros that is never written to is never taken."""
+    torques[0, i], torques[1, i] = interaction, state.compensation_nm
+    if state.passivity_nm != 0.0:
+        torques[2, i] = state.passivity_nm
+    if state.limited_nm != 0.0:
+        torques[3, i] = state.limited_nm
 
 
 @compiled()
@@ -207,20 +207,20 @@ def run_same_motion(control: Control, recorded: Recorded, q: Float) -> int:
     leaves F' = S - u' to the person, which is what the compensator then measures. The position q, shape (n,), may be
     empty where the compensator has no use for it.
     """
-    settings, memory, tally, feed, cuts, torques, rows = control
+    settings, state, tally, feed, cuts, torques, rows = control
     t, dq, torque, logged = recorded
     for i in range(len(t)):
         total = torque[i] + logged[i] if len(logged) > 0 else torque[i]
-        needed = total - memory.u_nm
-        write_torques(torques, memory, i, needed)
-        if memory.ticks > 0:
+        needed = total - state.u_nm
+        write_torques(torques, state, i, needed)
+        if state.ticks > 0:
             dt = t[i] - tally.t_s
-            moved = 0.5 * (memory.dq + dq[i]) * dt
-            friction, exchange = 0.5 * (tally.total_nm + total) * moved, 0.5 * (memory.interaction_nm + needed) * moved
+            moved = 0.5 * (state.dq + dq[i]) * dt
+            friction, exchange = 0.5 * (tally.total_nm + total) * moved, 0.5 * (state.interaction_nm + needed) * moved
             count_energy(tally, settings, friction, exchange, moved, dt)
         if settings.kind == JOINT_MODEL:
-            feed_friction(memory, feed, q[i], dq[i], i)
-        if not tick(settings, memory, tally, rows, t[i], dq[i], needed, cuts[i] if len(cuts) > 1 else cuts[0]):
+            update_feedforward(state, feed, q[i], dq[i], i)
+        if not tick(settings, state, tally, rows, t[i], dq[i], needed, cuts[i] if len(cuts) > 1 else cuts[0]):
             return i
         tally.total_nm = total
     return len(t)
@@ -233,32 +233,32 @@ def run_closed_loop(control: Control, recorded: Recorded, loop: Loop, velocity: 
     Where the joint starts again from the recording, its kinetic energy is put back to that of the recording: neither
     compensator nor ledger shall take the difference for friction. ``velocity`` receives the velocity, shape (n,).
     """
-    settings, memory, tally, feed, cuts, torques, rows = control
+    settings, state, tally, feed, cuts, torques, rows = control
     t, dq, push = recorded.t, recorded.dq, loop.push
     q, v, starts, bent = loop.q[0], dq[0], 0, loop.bent[0].copy()
     sign = np.sign(v)
     for i in range(len(t)):
-        interaction = feel(q, v, sign, i, push[i], memory.u_nm, bent, loop) + loop.lacking[i]
-        write_torques(torques, memory, i, interaction)
+        interaction = feel(q, v, sign, i, push[i], state.u_nm, bent, loop) + loop.lacking[i]
+        write_torques(torques, state, i, interaction)
         velocity[i] = v
         again = loop.restart[i] and i > 0
         if again:  # what is still in the joint, friction has not taken
             surplus = 0.5 * loop.own_kg_m2 * (v * v - dq[i] * dq[i])
-            memory.net_j -= surplus
-            memory.energy_j -= surplus
-            memory.active_energy_j -= surplus * memory.active
+            state.net_j -= surplus
+            state.energy_j -= surplus
+            state.active_energy_j -= surplus * state.active
         if settings.kind == JOINT_MODEL:
-            feed_friction(memory, feed, q, v, i)
-        if not tick(settings, memory, tally, rows, t[i], v, interaction, cuts[i] if len(cuts) > 1 else cuts[0]):
+            update_feedforward(state, feed, q, v, i)
+        if not tick(settings, state, tally, rows, t[i], v, interaction, cuts[i] if len(cuts) > 1 else cuts[0]):
             return i
         if again:
             q, v, starts = loop.q[i], dq[i], starts + 1
             sign = np.sign(v)
             for k in range(len(bent)):  # for a slice, numba compiles a message for seconds
                 bent[k] = loop.bent[starts, k]
-            memory.q_rad, memory.dq = q, v
+            state.q_rad, state.dq = q, v
         if i + 1 < len(t):
-            before, u = q, memory.u_nm
+            before, u = q, state.u_nm
             span = Step(t[i + 1] - t[i], push[i], push[i + 1], float(i), i + 1.0)
             pieces = max(1, int(np.ceil(span.h / loop.longest_s - 1e-6)))
             q, v, sign, lost = move(q, v, sign, span, u, pieces, bent, loop)

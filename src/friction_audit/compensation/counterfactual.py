@@ -10,8 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compensation import SAME_MOTION, SAME_OPERATOR, closed_loop
-from friction_audit.compensation.competitors import Compensator, JointModelCompensation, feed_of, refuse, straighten
-from friction_audit.compensation.records import fresh_memory, pack
+from friction_audit.compensation.competitors import (
+    Compensator,
+    JointModelCompensation,
+    check_runnable,
+    extrapolate_speed,
+    make_feedforward,
+)
+from friction_audit.compensation.records import initial_states, settings_records
 from friction_audit.compensation.result import FittedOperator, Signals
 from friction_audit.compensation.settings import ReplaySettings
 from friction_audit.dynamics.motion import Motion
@@ -34,7 +40,7 @@ class Scene:
     """One joint's recording or a part of it, n samples; and what moves otherwise than recorded, in all of it."""
 
     recorded: closed_loop.Recorded
-    cuts: NDArray[np.int64]  # per sample FIND, or where cycles end, shape (n,) or (1,)
+    cuts: NDArray[np.int64]  # per sample DETECT, or where cycles end, shape (n,) or (1,)
     motion: Motion | None = None  # the recording as a model reads it; None where no model does
     fitted: TorqueRegression | None = None  # the fit to the log that the joint is which moves otherwise, or None
     operator: FittedOperator | None = None  # the person's impedance, or None where the torque stays as recorded
@@ -46,9 +52,9 @@ class Run:
 
     def __init__(self, compensator: Compensator | None, step_s: float, peak_power_w: float) -> None:
         """Take what runs, the step of the clock, and the largest power of the total torque in the recording."""
-        self._compensator, self._settings = compensator, pack([compensator], 1.0 / step_s)[0]
-        self._feed = feed_of((), Motion(t=np.arange(2.0), q=np.zeros(2), dq=np.zeros(2), ddq=np.zeros(2)))
-        self.memory, self.rows = fresh_memory(1)[0], [np.zeros(0, closed_loop.CYCLE)]
+        self._compensator, self._settings = compensator, settings_records([compensator], 1.0 / step_s)[0]
+        self._feed = make_feedforward((), Motion(t=np.arange(2.0), q=np.zeros(2), dq=np.zeros(2), ddq=np.zeros(2)))
+        self.state, self.rows = initial_states(1)[0], [np.zeros(0, closed_loop.CYCLE)]
         self.tally, self.felt = np.zeros(1, closed_loop.TALLY)[0], np.zeros(1, closed_loop.SUMS)[0]
         self.tally["activation_s"] = self.tally["diverged_s"] = nan
         payback_s = compensator.payback_s if compensator is not None and compensator.passivity else 0.0
@@ -60,8 +66,8 @@ class Run:
         dq, torques = recorded.dq, np.zeros((4, len(recorded.t)))
         rows = np.empty(len(recorded.t) // SHORTEST_CYCLE + 2, closed_loop.CYCLE)
         if motion is not None and isinstance(self._compensator, JointModelCompensation):
-            self._feed = feed_of(self._compensator.terms, motion)
-        control = closed_loop.Control(self._settings, self.memory, self.tally, self._feed, scene.cuts, torques, rows)
+            self._feed = make_feedforward(self._compensator.terms, motion)
+        control = closed_loop.Control(self._settings, self.state, self.tally, self._feed, scene.cuts, torques, rows)
         if isnan(self.tally["diverged_s"]):
             if scene.loop is None:
                 samples = closed_loop.run_same_motion(
@@ -80,7 +86,7 @@ class Run:
 
 
 def recording_of(interaction: Interaction, column: int) -> closed_loop.Recorded:
-    """Return the recording of a joint (0-based), column after column in memory."""
+    """Return the recording of a joint (0-based), column after column in state."""
     logged = np.empty(0) if interaction.compensation is None else interaction.compensation[:, column]
     return closed_loop.Recorded(
         *map(read_only, (interaction.t, interaction.dq[:, column], interaction.torque[:, column], logged))
@@ -121,7 +127,7 @@ def tables_of(model: JointModel, motion: Motion) -> Tables:
         few = np.unique([0, 1, np.argmin(motion.q), np.argmax(motion.q), np.argmax(np.abs(motion.dq))])
         motion = Motion(t=motion.t[few], q=motion.q[few], dq=motion.dq[few], ddq=motion.ddq[few])
     tables, past = tabulate(model.inertia_kg_m2, model.terms, motion)
-    refuse((), past)
+    check_runnable((), past)
     return tables
 
 
@@ -129,7 +135,7 @@ def tables_of_file(model: JointModel | None, motion: Motion) -> Tables:
     """Return the tables of a joint of a model file."""
     if model is None:
         raise AnalysisError((Caution("not_in_model_file"),))
-    refuse(model.terms)
+    check_runnable(model.terms)
     tables = tables_of(model, motion)
     if not tables.inertia_kg_m2 > LEAST_INERTIA_KG_M2:
         raise AnalysisError((Caution("inertia_taken_out", numbers={"inertia": tables.inertia_kg_m2}),))
@@ -206,7 +212,7 @@ def _loop(
     """Return the joint in the hand of its operator, driven by the recorded torque or the intention."""
     mass, damping, stiffness = (one.value for one in held[:3]) if held else (0.0, 0.0, 0.0)
     starts, step_s = np.append(0, np.flatnonzero(restart[1:]) + 1), median_step(recorded.t)
-    tables = straighten(own._replace(inertia_kg_m2=own.inertia_kg_m2 + mass), damping_nms_per_rad=damping)
+    tables = extrapolate_speed(own._replace(inertia_kg_m2=own.inertia_kg_m2 + mass), damping_nms_per_rad=damping)
     return closed_loop.Loop(
         tables=tables,
         own_kg_m2=own.inertia_kg_m2,

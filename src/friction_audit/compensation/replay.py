@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from friction_audit.compensation import FEED_BACK, MODEL, competitors, result
 from friction_audit.compensation.closed_loop import SUMS, add_torque
 from friction_audit.compensation.competitors import Compensator
-from friction_audit.compensation.controller import FIND, hand_cuts
+from friction_audit.compensation.controller import DETECT, detect_hand_cycles
 from friction_audit.compensation.counterfactual import Run, make_scene, recording_of
 from friction_audit.compensation.law import Coefficients, EnergyCompensator
 from friction_audit.compensation.result import JointReplay, Replay, Signals
@@ -52,13 +52,13 @@ def replay(
     speed of the end effector as a controller sees it, from what is measured at each sample, shape (n,), the hand ends
     the cycles of all joints, and there is one part. [m/s]
     """
-    cuts = np.full(1, FIND)
+    cuts = np.full(1, DETECT)
     if hand_speed is not None:
         energy = settings.compensator
         energy = energy if isinstance(energy, EnergyCompensator) else EnergyCompensator()
         t, hand, dq = map(read_only, (interaction.t, hand_speed, interaction.dq))
         thresholds = cycles[0].initiation, cycles[0].termination
-        cuts = hand_cuts(t, hand, dq, thresholds, energy.dead_band_rad_s, energy.minimum_path_rad)
+        cuts = detect_hand_cycles(t, hand, dq, thresholds, energy.dead_band_rad_s, energy.minimum_path_rad)
     chosen = [one for one in friction.joints if joints is None or one.joint in joints]
     runs = [_JointRun(log, interaction, cycles, one, settings) for one in chosen]
     for part in parts:
@@ -166,7 +166,7 @@ class _JointRun:
             joint,
             **self._changes,
             history=history,
-            last=Coefficients(**{one.name: float(run.memory[one.name]) for one in fields(Coefficients)}),
+            last=Coefficients(**{one.name: float(run.state[one.name]) for one in fields(Coefficients)}),
             numbers=numbers,
             passivity=passivity,
             recovery=result.find_recovery(history),
@@ -179,8 +179,8 @@ def tune(competitor: Competitor, friction: JointFriction, robot: str, model: Joi
         return _feed_back(competitor, friction)
     if competitor.name == MODEL:
         return _modelled(model)
-    if competitor.name == "sigmoid" and robot in FRANKA and friction.joint <= len(competitors.PUBLISHED):
-        return competitors.PUBLISHED[friction.joint - 1]
+    if competitor.name == "sigmoid" and robot in FRANKA and friction.joint <= len(competitors.PANDA_SIGMOIDS):
+        return competitors.PANDA_SIGMOIDS[friction.joint - 1]
     coulomb, viscous = friction.coulomb.value, friction.viscous.value
     if friction.reason or not (coulomb >= 0.0 and viscous >= 0.0 and coulomb + viscous > 0.0):
         raise AnalysisError(friction.reason or (Caution("log_pushes"),))
@@ -195,10 +195,10 @@ def tune(competitor: Competitor, friction: JointFriction, robot: str, model: Joi
 def _modelled(model: JointModel | None) -> Compensator:
     if model is None:
         raise AnalysisError((Caution("not_in_model_file"),))
-    terms = tuple(term for term in model.terms if term.effect.friction or term.name in competitors.OF_FRICTION)
+    terms = tuple(term for term in model.terms if term.effect.friction or term.name in competitors.FRICTION_TERMS)
     if not terms:
         raise AnalysisError((Caution("nothing_to_apply"),))
-    competitors.refuse(terms)
+    competitors.check_runnable(terms)
     return competitors.JointModelCompensation(terms=terms)
 
 
@@ -258,8 +258,8 @@ def seems_compensated(
         return {"case": "sign"}
     if found := _vanishing(interaction, cycles, square):
         return found
-    if robot in FRANKA and friction.joint <= len(competitors.PUBLISHED):
-        usual = min(competitors.PUBLISHED[friction.joint - 1].plateaus_nm)
+    if robot in FRANKA and friction.joint <= len(competitors.PANDA_SIGMOIDS):
+        usual = min(competitors.PANDA_SIGMOIDS[friction.joint - 1].plateaus_nm)
         if friction.coulomb.high < FAR_BELOW * usual:
             return {"case": "far_below", "coulomb": friction.coulomb.value, "usual": usual}
     return {}

@@ -7,7 +7,7 @@ from itertools import count
 from typing import Any, NamedTuple
 
 from friction_audit.compensation import competitors
-from friction_audit.compensation.law import EnergyCompensator, Law, payback_s
+from friction_audit.compensation.law import CompensatorSettings, EnergyCompensator, payback_s
 from friction_audit.compensation.settings import limits_of
 from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.bench import PANDA_JOINTS, BenchSettings
@@ -35,7 +35,7 @@ def panda_joint(column: int, motor: JointParameters, gear: JointElasticity) -> J
 
     Its mode is the lowest, of the link held fast; torque control is in it, its dead time to first order.
     """
-    known, loop, limits = Law.payback_s, motor.torque_loop, limits_of("panda", column + 1)
+    known, loop, limits = CompensatorSettings.payback_s, motor.torque_loop, limits_of("panda", column + 1)
     if gear.compliance_rad_per_nm > 0.0:
         bare = (gear.compliance_rad_per_nm * motor.inertia_kg_m2) ** -0.5
         damping = gear.damping_ratio + 0.5 * bare * (loop.damping_s - loop.gain * loop.dead_time_s)
@@ -92,11 +92,11 @@ OBSERVER = (0.8, 20.0)  # its motor inertia over the true one, and its gain [1/s
 SHARES = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)  # of the observed friction, compensated
 
 
-def _bristles(coulomb_nm: float, viscous: float = 0.0) -> Law:
+def _bristles(coulomb_nm: float, viscous: float = 0.0) -> CompensatorSettings:
     return competitors.LugreCompensation(coulomb_nm=coulomb_nm, breakaway_nm=coulomb_nm, viscous_nms_per_rad=viscous)
 
 
-Modelled = Callable[[float, float], Law]  # Coulomb and viscous friction -> compensator
+Modelled = Callable[[float, float], CompensatorSettings]  # Coulomb and viscous friction -> compensator
 
 
 def _model_based(name: str, label: str, law: Modelled, meaning: str, other: Callable[[Joint], Any]) -> Method:
@@ -165,11 +165,11 @@ METHODS: tuple[Method, ...] = (
     _model_based(
         "sigmoid", "model-based",
         lambda coulomb, viscous: competitors.fit_sigmoid(coulomb, viscous, TOP_SPEED_RAD_S),
-        "as published for another Panda", lambda joint: competitors.PUBLISHED[joint.column],
+        "as published for another Panda", lambda joint: competitors.PANDA_SIGMOIDS[joint.column],
     ),
     _model_based(
         "lugre", "LuGre", _bristles, "plateaus as published for another Panda",
-        lambda joint: _bristles(sum(competitors.PUBLISHED[joint.column].plateaus_nm) / 2),
+        lambda joint: _bristles(sum(competitors.PANDA_SIGMOIDS[joint.column].plateaus_nm) / 2),
     ),
     Method(
         "disturbance_observer", "disturbance observer", _observer(*OBSERVER, OBSERVED_SHARE),
