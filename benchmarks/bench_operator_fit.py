@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from friction_audit.compensation.counterfactual import fit_operator, recording_of
+from friction_audit.compensation.plant import fit_operator, recording_of
 from friction_audit.compensation.result import FittedOperator
 from friction_audit.errors import AnalysisError
 from friction_audit.pipeline import AuditSettings, estimate_log

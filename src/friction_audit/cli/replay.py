@@ -118,7 +118,7 @@ def command(
     out = ResultFolder(folder, "replay", figures, drawn.formats, export, overwrite=shared.overwrite)
     out.check(log, (DOCUMENT, HISTORY), "replay")
     with voice.stages(3 + out.stages) as stages:
-        with chain.loading("friction_audit.friction.estimate", "friction_audit.compensation.counterfactual"):
+        with chain.loading("friction_audit.friction.estimate", "friction_audit.compensation.plant"):
             from friction_audit.pipeline import while_read
 
             # Figures and exports take all samples at once, and so does a joint that moves otherwise.
