@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from friction_audit.compensation.comparison.experiment import compare
-from friction_audit.compensation.comparison.methods import METHODS, SCENES
+from friction_audit.compensation.comparison.methods import METHODS, SETUPS
 from friction_audit.reproduce import REPRODUCTIONS, Claim, Simulations, simulate_figures
 from friction_audit.reproduce.checks import KEPT, ORDER, SLOPE_BOUND, tolerance_j
 from tests.each_case import thorough
@@ -98,10 +98,10 @@ def test_the_passivity_controller_takes_what_the_fourth_cycle_injected() -> None
 
 
 def test_the_proposed_method_keeps_the_energy_of_a_joint_and_own_experiments_are_apart() -> None:
-    joint = SCENES[0]
+    joint = SETUPS[0]
     settings = replace(joint.settings, duration_s=15.0)
-    scene = replace(joint, settings=settings, tuning_seeds=0, with_others=False, margin_seeds=0)
-    short = compare(scene, 2, [replace(method, sweeps=()) for method in METHODS if method.name in ORDER])
+    setup = replace(joint, settings=settings, tuning_seeds=0, with_others=False, margin_seeds=0)
+    short = compare(setup, 2, [replace(method, sweeps=()) for method in METHODS if method.name in ORDER])
     found = {claim.claim: claim for one in COMPARED for claim in one.check({"fig13": short})}
     assert [claim.own for claim in found.values()] == [sentence.startswith("own experiment") for sentence in found]
     assert (len(found), sum(claim.own for claim in found.values())) == (6, 2)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from friction_audit.compensation.comparison.experiment import compare
-from friction_audit.compensation.comparison.methods import FULL, METHODS, PAPER, SCENES
+from friction_audit.compensation.comparison.methods import FULL, METHODS, PAPER, SETUPS
 from friction_audit.compensation.comparison.result import Comparison, Row
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures.panels import smooth
@@ -283,7 +283,7 @@ KEPT = 0.1  # slope, over that without compensation, up to which the net energy 
 
 def compare_methods(seeds: int, progress: Progress | None = None) -> Comparison:
     """Try the paper's methods on the arm, without sweeps and margins."""
-    (arm,) = (scene for scene in SCENES if scene.name == "panda")
+    (arm,) = (setup for setup in SETUPS if setup.name == "panda")
     arm = replace(arm, tuning_seeds=0, margin_seeds=0)
     return compare(arm, seeds, [replace(method, sweeps=()) for method in METHODS if method.name in ORDER], progress)
 
