@@ -20,14 +20,13 @@ EPSILON = 4.0 * 2.0**-52  # a relative determinant up to this is zero within rou
 DETECT = -1  # value of ``cycle_end``: the joint detects its cycles itself
 
 # Cycles that the hand of an arm ends for all joints at once (paper, section V.B).
-HAND_SPEED_M_S, IN_CYCLE = range(2)  # state of the hand: its filtered speed, and 1 while a cycle goes on
-HAND_STATES = 2
+HAND_SPEED_M_S, IN_CYCLE, HAND_STATES = range(3)  # its state: filtered speed, 1 while a cycle goes on; their number
 HAND_THRESHOLDS_M_S = (0.1, 0.025)  # hand speeds at which a cycle begins and ends
 HAND_CORNER_RAD_S = 2.0 * math.pi * 20.0  # of the low-pass on the hand's speed
 
 SPEED_BOUND_RAD_S, TORQUE_BOUND_NM = 100.0, 1e4  # beyond all arms with torque sensors: the loop has diverged
-# Consecutive ticks at which a torque at its limit changes direction; from this number on the loop counts as diverged,
-# for only the limits bound it. Noise reaches three or four ticks, a hand one.
+# Consecutive ticks at which a torque at its limit changes direction: only the limits bound such a loop, which counts as
+# diverged. Noise reaches three or four ticks, a hand one.
 MOST_REVERSALS = 50
 EVEN_STEP = 1e-8  # difference between a step of the clock and its period, in time constants of the filter
 
@@ -91,10 +90,7 @@ def moving_speed(dq: float, rest_rad_s: float) -> float:
 
 @compiled(inline=True)
 def integrate_energies(settings: Record, state: Record, dq: float, interaction_nm: float, dt: float) -> None:
-    """Add the interval before this tick to the sums of the cycle and to the energies (2), (24).
-
-    F_m and dq are integrated by trapezoids; u was constant over the interval.
-    """
+    """Add the interval before this tick to the sums of the cycle and the energies (2), (24): trapezoids, u constant."""
     moved = 0.5 * (state.dq + dq) * dt
     work = 0.5 * (state.interaction_nm + interaction_nm) * moved
     state.net_j += work + state.u_nm * moved
@@ -110,10 +106,9 @@ def integrate_energies(settings: Record, state: Record, dq: float, interaction_n
 
 @compiled(inline=True)
 def detect_cycle_end(settings: Record, state: Record, dq: float, dt: float) -> bool:
-    """Return True if an energy cycle ends at this tick.
+    """Return True if an energy cycle ends at this tick; it began when the filtered speed exceeded its threshold.
 
-    A cycle begins when the filtered speed exceeds the initiation threshold. It ends when the filtered speed is below
-    the termination threshold and the measured velocity shows that the joint is at rest.
+    It ends when the filtered speed is below the other threshold and the joint rests by its measured velocity.
     """
     late = settings.corner_rad_s * (dt - settings.period_s)
     if state.ticks == 1:
@@ -298,10 +293,7 @@ def run(
 
 @compiled()
 def hand_cycle_ends(hand: Float, speed: float, dt: float, thresholds: tuple[float, float], moved: bool) -> bool:
-    """Return True if the hand has come to rest, which ends a cycle in which all joints moved enough.
-
-    ``hand`` is its state, shape (HAND_STATES,), updated; the thresholds are hand speeds. [m/s]
-    """
+    """Return True if the hand has come to rest, which ends a cycle in which all joints moved; update its state."""
     hand[HAND_SPEED_M_S] += (1.0 - math.exp(-HAND_CORNER_RAD_S * dt)) * (speed - hand[HAND_SPEED_M_S])
     if hand[HAND_SPEED_M_S] > thresholds[0]:
         hand[IN_CYCLE] = 1.0

@@ -9,14 +9,8 @@ from math import isfinite, isnan, nan
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.compensation import SAME_MOTION, SAME_OPERATOR, replay_loops as loops
-from friction_audit.compensation.competitors import (
-    Compensator,
-    JointModelCompensation,
-    check_runnable,
-    extrapolate_speed,
-    make_feedforward,
-)
+from friction_audit.compensation import SAME_MOTION, SAME_OPERATOR, competitors, replay_loops as loops
+from friction_audit.compensation.competitors import Compensator
 from friction_audit.compensation.records import initial_states, settings_records
 from friction_audit.compensation.result import FittedOperator, Signals
 from friction_audit.compensation.settings import ReplaySettings
@@ -55,7 +49,7 @@ class CompensatorRun:
         """Prepare a run for a clock's step and the largest power of the total torque in the recording."""
         self._compensator, self._settings = compensator, settings_records([compensator], 1.0 / step_s)[0]
         rest = np.zeros(2)
-        self._feedforward = make_feedforward((), Motion(t=np.arange(2.0), q=rest, dq=rest, ddq=rest))
+        self._feedforward = competitors.make_feedforward((), Motion(t=np.arange(2.0), q=rest, dq=rest, ddq=rest))
         self.state, self.cycles = initial_states(1)[0], [np.zeros(0, loops.CYCLE)]
         self.statistics, self.torque_sums = np.zeros(1, loops.STATISTICS)[0], np.zeros(1, loops.TORQUE_SUMS)[0]
         self.statistics["activation_s"] = self.statistics["diverged_s"] = nan
@@ -67,15 +61,14 @@ class CompensatorRun:
         recorded, motion, samples = part.recorded, part.motion, 0
         dq, torques = recorded.dq, np.zeros((4, len(recorded.t)))
         cycles = np.empty(len(recorded.t) // SHORTEST_CYCLE + 2, loops.CYCLE)
-        if motion is not None and isinstance(self._compensator, JointModelCompensation):
-            self._feedforward = make_feedforward(self._compensator.terms, motion)
+        if motion is not None and isinstance(self._compensator, competitors.JointModelCompensation):
+            self._feedforward = competitors.make_feedforward(self._compensator.terms, motion)
         controller = loops.Controller(
             self._settings, self.state, self.statistics, self._feedforward, part.cycle_ends, torques, cycles
         )
         if isnan(self.statistics["diverged_s"]):
             if part.plant is None:
-                q = read_only(np.empty(0) if motion is None else motion.q)
-                samples = loops.run_same_motion(controller, recorded, q)
+                samples = loops.run_same_motion(controller, recorded)
             else:
                 dq = np.empty(len(recorded.t))
                 samples = loops.run_closed_loop(controller, recorded, part.plant, dq)
@@ -90,17 +83,16 @@ class CompensatorRun:
 
 def recording_of(interaction: Interaction, column: int) -> loops.RecordedJoint:
     """Return the recording of a joint (0-based), each signal contiguous in memory."""
-    logged = np.empty(0) if interaction.compensation is None else interaction.compensation[:, column]
-    return loops.RecordedJoint(
-        *map(read_only, (interaction.t, interaction.dq[:, column], interaction.torque[:, column], logged))
-    )
+    channels, logged = (interaction.q, interaction.dq, interaction.torque), interaction.compensation
+    q, dq, torque = (read_only(channel[:, column]) for channel in channels)
+    total = torque if logged is None else read_only(torque + logged[:, column])
+    return loops.RecordedJoint(read_only(interaction.t), q, dq, torque, total)
 
 
-def recorded_motion(interaction: Interaction, column: int) -> Motion:
-    """Return the motion of a joint (0-based), its velocity filtered without phase shift."""
-    t, dq = interaction.t, interaction.dq[:, column]
-    smooth = filter_velocity(dq, rate_hz=1.0 / median_step(t), cutoff_hz=CUTOFF_HZ)
-    return Motion(t=t, q=np.ascontiguousarray(interaction.q[:, column]), dq=smooth, ddq=np.gradient(smooth, t))
+def recorded_motion(recorded: loops.RecordedJoint) -> Motion:
+    """Return the motion of a joint, its velocity filtered without phase shift."""
+    smooth = filter_velocity(recorded.dq, rate_hz=1.0 / median_step(recorded.t), cutoff_hz=CUTOFF_HZ)
+    return Motion(t=recorded.t, q=recorded.q, dq=smooth, ddq=np.gradient(smooth, recorded.t))
 
 
 def fitted_joint(friction: JointFriction) -> tuple[TorqueRegression, JointModel]:
@@ -129,13 +121,13 @@ def tabulate_model(model: JointModel, motion: Motion) -> Tables:
         few = np.unique([0, 1, np.argmin(motion.q), np.argmax(motion.q), np.argmax(np.abs(motion.dq))])
         motion = Motion(t=motion.t[few], q=motion.q[few], dq=motion.dq[few], ddq=motion.ddq[few])
     tables, past = tabulate(model.inertia_kg_m2, model.terms, motion)
-    check_runnable((), past)
+    competitors.check_runnable((), past)
     return tables
 
 
 def tabulate_given_model(model: JointModel, motion: Motion) -> Tables:
     """Tabulate a joint of a model file, and check that it can be simulated."""
-    check_runnable(model.terms)
+    competitors.check_runnable(model.terms)
     tables = tabulate_model(model, motion)
     if not tables.inertia_kg_m2 > LEAST_INERTIA_KG_M2:
         raise AnalysisError((Caution("inertia_taken_out", numbers={"inertia": tables.inertia_kg_m2}),))
@@ -160,19 +152,18 @@ def make_part(
     ``modelled``: whether the compensator applies a joint's model. A plant without an operator is driven by the recorded
     torque, and restarts with every cycle; a plant with one by the operator's intention.
     """
-    column = interaction.joint_numbers.index(friction.joint)
-    recorded = recording_of(interaction, column)
-    if settings.assume == SAME_MOTION:
-        motion = recorded_motion(interaction, column) if modelled else None
+    recorded, fitted = recording_of(interaction, interaction.joint_numbers.index(friction.joint)), None
+    same_motion = settings.assume == SAME_MOTION
+    motion = recorded_motion(recorded) if modelled or not same_motion else None
+    if same_motion or motion is None:
         return ReplayPart(recorded=recorded, cycle_ends=cycle_ends, motion=motion)
-    motion, fitted = recorded_motion(interaction, column), None
     if settings.joint_model is None:
         fitted, model = fitted_joint(friction)
         tables = tabulate_model(model, motion)
     else:
         model = settings.joint_model.joint(friction.joint)
         tables = tabulate_given_model(model, motion)
-    operator = _operator_impedance(interaction, settings, recorded, motion)
+    operator = _operator_impedance(interaction, settings, recorded)
     restart = np.zeros(len(recorded.t), np.bool_)
     if operator is None:
         restart[cycles.start] = restart[cycles.stop] = True
@@ -199,7 +190,7 @@ def mean_over_cycles(residual: Float, motion: Motion, cycles: EnergyCycles) -> F
 
 
 def _operator_impedance(
-    interaction: Interaction, settings: ReplaySettings, recorded: loops.RecordedJoint, motion: Motion
+    interaction: Interaction, settings: ReplaySettings, recorded: loops.RecordedJoint
 ) -> FittedOperator | None:
     """Return the given or fitted impedance; None where the torque stays as recorded."""
     if settings.assume != SAME_OPERATOR:
@@ -209,7 +200,7 @@ def _operator_impedance(
         return FittedOperator._make([*known, 0])
     if interaction.choice.drive != "hand":
         raise AnalysisError((Caution("drive_not_fitted"),))
-    return fit_operator(recorded, motion.q)
+    return fit_operator(recorded)
 
 
 def _make_plant(
@@ -224,7 +215,7 @@ def _make_plant(
     inertia, damping, stiffness = (one.value for one in operator[:3]) if operator else (0.0, 0.0, 0.0)
     starts, step_s = np.append(0, np.flatnonzero(restart[1:]) + 1), median_step(recorded.t)
     both = joint._replace(inertia_kg_m2=joint.inertia_kg_m2 + inertia)
-    tables = extrapolate_speed(both, damping_nms_per_rad=damping)
+    tables = competitors.extrapolate_speed(both, damping_nms_per_rad=damping)
     return loops.Plant(
         tables=tables,
         joint_inertia_kg_m2=joint.inertia_kg_m2,
@@ -234,7 +225,6 @@ def _make_plant(
         longest_step_s=step_s / steps_per_sample(step_s, tables),
         drive=recorded.torque - unmodelled + inertia * motion.ddq + damping * recorded.dq + stiffness * motion.q,
         unmodelled=unmodelled,
-        q=motion.q,
         restart=restart,
         deflections=np.ascontiguousarray(joint.bristles.states_along(motion.q)[starts]),
     )
@@ -255,8 +245,8 @@ LEAST_PERIODS = 2.75
 NORMAL_95 = 1.96
 
 
-def fit_operator(recorded: loops.RecordedJoint, q: Float) -> FittedOperator:
-    """Fit the operator's impedance at a joint with position q, shape (n,). [rad]"""
+def fit_operator(recorded: loops.RecordedJoint) -> FittedOperator:
+    """Fit the operator's impedance at a joint."""
     from scipy.signal import butter, sosfiltfilt
 
     step = median_step(recorded.t)
@@ -272,7 +262,7 @@ def fit_operator(recorded: loops.RecordedJoint, q: Float) -> FittedOperator:
         numbers = {"found": len(reversals), "fewest": FEWEST_REVERSALS}
         raise AnalysisError((Caution("few_quick_reversals", numbers=numbers),))
     rows = reversals[:, None] + np.arange(-before, after)
-    torque, position = (np.interp(t, recorded.t, one) for one in (recorded.torque, q))
+    torque, position = (np.interp(t, recorded.t, one) for one in (recorded.torque, recorded.q))
     band = butter(ORDER, BAND_HZ, "band", fs=1.0 / step, output="sos")
     signals = (np.gradient(dq, step), dq, position, -torque)
     return _fit_impedance(np.stack([sosfiltfilt(band, one)[rows] * direction[:, None] for one in signals], axis=2))

@@ -13,7 +13,7 @@ from friction_audit.compiled import Record, compiled
 from friction_audit.dynamics.bristles import bristle_damping, bristle_nm
 from friction_audit.dynamics.stick_slip import Step, advance
 from friction_audit.dynamics.torque_tables import Tables, taken
-from friction_audit.joint_log import Float, read_only
+from friction_audit.joint_log import Float
 
 # A cycle of the compensator.
 CYCLE = np.dtype(
@@ -124,14 +124,10 @@ class RecordedJoint(NamedTuple):
     """One joint's recording, n samples."""
 
     t: Float  # time [s]
+    q: Float  # position [rad]
     dq: Float  # velocity [rad/s]
     torque: Float  # interaction torque F_m [N m]
-    logged: Float  # torque of a compensator that was active, shape (n,), or empty [N m]
-
-    @property
-    def total(self) -> Float:
-        """Torque S = F_m + u that drove the motor side, shape (n,). [N m]"""
-        return read_only(self.torque + self.logged) if len(self.logged) else self.torque
+    total: Float  # torque S = F_m + u that drove the motor side; ``torque`` itself if no u was logged [N m]
 
 
 class Controller(NamedTuple):
@@ -158,7 +154,6 @@ class Plant(NamedTuple):
     longest_step_s: float  # of the integration [s]
     drive: Float  # torque on the joint with the operator at position zero and at rest, linear between samples [N m]
     unmodelled: Float  # torque that the joint's model lacks: F_m contains it, ``drive`` does not [N m]
-    q: Float  # recorded position [rad]
     restart: NDArray[np.bool_]  # True where the joint starts again from the recorded state, shape (n,)
     deflections: Float  # state of the bristles at the first sample and at every restart, shape (r, 1 + m)
 
@@ -197,29 +192,25 @@ def run_tick(controller: Record, i: int, t: float, q: float, v: float, interacti
 
 
 @compiled()
-def run_same_motion(controller: Controller, recorded: RecordedJoint, q: Float) -> int:
+def run_same_motion(controller: Controller, recorded: RecordedJoint) -> int:
     """Run a compensator along a part of a recording; return the number of samples, fewer than n if it diverges.
 
     The total torque S = F_m + u that drives the motor side stays as recorded. A compensator that gives u' leaves
-    F' = S - u' to the operator, and measures F'. The position q, shape (n,), may be empty where the compensator does
-    not use it.
+    F' = S - u' to the operator, and measures F'.
     """
     settings, state, statistics = controller.settings, controller.state, controller.statistics
-    t, dq, torque, logged = recorded
+    t, q, dq, _, total = recorded
     for i in range(len(t)):
-        total = torque[i] + logged[i] if len(logged) > 0 else torque[i]
-        interaction = total - state.u_nm
+        interaction = total[i] - state.u_nm
         if state.ticks > 0:
             dt = t[i] - statistics.t_s
             moved = 0.5 * (state.dq + dq[i]) * dt
-            friction, net = (
-                0.5 * (statistics.total_nm + total) * moved,
-                0.5 * (state.interaction_nm + interaction) * moved,
-            )
+            friction = 0.5 * (statistics.total_nm + total[i]) * moved
+            net = 0.5 * (state.interaction_nm + interaction) * moved
             add_energy(statistics, settings, friction, net, moved, dt)
-        if not run_tick(controller, i, t[i], q[i] if len(q) > 0 else 0.0, dq[i], interaction):
+        if not run_tick(controller, i, t[i], q[i], dq[i], interaction):
             return i
-        statistics.total_nm = total
+        statistics.total_nm = total[i]
     return len(t)
 
 
@@ -232,7 +223,7 @@ def run_closed_loop(controller: Controller, recorded: RecordedJoint, plant: Plan
     """
     settings, state, statistics = controller.settings, controller.state, controller.statistics
     t, dq, drive = recorded.t, recorded.dq, plant.drive
-    q, v, restarts, deflections = plant.q[0], dq[0], 0, plant.deflections[0].copy()
+    q, v, restarts, deflections = recorded.q[0], dq[0], 0, plant.deflections[0].copy()
     sign = np.sign(v)
     for i in range(len(t)):
         interaction = sensor_torque(q, v, sign, i, drive[i], state.u_nm, deflections, plant) + plant.unmodelled[i]
@@ -246,7 +237,7 @@ def run_closed_loop(controller: Controller, recorded: RecordedJoint, plant: Plan
         if not run_tick(controller, i, t[i], q, v, interaction):
             return i
         if restart:
-            q, v, restarts = plant.q[i], dq[i], restarts + 1
+            q, v, restarts = recorded.q[i], dq[i], restarts + 1
             sign = np.sign(v)
             for k in range(len(deflections)):  # for a slice, numba compiles a message for seconds
                 deflections[k] = plant.deflections[restarts, k]

@@ -197,7 +197,7 @@ def summarise(
 
 def model_error(recorded: RecordedJoint, without: Signals) -> float:
     """Return the relative rms error of the velocity without a compensator; NaN if one was active in the recording."""
-    if len(recorded.logged) or len(without.t) < len(recorded.t):
+    if recorded.total is not recorded.torque or len(without.t) < len(recorded.t):
         return float("nan")
     square = max(np.sum(recorded.dq**2), np.finfo(float).tiny)
     return float(np.sqrt(np.sum((without.dq - recorded.dq) ** 2) / square))

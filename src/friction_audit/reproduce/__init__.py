@@ -4,10 +4,10 @@ from friction_audit.reporting.figures import paper
 from friction_audit.reporting.figures.comparison import draw_comparison
 from friction_audit.reproduce import checks
 from friction_audit.reproduce.checks import compare_methods, compensated, last_period
-from friction_audit.reproduce.claims import Claim, Reproduction, Simulations, make_course, simulate_figures
+from friction_audit.reproduce.claims import Claim, Reproduction, Simulations, make_course, simulate_figure
 from friction_audit.simulation.bench import PANDA_JOINTS
 
-__all__ = ["REPRODUCTIONS", "Claim", "Reproduction", "Simulations", "simulate_figures"]
+__all__ = ["REPRODUCTIONS", "Claim", "Reproduction", "Simulations", "simulate_figure"]
 
 MANY = 1000  # no practical limit of the seeds
 FEW = 5  # of an arm; ``compare --arm panda`` takes more

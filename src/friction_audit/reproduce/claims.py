@@ -1,7 +1,7 @@
 """Claims of the paper, the simulations that they are checked on, and the results."""
 
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -86,28 +86,22 @@ class Reproduction(NamedTuple):
     draw: Callable[[Simulations], Any]  # simulations -> figure, of the first seed
     # largest useful number of seeds: 1 without randomness, few where a simulation takes long
     most_seeds: int = 1
-    # seeds -> the comparison that it shows in place of simulations, stored under its first scenario; or None
+    # seeds -> the comparison that it shows in place of simulations, or None
     compare: Callable[[int, Progress | None], Any] | None = None
 
 
-def simulate_figures(
-    reproductions: Sequence[Reproduction],
-    seeds: int,
-    progress: Progress | None = None,
-    known: Simulations | None = None,
+def simulate_figure(
+    figure: Reproduction, seeds: int, progress: Progress | None = None, known: Simulations | None = None
 ) -> Simulations:
-    """Simulate the scenarios of figures for the seeds 0, 1, ...; add them to the known simulations."""
-    done: dict[str, Any] = dict(known or {})
-    for one in reproductions:
-        if one.compare is not None and one.scenarios[0] not in done:
-            done[one.scenarios[0]] = one.compare(min(seeds, one.most_seeds), progress)
-    most = {name: min(seeds, each.most_seeds) for each in reproductions for name in each.scenarios}
-    wanted = [scenario for scenario in PAPER_SCENARIOS if scenario.name in most.keys() - done.keys()]
-    todo = [(scenario, seed) for scenario in wanted for seed in range(most[scenario.name])]
-    effort = [len(scenario.settings.joints) ** 2 * scenario.settings.duration_s for scenario, _ in todo]
+    """Simulate the scenarios of a figure for the seeds 0, 1, ...; add them to the known simulations."""
+    done, seeds = dict[str, Any](known or {}), min(seeds, figure.most_seeds)
+    missing = set(figure.scenarios) - done.keys()
+    if figure.compare is not None:
+        return done | {name: figure.compare(seeds, progress) for name in missing}
+    todo = [(scenario, seed) for scenario in PAPER_SCENARIOS if scenario.name in missing for seed in range(seeds)]
     for row, (scenario, seed) in enumerate(todo):
         if progress is not None:
-            progress(sum(effort[:row]) / sum(effort))
+            progress(row / len(todo))
         done[scenario.name] = (*done.get(scenario.name, ()), simulate(scenario.settings, seed))
     return done
 
