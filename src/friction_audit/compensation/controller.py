@@ -1,9 +1,8 @@
 """One tick of a compensator, compiled; the loops of the simulation and of the replay call ``step``.
 
 The joint on the motor side of its torque sensor obeys B ddq = F_m + u - tau_f. Over a cycle from rest to rest the
-kinetic energy cancels, so that sum F_m dq + sum u dq = sum tau_f dq: friction dissipates the work of operator and
-compensator. The general form of (10), (13), (16) and (25) is therefore E_net = E_n - E_(n-1) + sum u dq. This u is the
-whole torque; the damping of the passivity controller is a part of it, with negative work.
+kinetic energy cancels: sum F_m dq + sum u dq = sum tau_f dq. The general form of (10), (13), (16) and (25) is therefore
+E_net = E_n - E_(n-1) + sum u dq with the whole torque u; the work of its passivity part is negative.
 """
 
 import math

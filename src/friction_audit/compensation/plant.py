@@ -26,8 +26,7 @@ from friction_audit.preprocessing.velocity import filter_velocity
 
 CUTOFF_HZ = 20.0  # of the velocity, as in the torque regression
 SHORTEST_CYCLE = 4  # samples
-# No motor with its gear has less inertia; where less was fitted, the recorded torque lacks the inertial torque.
-LEAST_INERTIA_KG_M2 = 1e-3
+LEAST_INERTIA_KG_M2 = 1e-3  # of a motor with its gear; where less is fitted, the torque was recorded without inertia
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

@@ -61,9 +61,8 @@ FIELDS = len(TRACE.names or ())
 STATE = np.dtype(
     [
         *TRACE.descr,
-        ("ticks", "i8"),  # samples so far
+        *((name, "i8") for name in ("ticks", "equations")),  # samples so far, and cycles that gave an equation
         ("passivity_acted", "i8"),  # 1 if the passivity controller acted in a completed cycle
-        ("equations", "i8"),  # cycles that gave an equation
         ("active", "i8"),  # 1 once the compensator applies a coefficient
         ("reversals", "i8"),  # consecutive ticks at which the torque, at a limit, changed direction
         *((name, "f8") for name in ("dq", "interaction_nm", "filtered_rad_s", "direction", "net_j", "path_rad")),

@@ -104,11 +104,9 @@ class _JointRun:
             without=Signals(recorded.t, recorded.dq, recorded.total, zeros, zeros, zeros),
         )
         try:
-            if settings.joint_model is not None:
-                self._joint = replace(self._joint, model=settings.joint_model.joint(friction.joint))
-            wanted = settings.compensator
-            if settings.competitor is not None:
-                wanted = tune(settings.competitor, friction, robot, self._joint.model)
+            model = None if settings.joint_model is None else settings.joint_model.joint(friction.joint)
+            self._joint = replace(self._joint, model=model)
+            wanted = tune(settings.competitor, friction, robot, model) if settings.competitor else settings.compensator
         except AnalysisError as reason:
             self._joint = replace(self._joint, reason=reason_of(reason))
             return

@@ -2,9 +2,9 @@
 
 The torque of gravity is linear in cosine and sine of each angle, and a sine of the joint's own angle; that of inertia
 is linear in accelerations and products of velocities, and of second degree in cosine and sine of each angle. Gaussian
-processes with kernels of such functions contain every chain (A. Dalla Libera, R. Carli, IEEE Robotics and Automation
-Letters 5 (2020) 24). Their covariance at the samples is approximated by Cholesky decomposition with pivoting
-(H. Harbrecht, M. Peters, R. Schneider, Appl. Numer. Math. 62 (2012) 428).
+processes with kernels of such functions contain every chain (A. Dalla Libera, R. Carli, IEEE Robot. Autom. Lett. 5
+(2020) 24); their covariance at samples by pivoted Cholesky decomposition (H. Harbrecht, M. Peters, R. Schneider, Appl.
+Numer. Math. 62 (2012) 428).
 """
 
 from collections.abc import Callable, Sequence

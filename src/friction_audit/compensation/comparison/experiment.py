@@ -7,7 +7,7 @@ from itertools import takewhile
 from math import ceil, inf, isinf, sqrt
 from typing import Any
 
-from friction_audit.compensation.comparison import methods as catalogue, result
+from friction_audit.compensation.comparison import methods as kinds, result
 from friction_audit.parallel import in_processes, workers_for
 from friction_audit.simulation.bench import Progress
 from friction_audit.simulation.scenarios import simulate
@@ -20,10 +20,7 @@ HALVINGS = 4  # bisections: the margin is then known to 2^(1/16), 4 %
 
 
 def compare(
-    setup: catalogue.Setup,
-    seeds: int,
-    methods: Sequence[catalogue.Method] = catalogue.METHODS,
-    progress: Progress | None = None,
+    setup: kinds.Setup, seeds: int, methods: Sequence[kinds.Method] = kinds.METHODS, progress: Progress | None = None
 ) -> result.Comparison:
     """Compare methods on the same setup, noise and persons, whose seeds are 0, 1, 2 and so on."""
     reported, first = tuple(range(seeds)), FIRST_TUNING_SEED
@@ -62,60 +59,58 @@ def compare(
 
 
 def _tunings(
-    setup: catalogue.Setup, method: catalogue.Method, curves: Sequence[result.Curve]
-) -> Iterator[tuple[catalogue.Tuning, str, int | None]]:
+    setup: kinds.Setup, method: kinds.Method, curves: Sequence[result.Curve]
+) -> Iterator[tuple[kinds.Tuning, str, int | None]]:
     """Yield the reported tunings of a method, their role and, of the best one, its unstable trials in the sweeps."""
-    chosen = [(method.paper, catalogue.PAPER, None)] + ([(method.full, catalogue.FULL, None)] if method.full else [])
+    chosen = [(method.paper, kinds.PAPER, None)] + ([(method.full, kinds.FULL, None)] if method.full else [])
     yield from chosen
     names = {tuning.name for tuning, *_ in chosen}
     points = [point for curve in curves if curve.method == method.name for point in curve.points]
     if points:
         best = choose_best(points)
-        yield best.tuning, catalogue.BEST, len(best.lost_s)
+        yield best.tuning, kinds.BEST, len(best.lost_s)
         names.add(best.tuning.name)
     if setup.with_others:
         # A further tuning that is also the best one is not repeated.
-        yield from ((tuning, catalogue.OTHER, None) for tuning in method.others if tuning.name not in names)
+        yield from ((tuning, kinds.OTHER, None) for tuning in method.others if tuning.name not in names)
 
 
 class _Trials:
     """The trials of one comparison."""
 
-    def __init__(self, setup: catalogue.Setup, seeds: Sequence[int], progress: Progress) -> None:
+    def __init__(self, setup: kinds.Setup, seeds: Sequence[int], progress: Progress) -> None:
         self.setup, self.first, self.progress, self._done = setup, seeds[0], progress, 0.0
-        idle = setup.compensated(catalogue.NO_COMPENSATION)
+        idle = setup.compensated(kinds.NO_COMPENSATION)
 
-        def run_reference(place: int) -> tuple[result.Reference, result.Outcome, result.Course]:
-            simulation = simulate(idle, seeds[place])
+        def run_reference(seed: int) -> tuple[result.Reference, result.Outcome, result.Course]:
+            simulation = simulate(idle, seed)
             reference = result.find_reference(simulation)
             return reference, result.measure(simulation, reference), result.make_course(simulation, reference)
 
         # Of each seed: the trial without compensation as reference, outcome and course. The first one runs in this
         # process, so that the worker processes share the loops that it compiles or loads.
-        found = [run_reference(0), *self._map(lambda place: run_reference(place + 1), len(seeds) - 1, REFERENCE_SHARE)]
+        found = [run_reference(seeds[0]), *self._map(run_reference, [(seed,) for seed in seeds[1:]], REFERENCE_SHARE)]
         self.idle = dict(zip(seeds, found, strict=True))
 
-    def _map(self, work: Callable[[int], Any], jobs: int, until: float) -> list[Any]:
-        """Return the results of jobs (0-based) in their order; the progress rises to ``until``."""
-        results, begun = [], self._done
-        for done in in_processes(work, jobs, workers_for(jobs)):
+    def _map(self, work: Callable[..., Any], jobs: Sequence[tuple[Any, ...]], until: float) -> list[Any]:
+        """Return the results of work, called with the arguments of each job; the progress rises to ``until``."""
+        results, begun, count = [], self._done, len(jobs)
+        for done in in_processes(lambda place: work(*jobs[place]), count, workers_for(count)):
             results.append(done)
-            self._done = begun + (until - begun) * len(results) / jobs
+            self._done = begun + (until - begun) * len(results) / count
             self.progress(self._done)
         return results
 
     def _run_all(
         self, work: Callable[[Any, int], Any], settings: Sequence[Any], seeds: Sequence[int], until: float
     ) -> list[list[Any]]:
-        jobs = [(one, seed) for one in settings for seed in seeds]
-        done = iter(self._map(lambda place: work(*jobs[place]), len(jobs), until))
+        done = iter(self._map(work, [(one, seed) for one in settings for seed in seeds], until))
         return [[next(done) for _ in seeds] for _ in settings]
 
-    def sweep(self, methods: Sequence[catalogue.Method], seeds: Sequence[int]) -> tuple[result.Curve, ...]:
+    def sweep(self, methods: Sequence[kinds.Method], seeds: Sequence[int]) -> tuple[result.Curve, ...]:
         """Run the sweeps of all methods."""
-        setup = self.setup
-        sweeps = [(method, sweep) for method in methods for sweep in method.sweeps[: setup.sweeps]]
-        values = [sweep.values[:: ceil(len(sweep.values) / setup.most_values)] for _, sweep in sweeps]
+        sweeps = [(method, sweep) for method in methods for sweep in method.sweeps[: self.setup.sweeps]]
+        values = [sweep.values[:: ceil(len(sweep.values) / self.setup.most_values)] for _, sweep in sweeps]
         tunings = [sweep.at(value) for (_, sweep), some in zip(sweeps, values, strict=True) for value in some]
         tried = zip(tunings, self.outcomes(tunings, seeds, SWEEP_SHARE), strict=True)
         curves = []
@@ -130,10 +125,10 @@ class _Trials:
         return tuple(curves)
 
     def outcomes(
-        self, tunings: Sequence[catalogue.Tuning], seeds: Sequence[int], until: float
+        self, tunings: Sequence[kinds.Tuning], seeds: Sequence[int], until: float
     ) -> list[list[tuple[result.Outcome, Any]]]:
         """Return outcome and course of every tuning and seed; the course is None except for the first person."""
-        settings = [self.setup.compensated(tuning) for tuning in tunings if tuning is not catalogue.NO_COMPENSATION]
+        settings = [self.setup.compensated(tuning) for tuning in tunings if tuning is not kinds.NO_COMPENSATION]
 
         def work(one: SomeSettings, seed: int) -> tuple[result.Outcome, result.Course | None]:
             simulation, reference = simulate(one, seed), self.idle[seed][0]
@@ -141,15 +136,15 @@ class _Trials:
             return result.measure(simulation, reference), course
 
         tried, idle = iter(self._run_all(work, settings, seeds, until)), [self.idle[seed][1:] for seed in seeds]
-        return [idle if tuning is catalogue.NO_COMPENSATION else next(tried) for tuning in tunings]
+        return [idle if tuning is kinds.NO_COMPENSATION else next(tried) for tuning in tunings]
 
-    def margins(self, tunings: Sequence[catalogue.Tuning], seeds: Sequence[int]) -> list[tuple[float, ...]]:
+    def margins(self, tunings: Sequence[kinds.Tuning], seeds: Sequence[int]) -> list[tuple[float, ...]]:
         """Return the stability margins of every tuning, one per seed."""
         settings = self.setup.settings
         shorter = replace(settings, duration_s=self.setup.margin_share * settings.duration_s)
         short = replace(self.setup, settings=shorter)
 
-        def margin(tuning: catalogue.Tuning, seed: int) -> float:
+        def margin(tuning: kinds.Tuning, seed: int) -> float:
             tried = partial(short.compensated, tuning)
             return find_margin(
                 lambda factor: isinf(result.find_instability(simulate(tried(factor), seed), self.idle[seed][0]))
