@@ -24,7 +24,7 @@ from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Caution, Interaction
 from friction_audit.preprocessing.velocity import filter_velocity
 
-CUTOFF_HZ = 20.0  # of the velocity, as in the torque regression
+CUTOFF_HZ = 20.0  # of the velocity, without phase shift, as in the torque regression
 SHORTEST_CYCLE = 4  # samples
 LEAST_INERTIA_KG_M2 = 1e-3  # of a motor with its gear; where less is fitted, the torque was recorded without inertia
 
@@ -88,12 +88,6 @@ def recording_of(interaction: Interaction, column: int) -> loops.RecordedJoint:
     return loops.RecordedJoint(read_only(interaction.t), q, dq, torque, total)
 
 
-def recorded_motion(recorded: loops.RecordedJoint) -> Motion:
-    """Return the motion of a joint, its velocity filtered without phase shift."""
-    smooth = filter_velocity(recorded.dq, rate_hz=1.0 / median_step(recorded.t), cutoff_hz=CUTOFF_HZ)
-    return Motion(t=recorded.t, q=recorded.q, dq=smooth, ddq=np.gradient(smooth, recorded.t))
-
-
 def fitted_joint(friction: JointFriction) -> tuple[TorqueRegression, JointModel]:
     """Return the torque regression of the log, and its inertia and friction as a joint's model."""
     found = friction.regression
@@ -153,8 +147,11 @@ def make_part(
     """
     recorded, fitted = recording_of(interaction, interaction.joint_numbers.index(friction.joint)), None
     same_motion = settings.assume == SAME_MOTION
-    motion = recorded_motion(recorded) if modelled or not same_motion else None
-    if same_motion or motion is None:
+    if same_motion and not modelled:
+        return ReplayPart(recorded=recorded, cycle_ends=cycle_ends)
+    smooth = filter_velocity(recorded.dq, rate_hz=1.0 / median_step(recorded.t), cutoff_hz=CUTOFF_HZ)
+    motion = Motion(t=recorded.t, q=recorded.q, dq=smooth, ddq=np.gradient(smooth, recorded.t))
+    if same_motion:
         return ReplayPart(recorded=recorded, cycle_ends=cycle_ends, motion=motion)
     if settings.joint_model is None:
         fitted, model = fitted_joint(friction)
