@@ -140,7 +140,7 @@ def make_part(
     *,
     modelled: bool,
 ) -> ReplayPart:
-    """Return what the compensator meets in a recording or a part of it.
+    """Return a recording or a part of it for a compensator, with the plant where one is simulated.
 
     ``modelled``: whether the compensator applies a joint's model. A plant without an operator is driven by the recorded
     torque, and restarts with every cycle; a plant with one by the operator's intention.

@@ -53,7 +53,7 @@ STATISTICS = np.dtype(
 
 GENERATED = 0.05  # share of the dissipation that a joint may generate before it counts as over-compensated
 BEYOND_NOISE = 0.01  # share of the reserve that it must have generated as well: just after activation all is noise
-# Samples with a deficit, besides the payback, that are no violation: one until the deficit is measured, and one until
+# Samples with a deficit, added to the payback, that are no violation: one until the deficit is measured, and one until
 # the damping has an effect.
 TOLERATED_SAMPLES = 2.0
 NEARLY = 1.0 - 1e-9
