@@ -312,8 +312,7 @@ def detect_hand_cycles(
     hand speeds at which a cycle begins and ends [m/s]. A cycle goes on until every joint has moved the minimum path;
     motion up to the speed of rest does not count.
     """
-    cycle_ends = np.zeros(len(t), np.int64)
-    hand = np.zeros(HAND_STATES)
+    cycle_ends, hand = np.zeros(len(t), np.int64), np.zeros(HAND_STATES)
     joints = dq.shape[1]
     path, added = np.zeros(joints), np.zeros(joints)
     for i in range(1, len(t)):

@@ -1,7 +1,4 @@
-"""What a compensator acts on in a replay: the recorded motion, or a simulated joint with its operator's impedance.
-
-The operator's impedance is fitted to the quick reversals of the recording.
-"""
+"""Plant of a replay: the recorded motion, or a simulated joint with its operator's impedance fitted to reversals."""
 
 from dataclasses import astuple, dataclass
 from math import isfinite, isnan, nan
@@ -188,7 +185,6 @@ def mean_over_cycles(residual: Float, motion: Motion, cycles: EnergyCycles) -> F
 def _operator_impedance(
     interaction: Interaction, settings: ReplaySettings, recorded: loops.RecordedJoint
 ) -> FittedOperator | None:
-    """Return the given or fitted impedance; None where the torque stays as recorded."""
     if settings.assume != SAME_OPERATOR:
         return None
     if settings.operator is not None:

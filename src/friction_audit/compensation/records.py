@@ -63,7 +63,7 @@ STATE = np.dtype(
         *TRACE.descr,
         *((name, "i8") for name in ("ticks", "equations")),  # samples so far, and cycles that gave an equation
         ("passivity_acted", "i8"),  # 1 if the passivity controller acted in a completed cycle
-        ("active", "i8"),  # 1 once the compensator applies a coefficient
+        ("active", "i8"),  # 1 once the compensator applies a torque
         ("reversals", "i8"),  # consecutive ticks at which the torque, at a limit, changed direction
         *((name, "f8") for name in ("dq", "interaction_nm", "filtered_rad_s", "direction", "net_j", "path_rad")),
         *((name, "f8") for name in ("square_rad2_s", "longest_gap_s", "last_change_nm", "deflection_rad")),

@@ -26,9 +26,8 @@ from friction_audit.preprocessing.interaction import Caution, Interaction, Reaso
 from friction_audit.presets import FRANKA
 
 LONGEST_STEP = 3.5  # a step of the clock of this many median steps is a gap, at any rate
-# Bounds below which friction was probably compensated while the log was recorded.
-LEAST_OF_PUBLISHED = 0.25  # share of the published Coulomb friction of a Panda's joint
-LEAST_OF_TORQUE = 0.03  # mean friction torque over the rms torque; a geared joint moved fast by hand has 0.3
+LEAST_OF_PUBLISHED = 0.25  # share of the published Coulomb friction that joints of a Panda have at least
+LEAST_OF_TORQUE = 0.03  # mean friction torque over rms torque, at least; a geared joint moved fast by hand has 0.3
 LEAST_OF_BEGINNING = 0.1  # friction in the later half of a log over that at its beginning; warming up keeps half of it
 UNCOMPENSATED = 2  # cycles before the compensator of the paper has an estimate
 FEWEST_CYCLES = 4
@@ -245,8 +244,7 @@ def seems_compensated(
     """Return evidence of an active compensator that is not logged; ``square`` sums the squared torque of all cycles."""
     if interaction.compensation is not None or interaction.choice.drive != "hand" or friction.reason:
         return {}
-    coefficients = {"Coulomb": friction.coulomb, "viscous": friction.viscous}
-    negative = [name for name, found in coefficients.items() if found.high < 0]
+    negative = [name for name, one in (("Coulomb", friction.coulomb), ("viscous", friction.viscous)) if one.high < 0]
     if negative:
         return {"case": "negative", "names": " and ".join(negative)}
     if interaction.choice.sign_turned and interaction.choice.source == "interaction":

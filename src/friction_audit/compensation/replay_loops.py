@@ -158,22 +158,24 @@ class Plant(NamedTuple):
     deflections: Float  # state of the bristles at the first sample and at every restart, shape (r, 1 + m)
 
 
-@compiled()
-def run_tick(controller: Record, i: int, t: float, q: float, v: float, interaction: float) -> bool:
-    """Run the compensator on sample i and record its results; return False once the loop has diverged."""
-    settings, state, statistics, feedforward, cycle_ends, torques, cycles = controller
+@compiled(inline=True)
+def record_torques(torques: Float, state: Record, i: int, interaction: float) -> None:
+    """Record the torques in force at sample i. Zeros are not written: memory for them is allocated at a first write."""
     torques[0, i], torques[1, i] = interaction, state.compensation_nm
-    # Zeros are not written: memory for zeros is allocated when it is first written to.
     if state.passivity_nm != 0.0:
         torques[2, i] = state.passivity_nm
     if state.limited_nm != 0.0:
         torques[3, i] = state.limited_nm
-    if settings.kind == JOINT_MODEL:
-        update_feedforward(state, feedforward, q, v, i)
+
+
+@compiled()
+def run_tick(
+    settings: Record, state: Record, statistics: Record, cycles: Record, t: float, v: float, torque: float, end: int
+) -> bool:
+    """Run the compensator on a sample and record its statistics; return False once the loop has diverged."""
     u, cycle, acted = state.u_nm, state.cycle, state.acted
     coulomb, viscous = state.coulomb_nm, state.viscous_nms_per_rad
-    dt = t - statistics.t_s if state.ticks > 0 else 0.0
-    step(settings, state, v, interaction, dt, cycle_ends[i] if len(cycle_ends) > 1 else cycle_ends[0])
+    step(settings, state, v, torque, t - statistics.t_s if state.ticks > 0 else 0.0, end)
     if state.unstable == 1:
         return False
     statistics.t_s = t
@@ -198,17 +200,21 @@ def run_same_motion(controller: Controller, recorded: RecordedJoint) -> int:
     The total torque S = F_m + u that drives the motor side stays as recorded. A compensator that gives u' leaves
     F' = S - u' to the operator, and measures F'.
     """
-    settings, state, statistics = controller.settings, controller.state, controller.statistics
+    settings, state, statistics, feedforward, cycle_ends, torques, cycles = controller
     t, q, dq, _, total = recorded
     for i in range(len(t)):
         interaction = total[i] - state.u_nm
+        record_torques(torques, state, i, interaction)
         if state.ticks > 0:
             dt = t[i] - statistics.t_s
             moved = 0.5 * (state.dq + dq[i]) * dt
             friction = 0.5 * (statistics.total_nm + total[i]) * moved
             net = 0.5 * (state.interaction_nm + interaction) * moved
             add_energy(statistics, settings, friction, net, moved, dt)
-        if not run_tick(controller, i, t[i], q[i], dq[i], interaction):
+        if settings.kind == JOINT_MODEL:
+            update_feedforward(state, feedforward, q[i], dq[i], i)
+        end = cycle_ends[i] if len(cycle_ends) > 1 else cycle_ends[0]
+        if not run_tick(settings, state, statistics, cycles, t[i], dq[i], interaction, end):
             return i
         statistics.total_nm = total[i]
     return len(t)
@@ -221,12 +227,13 @@ def run_closed_loop(controller: Controller, recorded: RecordedJoint, plant: Plan
     Where the joint restarts, its kinetic energy becomes that of the recording; compensator and passivity observer must
     not take the difference for friction. ``velocity`` receives the velocity, shape (n,).
     """
-    settings, state, statistics = controller.settings, controller.state, controller.statistics
+    settings, state, statistics, feedforward, cycle_ends, torques, cycles = controller
     t, dq, drive = recorded.t, recorded.dq, plant.drive
     q, v, restarts, deflections = recorded.q[0], dq[0], 0, plant.deflections[0].copy()
     sign = np.sign(v)
     for i in range(len(t)):
         interaction = sensor_torque(q, v, sign, i, drive[i], state.u_nm, deflections, plant) + plant.unmodelled[i]
+        record_torques(torques, state, i, interaction)
         velocity[i] = v
         restart = plant.restart[i] and i > 0
         if restart:  # the kinetic energy that is left was not dissipated
@@ -234,7 +241,10 @@ def run_closed_loop(controller: Controller, recorded: RecordedJoint, plant: Plan
             state.net_j -= surplus
             state.energy_j -= surplus
             state.active_energy_j -= surplus * state.active
-        if not run_tick(controller, i, t[i], q, v, interaction):
+        if settings.kind == JOINT_MODEL:
+            update_feedforward(state, feedforward, q, v, i)
+        end = cycle_ends[i] if len(cycle_ends) > 1 else cycle_ends[0]
+        if not run_tick(settings, state, statistics, cycles, t[i], v, interaction, end):
             return i
         if restart:
             q, v, restarts = recorded.q[i], dq[i], restarts + 1

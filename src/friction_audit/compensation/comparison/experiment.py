@@ -119,8 +119,7 @@ class _Trials:
                 result.Point(value=value, tuning=tuning, outcomes=tuple(outcome for outcome, _ in trials))
                 for value, (tuning, trials) in zip(some, tried, strict=False)
             ]
-            held = [point.value for point in takewhile(lambda point: not point.lost_s, points)]
-            boldest = held[-1] if held else None
+            *_, boldest = None, *(point.value for point in takewhile(lambda point: not point.lost_s, points))
             curves.append(result.Curve(method.name, method.label, sweep.name, sweep.axis, tuple(points), boldest))
         return tuple(curves)
 
