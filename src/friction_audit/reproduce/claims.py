@@ -84,8 +84,7 @@ class Reproduction(NamedTuple):
     scenarios: tuple[str, ...]  # names of its scenarios
     check: Callable[[Simulations], tuple[Claim, ...]]  # simulations -> claims
     draw: Callable[[Simulations], Any]  # simulations -> figure, of the first seed
-    # largest useful number of seeds: 1 without randomness, few where a simulation takes long
-    most_seeds: int = 1
+    most_seeds: int = 1  # largest useful number of seeds: 1 without randomness, few where a simulation takes long
     # seeds -> the comparison that it shows in place of simulations, or None
     compare: Callable[[int, Progress | None], Any] | None = None
 

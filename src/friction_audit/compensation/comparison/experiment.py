@@ -119,7 +119,8 @@ class _Trials:
                 result.Point(value=value, tuning=tuning, outcomes=tuple(outcome for outcome, _ in trials))
                 for value, (tuning, trials) in zip(some, tried, strict=False)
             ]
-            *_, boldest = None, *(point.value for point in takewhile(lambda point: not point.lost_s, points))
+            stable = [point.value for point in takewhile(lambda point: not point.lost_s, points)]
+            boldest = stable[-1] if stable else None
             curves.append(result.Curve(method.name, method.label, sweep.name, sweep.axis, tuple(points), boldest))
         return tuple(curves)
 
