@@ -24,10 +24,10 @@ EXAMPLES = """Examples:
 
 DOCUMENT, MODEL = "diagnose.json", "model.toml"
 LENGTH = 10.0  # of the diagnosis, compared with reading
-# While the log is read: what processes would load one by one after they are forked.
+# While the log is read: what processes would load one by one after they are forked; with the loops of the noise, numba.
 LOADED = (
     *("friction_audit.friction.estimate", "friction_audit.diagnosis.diagnose"),
-    *("friction_audit.diagnosis.gram", "scipy.ndimage"),
+    *("friction_audit.diagnosis.noise", "scipy.ndimage"),
 )
 REPORT = "friction_audit.reporting.diagnosis"
 
