@@ -111,6 +111,12 @@ def drop_repeats(recording: Recording, clock: Clock) -> Recording:
                 "or the joint of each row in a column called 'joint'; rename it"
             )
     if repeats >= _LEAST_SHARE * (clock.rows - 1) and _differ(recording):
+        if clock.rough <= 0.0:
+            raise InputError(
+                f"{recording.path}: time ({recording.mapping.get('t', recording.clock)}) takes {clock.rows - repeats} "
+                f"values in {clock.rows} rows, too few to tell when each was sampled; expected a stamp per sample; "
+                "write it with more digits, or name another clock with --map t=<column>"
+            )
         return _spread(recording, clock.rough)
     text = (
         f"{repeats} of {clock.rows} rows ({repeats / clock.rows:.1%}) carry the stamp of the row before them; "
