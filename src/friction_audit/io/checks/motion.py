@@ -166,6 +166,7 @@ _STRETCHED = 0.02
 _STRETCHED_TOO_FAR = 1.5
 _TINY = 1e-3  # no clock is wrong by more than units are: with a smaller ratio q does not follow dq at all
 _UNIT_FACTORS = (1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9)
+_STEPS_S = (5e-5, 0.5)  # between samples of a log of 2 Hz to 20 kHz
 _TURNS, _OF_A_TURN = (2.0 * np.pi, 360.0), 0.08  # by which q jumps at the end of a turn, to this share
 
 
@@ -290,10 +291,13 @@ def _near(value: float, target: float, tolerance: float = 0.1) -> bool:
     return abs(value / target - 1.0) < tolerance
 
 
-def mend_unit(recording: Recording, ratio: float) -> Recording:
-    """A factor of a thousand between motion and clock is a unit misjudged from the time step, and mended."""
+def mend_unit(recording: Recording, ratio: float, step_s: float) -> Recording:
+    """A factor of a thousand between motion and clock is a unit misjudged from the time step, and mended.
+
+    Where that would give a sampling rate of no log, it is a unit of q or dq.
+    """
     factor = next((factor for factor in _UNIT_FACTORS if _near(ratio, factor, 0.3)), None)
-    if factor is None:
+    if factor is None or not _STEPS_S[0] <= factor * step_s <= _STEPS_S[1]:
         return recording
     message = (
         f"the motion runs {ratio:.4g} times too fast for the clock ({recording.mapping.get('t', recording.clock)}): "
