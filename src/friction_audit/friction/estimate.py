@@ -34,12 +34,12 @@ class JointPass:
     ) -> None:
         """Take the joint (0-based) and what separates its cycles; of the log, its clock."""
         self._column, self._rate_hz = column, log.rate_hz
-        self.search = CycleSearch(settings, column, log.rate_hz, own, hand)
+        self.search = CycleSearch(settings, column, self._rate_hz, own, hand)
         self.seen = reasons.Extremes(column, log.samples)
-        self.rows = RegressionRows(column, log.samples, log.rate_hz)
+        self.rows = RegressionRows(column, log.samples, self._rate_hz)
         self._cutoffs_hz = settings.cutoff_hz, CUTOFF_HZ  # of the cycles, and of the regression
         # Samples around new ones, beyond what a filter remembers.
-        self.margin = max(self.rows.around, *(settling_samples(log.rate_hz, hz) for hz in self._cutoffs_hz))
+        self.margin = max(self.rows.around, *(settling_samples(self._rate_hz, hz) for hz in self._cutoffs_hz))
 
     def take(self, part: Interaction, own: Interaction, around: Interaction, *, more: bool) -> None:
         """Take the samples that are new in a part, given those and the ones around them; ``more`` if others follow."""
