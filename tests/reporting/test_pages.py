@@ -62,7 +62,7 @@ def test_no_word_becomes_markup(place: str, word: str) -> None:
     parts: dict[str, html_page.Part] = {
         "text": html_page.Text(lines=(word,)),
         "cell": Table(columns=(column,), rows=(word,), caption="c"),
-        "title": Table(columns=(replace(column, title=word),), rows=("x",), caption="c"),
+        "title": Table(columns=(column._replace(title=word),), rows=("x",), caption="c"),
         "command": html_page.Command(line=word),
         "caption": Table(columns=(column,), rows=("x",), caption=word, folded=True),
     }

@@ -140,20 +140,18 @@ def _solve_paper(own: EnergyCycles, kept: EnergyCycles, model: str, window: int)
     }
     nothing = np.full(len(found["coulomb"]), made.NAN)
     history = _history(own, window, {name: (values, nothing, nothing) for name, values in found.items()})
-    return {**medians, "history": replace(history, dissipated_j=own.sums.printed_net_j[history.cycle - 1])}
+    return {**medians, "history": history._replace(dissipated_j=own.sums.printed_net_j[history.cycle - 1])}
 
 
 def _history(own: EnergyCycles, first: int, columns: Columns) -> made.CoefficientHistory:
     """Return one row per cycle that counts, from the first one with an estimate on."""
     kept = np.flatnonzero(own.reason == KEPT)[first - 1 :]
-    coefficients = {
-        name: column for one in made.UNITS for name, column in zip(made.COLUMNS[one], columns[one], strict=True)
-    }
     return made.CoefficientHistory(
-        cycle=kept + 1,
-        start_s=own.start_s[kept],
-        stop_s=own.stop_s[kept],
-        **coefficients,
+        kept + 1,
+        own.start_s[kept],
+        own.stop_s[kept],
+        *columns["coulomb"],
+        *columns["viscous"],
         net_energy_j=np.cumsum(own.sums.work_j)[kept],
         dissipated_j=own.sums.dissipated_j[kept],
         path_rad=own.sums.rectified_path_rad[kept],

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import fields, replace
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -31,7 +31,6 @@ NOISE_MULTIPLE = 5.0  # standard deviations of the filtered velocity that termin
 TINY = 1e-6  # a log without any motion still gets thresholds above zero
 MOST_SAMPLES = 1 << 19  # of which automatic thresholds are taken, spread evenly over the log
 
-Arrays = TypeVar("Arrays", cycles.EnergyCycles, cycles.EnergySums)
 Thresholds = tuple[float, float]  # of initiation and termination
 Hand = tuple[Thresholds, Float]  # thresholds of the hand and its filtered speed, where it defines the cycles
 
@@ -131,14 +130,14 @@ class CycleSearch:
         holes = np.flatnonzero(steps > hole_s) + first
         edges, peak = cycles.cut_evenly(steps[-first:], self._filtered, borders, PARTS)
         parts = self._sums(part, edges)
-        sums = cycles.EnergySums(**{one.name: getattr(parts, one.name).sum(axis=-1) for one in fields(parts)})
+        sums = cycles.EnergySums(*(one.sum(axis=-1) for one in parts))
         start, stop = borders[:-1] + self.first, borders[1:] + self.first
         start_s, position = t[borders[:-1]], self._position(part)[borders + shift]
         if self._begun is not None and len(start):
             begun, position[0] = self._begun
             start[0], start_s[0], peak[0] = begun.start[0], begun.start_s[0], max(peak[0], begun.peak_speed_rad_s[0])
-            for one in fields(sums):
-                getattr(sums, one.name)[0] += getattr(begun.sums, one.name)[0]
+            for one, other in zip(sums, begun.sums, strict=True):
+                one[0] += other[0]
         is_open = np.abs(np.diff(position, axis=0)).max(axis=1) > settings.closure_rad
         reason = np.where(stop - start > self._longest, cycles.LONG, cycles.KEPT)
         reason[is_open & inside] = cycles.OPEN
@@ -288,9 +287,9 @@ def _moments(parts: cycles.EnergySums) -> tuple[Float, Float]:
     return (one * other).sum(axis=-1), speeds
 
 
-def join_cycles(pieces: Sequence[Arrays]) -> Arrays:
-    """Return the cycles of a joint, or their sums, that were found piece by piece as one structure."""
+def join_cycles(pieces: Sequence[cycles.EnergyCycles]) -> cycles.EnergyCycles:
+    """Return the cycles of a joint that were found piece by piece as one structure."""
     every = {one.name: [getattr(own, one.name) for own in pieces] for one in fields(pieces[0])}
     joined: dict[str, Any] = {n: np.concatenate(some) for n, some in every.items() if isinstance(some[0], np.ndarray)}
-    joined |= {name: join_cycles(some) for name, some in every.items() if isinstance(some[0], cycles.EnergySums)}
-    return replace(pieces[0], **joined)
+    sums = cycles.EnergySums(*map(np.concatenate, zip(*every["sums"], strict=True)))
+    return replace(pieces[0], **joined, sums=sums)

@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
 from importlib import import_module
 from types import MappingProxyType
 from typing import Any
@@ -126,7 +125,7 @@ CONVERT = Document(
     "A log written in another format",
     SOURCE,
     Column("output", OUTPUT, "the new log"),
-    replace(WARNINGS, get=lambda one: log_notices(one["source"]) + left_out_notices(one["output"])),
+    WARNINGS._replace(get=lambda one: log_notices(one["source"]) + left_out_notices(one["output"])),
 )
 FIGURE = Record(
     Column("kind", str, "kind of figure", "0"),
@@ -162,7 +161,7 @@ SIMULATE = Document(
     Column("joint_names", [str], "names of the joints", "output.log.joint_names"),
     HIDDEN_SETTINGS,
     EFFECTS,
-    replace(WARNINGS, get=lambda one: left_out_notices(one["output"])),
+    WARNINGS._replace(get=lambda one: left_out_notices(one["output"])),
 )
 LOG_SHA256 = Column("log_sha256", str, "hash of the log", "output.sha256")
 # Everything that was simulated, and the hash that tells which log it is.

@@ -1,7 +1,6 @@
 """Export -> document and lines of the terminal."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 from math import isfinite, isnan
 
 from friction_audit.drift.session import COEFFICIENTS
@@ -78,7 +77,7 @@ EXPORT = Document(
     Column("into", str, "file of the user that it is a copy of", null=True),
     Column("joints", [JOINT], "as written"),
     Column("simulated", [GAP], "forward simulation of the log in MuJoCo, by joint"),
-    replace(WARNINGS, get=export_notices),
+    WARNINGS._replace(get=export_notices),
 )
 
 

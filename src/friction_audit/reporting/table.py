@@ -3,7 +3,7 @@
 import io
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import KW_ONLY, asdict, dataclass, is_dataclass, replace
+from dataclasses import asdict, is_dataclass
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 from unicodedata import combining, east_asian_width
@@ -30,8 +30,7 @@ ENDS = (("", "value"), ("_low", "low"), ("_high", "high"))
 TYPES = {str: "string", int: "integer", float: "number", bool: "boolean", dict: "object"}
 
 
-@dataclass(frozen=True, eq=False)
-class Column:
+class Column(NamedTuple):
     """A column of a table, or a key of a document."""
 
     name: str  # its name without the unit
@@ -41,7 +40,6 @@ class Column:
     meaning: str = ""  # one line for people
     # path of attributes, keys and places from a row ("" is the row itself), or a function of it; the key if None
     get: Get | None = None
-    _: KW_ONLY
     unit: str = ""  # unit of the value; its suffix ends the key
     # head of the column for people, without the unit, the words of the name if empty; ``short`` that of the terminal
     title: str = ""
@@ -64,10 +62,11 @@ class Column:
             suffix = ("nm_rad" if suffix == "j" else suffix).replace("nm", torque_unit.lower())
         return f"{self.name}_{suffix}" if suffix else self.name
 
-    def head(self, torque_unit: str) -> str:
-        """Return the head of the column on a page."""
+    def head(self, torque_unit: str, *, narrow: bool = False) -> str:
+        """Return the head of the column on a page, or the ``narrow`` one of the terminal."""
         unit, title = in_unit(self.unit, torque_unit), self.title or self.name.replace("_", " ")
-        return f"{title} [{unit}]" if unit else title
+        title = f"{self.short or title}\n" if narrow else f"{title} "
+        return f"{title}[{unit}]" if unit else title[:-1]
 
     @property
     def number(self) -> bool:
@@ -80,7 +79,7 @@ class Column:
 
     def at(self, path: str, **changed: Any) -> "Column":  # noqa: ANN401 - fields of a column
         """Return this column for rows from which ``path`` leads to what has its values."""
-        return replace(self, get=lambda row: self.value(_found(row, path)), **changed)
+        return self._replace(get=lambda row: self.value(_found(row, path)), **changed)
 
     def json(self, row: Row, torque_unit: str = NEWTON_METRES) -> Any:  # noqa: ANN401
         """Return the value in a row as a document has it."""
@@ -190,7 +189,7 @@ class Record:
 
         def part(column: Column, end: str, field: str) -> Column:
             get = lambda row: getattr(column.value(row), field, None)  # noqa: E731
-            return replace(column, name=column.name + end, kind=float, get=get)
+            return column._replace(name=column.name + end, kind=float, get=get)
 
         own = ([one] if one.kind is not Coefficient else [part(one, *end) for end in ENDS] for one in self.on("f"))
         return [column for columns in own for column in columns]
@@ -219,21 +218,16 @@ class Table(NamedTuple):
         return self._replace(columns=[one for one in named if any(one.text(row) != NOTHING for row in self.rows)])
 
     def lines(self, marked: Collection[int] = ()) -> list[str]:
-        """Return it as text as wide as the terminal, and wider where numbers would be cut; ``marked`` rows get a mark.
-
-        A terminal breaks long lines, and half a number is worse. Columns of phrases give way.
-        """
+        """Return its lines, as wide as numbers need, with phrases as the terminal has room; mark ``marked`` rows."""
         rows = [[column.text(row) for column in self.columns] for row in self.rows]
         for number in marked:
             rows[number][0] += f" {MARK}"
-        titles = [one.short or one.title or one.name.replace("_", " ") for one in self.columns]
-        units = [f"\n[{in_unit(one.unit, self.unit)}]" * bool(one.unit) for one in self.columns]
-        heads = [(title + unit).split("\n") for title, unit in zip(titles, units, strict=True)]
+        heads = [column.head(self.unit, narrow=True).split("\n") for column in self.columns]
         most = max(map(len, heads))
         every = [*zip(*([""] * (most - len(head)) + head for head in heads), strict=True), *rows]
         widths = [max(map(_width, texts)) for texts in zip(*every, strict=True)]
         if any(one.words for one in self.columns):
-            return _with_phrases(self.columns, heads, rows, widths)
+            return self._with_phrases(rows, widths)
         lines = []
         for texts in every:  # not by rich: to load it takes a twentieth of `estimate`, again (bench_start)
             gaps = (" " * (width - _width(text)) for text, width in zip(texts, widths, strict=True))
@@ -241,32 +235,29 @@ class Table(NamedTuple):
             lines.append("  ".join(gap + text if one.number else text + gap for one, gap, text in cells).rstrip())
         return [*lines[:most], "\N{BOX DRAWINGS LIGHT HORIZONTAL}" * (sum(widths) + 2 * len(widths) - 2), *lines[most:]]
 
+    def _with_phrases(self, rows: Sequence[Sequence[str]], widths: Sequence[int]) -> list[str]:
+        """Return its lines with phrases broken: a terminal breaks any long line, and half a number is worse."""
+        from rich.box import SIMPLE_HEAD
+        from rich.console import Console
+        from rich.table import Table as RichTable
+
+        drawn = RichTable(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False, collapse_padding=True)
+        for column, width in zip(self.columns, widths, strict=True):
+            how: dict[str, Any] = {} if column.words else {"no_wrap": True, "min_width": width}
+            drawn.add_column(column.head(self.unit, narrow=True), justify="right" if column.number else "left", **how)
+        for texts in rows:
+            drawn.add_row(*texts)
+        console = Console(file=io.StringIO(), highlight=False, markup=False, emoji=False, color_system=None)
+        roomy = console.options.update(max_width=1000)
+        console.width = max(console.width, console.measure(drawn, options=roomy).minimum)
+        with console.capture() as drawing:
+            console.print(drawn)
+        return [line.rstrip() for line in drawing.get().splitlines()]
+
 
 def _width(text: str) -> int:
     """Return how many columns of a terminal a text takes: two for letters of East Asia, none for accents apart."""
     return sum(0 if combining(one) else 1 + (east_asian_width(one) in "FW") for one in text)
-
-
-def _with_phrases(
-    columns: Sequence[Column], heads: Sequence[list[str]], rows: Sequence[list[str]], widths: Sequence[int]
-) -> list[str]:
-    """Return the lines of a table whose phrases are broken where they do not fit."""
-    from rich.box import SIMPLE_HEAD
-    from rich.console import Console
-    from rich.table import Table as RichTable
-
-    drawn = RichTable(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False, collapse_padding=True)
-    for column, head, width in zip(columns, heads, widths, strict=True):
-        side, least = "right" if column.number else "left", None if column.words else width
-        drawn.add_column("\n".join(head), justify=side, no_wrap=not column.words, min_width=least)
-    for texts in rows:
-        drawn.add_row(*texts)
-    console = Console(file=io.StringIO(), highlight=False, markup=False, emoji=False, color_system=None)
-    roomy = console.options.update(max_width=1000)
-    console.width = max(console.width, console.measure(drawn, options=roomy).minimum)
-    with console.capture() as drawing:
-        console.print(drawn)
-    return [line.rstrip() for line in drawing.get().splitlines()]
 
 
 class Document(Record):
