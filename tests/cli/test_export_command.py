@@ -11,7 +11,9 @@ import pytest
 from mcap.reader import make_reader
 
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, save_model
-from friction_audit.reporting import diagnosis, estimate, replay
+from friction_audit.reporting.diagnosis import DIAGNOSE
+from friction_audit.reporting.estimate import ESTIMATE
+from friction_audit.reporting.replay import REPLAY
 from tests.in_this_process import Run
 
 TERMS = {"coulomb": (0.4,), "stribeck": (0.2, 0.1, 1.0), "torque_bias": (0.1,)}
@@ -112,9 +114,9 @@ def test_of_several_arms_of_a_batch_one_is_named(run: Run) -> None:
     assert not Path("more.csv").exists()
 
 
-RESULTS = {"estimate": [estimate], "replay": [replay], "diagnose": [diagnosis]}
-RESULTS["report"] = [estimate, replay, diagnosis]
-TABLES = {command: [one.name for result in results for one in result.TABLES] for command, results in RESULTS.items()}
+RESULTS = {"estimate": ESTIMATE, "replay": REPLAY, "diagnose": DIAGNOSE}
+TABLES = {command: [table.name for table, _ in result.files] for command, result in RESULTS.items()}
+TABLES["report"] = [name for names in TABLES.values() for name in names]
 
 
 @pytest.mark.usefixtures("sketched")

@@ -72,7 +72,7 @@ def command(
     audit, reading = chain.audit_settings(shared), chain.read_options(shared.reading, shared.selection)
     settings = _settings(options)
     out = ResultFolder(folder, "diagnose", figures, drawn.formats, export, overwrite=again)
-    out.check(log, (DOCUMENT, MODEL), "diagnosis")
+    out.check(log, (DOCUMENT, MODEL), "diagnosis:DIAGNOSE")
     with voice.stages([1.0, LENGTH, *[1.0] * out.stages]) as stages:
         # No step reads what is desired, and it takes memory.
         recorded = replace(chain.read(log, reading, stages, loaded=LOADED), tau_J_d=None)
@@ -96,7 +96,7 @@ def command(
             diagnosed = diagnose_subjects(subjects, settings, done)
             found = Diagnosis(estimate=estimate, joints=diagnosed, settings=settings)
         from friction_audit.diagnosis.result import UNANSWERED
-        from friction_audit.reporting.diagnosis import DIAGNOSE, diagnose_lines, diagnose_tables
+        from friction_audit.reporting.diagnosis import DIAGNOSE, diagnose_lines
         from friction_audit.reporting.notices import diagnose_notices
 
         joints, json = found.joints, shared.general.json
@@ -109,7 +109,7 @@ def command(
         text = out.write_document(DOCUMENT, document, json=json)
         _write_model(found, out, stages)
         out.write_figures({"diagnosis": found}, [one.joint for one in joints], recorded.source.torque_unit, stages)
-        out.write_exports(diagnose_tables(found), recorded, stages)
+        out.write_exports(DIAGNOSE.tables(found), recorded, stages)
     show(text, lambda: diagnose_lines(found, verbose=voice.verbose), json=json)
     chain.exit_for_bugs(joints, voice)
     chain.conclude(recorded, diagnose_notices(found), strict=strict)

@@ -2,8 +2,8 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
-from importlib import import_module
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from friction_audit.cli.chain import check_outputs
@@ -33,7 +33,10 @@ class ResultFolder(NamedTuple):
     overwrite: bool = False  # whether files that exist are replaced
 
     def check(self, log: Path | None = None, files: Sequence[str] = (), *results: str) -> None:
-        """Refuse what could not be written, before anything long is done: files by name, figures, tables of results."""
+        """Refuse what could not be written, before anything long is done: files by name, figures, tables.
+
+        ``results``: where the results are specified whose tables may be written, ``module:DOCUMENT``.
+        """
         if self.folder is None:
             if self.exports:
                 asked = ",".join(self.exports)
@@ -43,8 +46,8 @@ class ResultFolder(NamedTuple):
         figures = [self.folder / f"{kind}.{suffix}" for kind in self.figures for suffix in self.formats]
         single = (f"{kind}-joint[0-9]*.{suffix}" for kind in self.figures for suffix in self.formats)
         figures += sorted(path for pattern in single for path in self.folder.glob(pattern))
-        modules = [import_module(f"friction_audit.reporting.{result}") for result in results if self.exports]
-        tables = [table.name for module in modules for table in module.TABLES]
+        specified = [resolve_name(f"friction_audit.reporting.{result}") for result in results if self.exports]
+        tables = [table.name for document in specified for table, _ in document.files]
         paths = [*(self.folder / file for file in files), *figures, *self.exported(tables)]
         check_outputs(paths, overwrite=self.overwrite, log=log)
 

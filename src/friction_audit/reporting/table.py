@@ -53,7 +53,7 @@ class Column(NamedTuple):
     tone: Mapping[str, Tone] | None = None  # tone of the badge around a text, by the text
     code: bool = False  # whether it is the name of a file or the like, which may break anywhere
     words: bool = False  # whether it is a phrase for which the page leaves room
-    optional: bool = False  # whether a document has the key only where there is something
+    optional: bool = False  # whether a document, or a table of arrays, has it only where there is something
 
     def key(self, torque_unit: str = NEWTON_METRES) -> str:
         """Return the name with its unit; in files that unit follows from that of the torque."""
@@ -157,10 +157,8 @@ class Record:
         properties = {column.key(): column.schema() for column in columns}
         return {"type": "object", "required": required, "properties": properties}
 
-    def file(
-        self, joints: Iterable[Any], get: Get, torque_unit: str = NEWTON_METRES, absent: Collection[str] = ()
-    ) -> TidyTable:
-        """Return the table for files, without ``absent`` columns; ``get`` gives the rows (or arrays) of a joint."""
+    def file(self, joints: Iterable[Any], get: Get, torque_unit: str = NEWTON_METRES) -> TidyTable:
+        """Return the table for files, without optional columns that hold nothing; ``get``: rows (arrays) of a joint."""
 
         def cells(column: Column, rows: Any) -> Any:  # noqa: ANN401
             if self.arrays:
@@ -170,8 +168,10 @@ class Record:
                 return np.array(values, dtype=np.float64)  # NaN for None
             return ["" if value is None and column.kind is str else value for value in values]
 
-        columns = {one.key(torque_unit): one for one in self.file_columns() if one.name not in absent}
-        found = ((one, _found(one, get)) for one in joints)
+        every = ((one, _found(one, get)) for one in joints)
+        found = [(one, rows) for one, rows in every if rows is not None and (self.arrays or rows)]
+        lacking = [one for one in self.columns if one.optional and found and one.value(found[0][1]) is None]
+        columns = {one.key(torque_unit): one for one in self.file_columns() if one not in lacking}
         return TidyTable(
             name=self.name,
             summary=self.summary,
@@ -180,7 +180,6 @@ class Record:
             rows=tuple(
                 JointRows(joint=one.joint, name=one.name, columns={key: cells(c, rows) for key, c in columns.items()})
                 for one, rows in found
-                if rows is not None and (self.arrays or rows)
             ),
         )
 
