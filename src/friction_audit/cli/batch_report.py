@@ -3,7 +3,7 @@
 import json
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -33,11 +33,6 @@ EXAMPLES = """Examples:
 INTERRUPTED = 130  # exit code: stopped by the user
 # Parameters that change nothing in the numbers; the values of a --config file are written out.
 NOT_PART_OF_IT = ("rebuild", "json", "quiet", "verbose", "overwrite", "config", "workers", "strict", "junit")
-# Modules that the drift and the results take, imported while others read logs.
-FOR_RESULTS = (
-    *("scipy.optimize", "scipy.signal", "scipy.stats", "statsmodels.robust.robust_linear_model"),
-    *("statsmodels.stats.multitest", "friction_audit.cli.batch_files", "jinja2", "pyarrow.csv", "pyarrow.parquet"),
-)
 RESULTS = ("batch.json", "batch.html", "sessions.csv", "sessions.parquet")
 """In the folder of the ledger, made anew whenever something is new."""
 _COUNTS = re.compile(r"\d+ computed, \d+ known")
@@ -259,13 +254,11 @@ def _catch_up(found: "Sequence[LogFile]", batch: Batch, executor: "Executor", *,
     def watch(done: int, total: int, failed: int) -> None:
         nonlocal finished
         finished = f"{done} of {total} new logs are"
-        if done == 1 < total:
-            loading.enter_context(chain.loading(*FOR_RESULTS))  # there is time while others read logs
         if report is not None:
             report(done / max(total, 1), f"{done}/{total}{f', {failed} failed' if failed else ''}")
 
     try:
-        with ExitStack() as loading, batch.voice.step("estimate friction") as report:
+        with batch.voice.step("estimate friction") as report:
             return catch_up(found, batch.settings, batch.ledger, executor, watch, backwards=not alone)
     except KeyboardInterrupt as stop:
         remark(f"stopped: {finished} finished; {batch.ledger.path} keeps them; the same command goes on from there")
