@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from functools import partial
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -29,7 +28,6 @@ LOADED = (
     *("friction_audit.friction.estimate", "friction_audit.diagnosis.diagnose"),
     *("friction_audit.diagnosis.noise", "scipy.ndimage"),
 )
-REPORT = "friction_audit.reporting.diagnosis"
 
 
 @group(DIAGNOSIS)
@@ -87,19 +85,13 @@ def command(
             subjects = diagnosis_subjects(estimate, settings)
             estimate = without_samples(estimate)  # most of the memory, released before processes are forked
             recorded = estimate.log
-
-            def done(part: float) -> None:
-                import_module(REPORT)  # while the next joints are diagnosed
-                if share is not None:
-                    share(part)
-
-            diagnosed = diagnose_subjects(subjects, settings, done)
-            found = Diagnosis(estimate=estimate, joints=diagnosed, settings=settings)
+            joints = diagnose_subjects(subjects, settings, share)
+            found = Diagnosis(estimate=estimate, joints=joints, settings=settings)
         from friction_audit.diagnosis.result import UNANSWERED
         from friction_audit.reporting.diagnosis import DIAGNOSE, diagnose_lines
         from friction_audit.reporting.notices import diagnose_notices
 
-        joints, json = found.joints, shared.general.json
+        json = shared.general.json
         answered = not all(joint.verdict in UNANSWERED and not joint.traceback for joint in joints)
         if not json:
             chain.warn_about(recorded, diagnose_notices(found), stages, marked=answered)
