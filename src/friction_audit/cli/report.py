@@ -68,8 +68,7 @@ def command(
     out.check(log, [path.name for path in files.values()], "estimate:ESTIMATE", "replay:REPLAY", "diagnosis:DIAGNOSE")
     lengths = [*(length for part, length in LENGTHS.items() if part in {"read", "friction", *sections}), DRAWING]
     with voice.stages([*lengths, *[WRITING] * (len(files) + out.stages)]) as stages:
-        with chain.loading("friction_audit.friction.estimate", "friction_audit.diagnosis.gram"):
-            recorded = chain.read(log, options, stages)
+        recorded = chain.read(log, options, stages)
         estimate = chain.estimate(recorded, settings, stages)
         if not json:
             from friction_audit.reporting.notices import estimate_notices
