@@ -337,6 +337,13 @@ def test_a_channel_that_keeps_its_value_is_named_with_the_part(channel: str) -> 
     assert "from about 1.2 to 3 s" in found[0].message
 
 
+def test_a_jump_of_the_clock_holds_no_value_and_moves_no_joint() -> None:
+    jump = put("t", slice(1500, None), lambda t: t[1500:] + 1e6)
+    log = vetted(changed(jump, put("dq", (slice(100, 102), 1), 0.4)))
+    assert "channel_frozen" not in codes(log)
+    assert 1.0 < estimate_log(log, AuditSettings()).friction.joints[0].moving_s < 3.0
+
+
 def test_two_recordings_in_one_file_are_named_with_the_row(tmp_path: Path) -> None:
     pd.concat([tidy_frame(3000)] * 2).to_csv(tmp_path / "two.csv", index=False)
     refused(r"2 recordings in one file: cut it before row 3001", read_log, tmp_path / "two.csv")

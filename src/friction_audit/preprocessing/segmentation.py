@@ -47,6 +47,8 @@ class CycleSearch:
         self._thresholds = own if hand is None else hand[0]
         self._hand_speed = None if hand is None else hand[1]
         self._longest = int(LONGEST_S * rate_hz)
+        # At a low rate a single lost sample is no hole: its neighbours still describe the motion in between.
+        self._hole_s = max(settings.maximum_gap_s, LONGEST_STEP / rate_hz)
         self._filtered = np.empty(0)
         self._moving: bool | None = None  # at the first sample needed; None where its own speed decides
         self._at_border: bool | None = None
@@ -54,7 +56,7 @@ class CycleSearch:
         self._begun: tuple[cycles.EnergyCycles, Float] | None = None
         self._found: list[cycles.EnergyCycles] = []
         self._joined = 0  # so many of these are of many blocks
-        self._above, self._fastest, self._peak_power_w, self._last_s = 0, 0.0, 0.0, 0.0
+        self._above, self._fastest, self._peak_power_w, self._last_s, self._lost_s = 0, 0.0, 0.0, 0.0, 0.0
 
     def take(self, part: Interaction, filtered: Float, *, more: bool) -> None:
         """Find the cycles that end in new samples, whose filtered velocity is given, shape (k,); ``more`` may follow.
@@ -70,6 +72,8 @@ class CycleSearch:
         new = slice(shift + old, shift + len(self._filtered))
         power = part.driving(self._column, new) * part.dq[new, self._column]
         self._peak_power_w = max(self._peak_power_w, float(np.abs(power).max()))
+        steps = np.diff(part.t[new], prepend=self._last_s)
+        self._lost_s += float(steps[steps > self._hole_s].sum())
         self._last_s = float(part.t[new.stop - 1])
         borders = cycles.find_borders(
             signal,
@@ -121,13 +125,11 @@ class CycleSearch:
         """Add up the energies between borders, which are counted from the first sample needed."""
         settings, shift, inside = self._settings, self.first - part.first, part.choice.gravity == "in-torque"
         t = part.t[shift:]
-        # At a low rate a single lost sample is no hole: its neighbours still describe the motion in between.
-        hole_s = max(settings.maximum_gap_s, LONGEST_STEP / self._rate_hz)
         # Next to a hole the filtered velocity is a mean over both sides: a border there is no rest.
         near = int(0.5 * self._rate_hz / settings.cutoff_hz)
         first = max(int(borders[0]) - near, -shift)
         steps = np.diff(part.t[first + shift : borders[-1] + shift + near + 1])
-        holes = np.flatnonzero(steps > hole_s) + first
+        holes = np.flatnonzero(steps > self._hole_s) + first
         edges, peak = cycles.cut_evenly(steps[-first:], self._filtered, borders, PARTS)
         parts = self._sums(part, edges)
         sums = cycles.EnergySums(*(one.sum(axis=-1) for one in parts))
@@ -198,7 +200,7 @@ class CycleSearch:
             found,
             reason=np.full(len(found.reason), cycles.ONE_WAY) if one_way else found.reason,
             fastest=self._fastest,
-            moving_s=self._above / samples * self._last_s,
+            moving_s=self._above / samples * (self._last_s - self._lost_s),
             peak_power_w=self._peak_power_w,
         )
 
