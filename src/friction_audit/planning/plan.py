@@ -1,7 +1,9 @@
 """The next recording of a joint: the motion, what `diagnose` would answer after it, and the trajectory."""
 
-from collections.abc import Mapping, Sequence, Set as AbstractSet
+from collections.abc import Callable, Mapping, Sequence, Set as AbstractSet
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from itertools import count
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +19,7 @@ from friction_audit.effects.registry import effect_of, effects, same_as
 from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.friction.history import Coefficient
 from friction_audit.io.writers.tables import Trajectory
+from friction_audit.parallel import per_joint
 from friction_audit.pipeline import estimate_log
 from friction_audit.planning import design
 from friction_audit.planning.design import Candidate, Limits, candidates_of
@@ -99,6 +102,29 @@ def trajectory_of(plans: Sequence[JointPlan], arm: Arm, rate_hz: float) -> Traje
     return Trajectory(arm.names, *(np.concatenate(one) for one in zip(*parts, strict=True)))
 
 
+def plan_tasks(
+    tasks: Sequence[tuple[Task, Limits]],
+    duration_s: float = DURATION_S,
+    *,
+    check: bool | None = None,
+    report: Callable[[float], None] | None = None,
+) -> list[JointPlan]:
+    """Plan what joints need within their limits, joints side by side; ``report`` takes the share that is done."""
+    groups, done = dict[int, list[tuple[Task, Limits]]](), count(1)
+    for one in tasks:
+        groups.setdefault(one[0].joint.number, []).append(one)
+
+    def work(k: int) -> list[JointPlan]:
+        plans = []
+        for one in [*groups.values()][k]:
+            plans.append(plan_task(*one, duration_s, check=check))
+            if report is not None:
+                report(next(done) / len(tasks))
+        return plans
+
+    return [plan for plans in per_joint(work, len(groups)) for plan in plans]
+
+
 def plan_task(task: Task, limits: Limits, duration_s: float = DURATION_S, *, check: bool | None = None) -> JointPlan:
     """Plan the motion that a joint needs.
 
@@ -158,7 +184,8 @@ def _filled(about: design.Information, criterion: design.Criterion, duration_s: 
     return counts
 
 
-def usual_terms(joint: Joint) -> dict[str, FittedTerm]:
+@lru_cache(maxsize=4)
+def usual_terms(joint: Joint) -> Mapping[str, FittedTerm]:
     """Return the effects that a joint alone can show, each of the usual size and in the middle of its grid."""
     alone = [one for one in effects() if one.coefficients and not EQUALS[one.name].needs_neighbours]
     data = subject_of(joint).data

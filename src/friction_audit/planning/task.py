@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from math import atan2, hypot, sqrt
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -37,12 +38,12 @@ SERVO = {"stiffness_nm_per_rad": 2000.0, "damping_nms_per_rad": 60.0}  # of a po
 AUTO = AuditSettings(cycles=CycleSettings(thresholds="auto"))  # slow strokes are no cycles at the usual thresholds
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+@dataclass(frozen=True, kw_only=True, slots=True)
 class Joint:
-    """A joint to plan for: its nominal model, noise, and who moves it."""
+    """A joint to plan for: its nominal model, noise, and who moves it. Two of which these are the same are equal."""
 
-    number: int = 1
-    name: str = "joint1"
+    number: int = field(default=1, compare=False)
+    name: str = field(default="joint1", compare=False)
     parameters: JointParameters = field(default_factory=JointParameters)
     noise_nm: float = 0.02  # RMS of the torque's noise below the corner [N m]
     corner_hz: float = CORNER_HZ  # of the low-pass filter [Hz]
@@ -265,6 +266,7 @@ def term_of_block(block: Block, coefficients: Float) -> FittedTerm | None:
     return _term_of(block.effect, [*whole, *missing, *nonlinear])
 
 
+@lru_cache(maxsize=4)  # both purposes of a joint need its candidates, and joints without a log are equal
 def subject_of(joint: Joint, settings: BenchSettings | None = None, seed: int = 0) -> Subject:
     """Simulate a joint and prepare it for the diagnosis; without settings, a person who stops and goes."""
     settings = joint.settings(StopAndGo(), 60.0) if settings is None else settings
