@@ -264,6 +264,8 @@ def test_jitter_and_single_holes_are_no_batches() -> None:
     [
         *((turned, 180.0 / np.pi, ["degrees"] * len(turned.split())) for turned in ("q", "dq", "q dq")),
         ("dq", 30.0 / np.pi, ["velocity_unit"]),  # revolutions per minute
+        ("dq", 0.5 / np.pi, ["velocity_unit"]),  # per second
+        ("q", 0.5 / np.pi, ["position_unit"]),
     ],
 )
 def test_other_units_are_turned_into_radians(turned: str, factor: float, named: list[str]) -> None:

@@ -157,7 +157,12 @@ def _ratio(change: Float, integral: Float, dq_change: Float) -> tuple[float, flo
 
 
 _DEGREES_PER_RADIAN = 180.0 / np.pi
-_RPM_PER_RAD_S = 30.0 / np.pi
+# Channel, its unit, the ratio of the change of q to the integral of dq that says so, what makes rad or rad/s of it.
+_OF_TURNS = (
+    ("dq", "rpm", np.pi / 30.0, np.pi / 30.0),
+    ("dq", "turns per second", 2.0 * np.pi, 2.0 * np.pi),
+    ("q", "turns", 0.5 / np.pi, 2.0 * np.pi),
+)
 _LARGEST_Q_RAD = 4.0 * np.pi
 _LARGEST_DQ_RAD_S = 12.0
 _LARGEST_Q_DEG = 720.0  # beyond, a joint turns without end, in any unit: a bench rig, where magnitudes prove nothing
@@ -233,17 +238,12 @@ def check_motion(recording: Recording, ratios: MotionRatio, *, scaled: bool) -> 
 
 
 def turn_degrees(recording: Recording, columns: Mapping[str, Column], ratio: float) -> Recording:
-    """Turn q, dq or both into radians where their ratio and their magnitudes say degrees, and rpm into rad/s."""
+    """Turn q, dq or both into radians where their ratio and their magnitudes say degrees, or their ratio says turns."""
     every_q, every_dq = (np.fmax(-column.lowest, column.highest) for column in (columns["q"], columns["dq"]))
     largest_q, largest_dq = float(every_q.max()), float(every_dq.max())
     degrees = list[str]()
-    if _near(ratio, 1.0 / _RPM_PER_RAD_S, 0.05):
-        message = (
-            f"dq is in rpm: it reaches {largest_dq:.4g}, and q changes {ratio:.3g} times its integral, as pi/30; it "
-            "was turned into rad/s"
-        )
-        finding = Finding("velocity_unit", message, amount=_RPM_PER_RAD_S)
-        return recording.scaled("dq", 1.0 / _RPM_PER_RAD_S).with_findings(finding)
+    if turns := next((one for one in _OF_TURNS if _near(ratio, one[2], 0.05)), None):
+        return _mend_turns(recording, *turns, largest_q if turns[0] == "q" else largest_dq)
     if _near(ratio, _DEGREES_PER_RADIAN) or (np.isnan(ratio) and largest_q > _LARGEST_Q_RAD):
         degrees = ["q"]
     elif _near(ratio, 1.0 / _DEGREES_PER_RADIAN):
@@ -271,6 +271,17 @@ def turn_degrees(recording: Recording, columns: Mapping[str, Column], ratio: flo
         finding = Finding("degrees", message, amount=largest)
         recording = recording.scaled(channel, 1.0 / _DEGREES_PER_RADIAN).with_findings(finding)
     return recording
+
+
+def _mend_turns(
+    recording: Recording, channel: str, unit: str, ratio: float, factor: float, largest: float
+) -> Recording:
+    message = (
+        f"{channel} is in {unit}: it reaches {largest:.4g}, and q changes {ratio:.3g} times the integral of dq; it was "
+        f"multiplied by {factor:.4g}"
+    )
+    position, velocity = Finding("position_unit", message), Finding("velocity_unit", message, amount=1.0 / factor)
+    return recording.scaled(channel, factor).with_findings(position if channel == "q" else velocity)
 
 
 def _refuse_degrees(recording: Recording, forwards: float, largest_q: float, largest_dq: float) -> None:
