@@ -154,10 +154,10 @@ def _tasks_of_log(
 
     voice, settings = shared.general.voice, DiagnosisSettings()
     log = chain.read_torque(source, shared, voice)
-    with voice.step("diagnose"):
+    with voice.step("diagnose") as report:
         estimate = estimate_log(log, chain.audit_settings(shared))
         subjects = diagnosis_subjects(estimate, settings)
-        found = Diagnosis(estimate=estimate, joints=diagnose_subjects(subjects, settings), settings=settings)
+        found = Diagnosis(estimate=estimate, joints=diagnose_subjects(subjects, settings, report), settings=settings)
     pose = np.median(log.q, axis=0).tolist() if start is None else start
     pairs = list(zip(subjects, found.joints, strict=True))
     return tasks_of(DIAGNOSE.of(found), source, pose, wanted=wanted, names=log.joint_names, subjects=pairs)

@@ -1,13 +1,14 @@
 """The next recording of a joint: the motion, what `diagnose` would answer after it, and the trajectory."""
 
 from collections.abc import Callable, Mapping, Sequence, Set as AbstractSet
+from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from itertools import count
 from typing import NamedTuple
 
 import numpy as np
 
+from friction_audit import parallel
 from friction_audit.diagnosis.diagnose import diagnose_joint
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.problem import RegressionProblem
@@ -19,7 +20,6 @@ from friction_audit.effects.registry import effect_of, effects, same_as
 from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.friction.history import Coefficient
 from friction_audit.io.writers.tables import Trajectory
-from friction_audit.parallel import per_joint
 from friction_audit.pipeline import estimate_log
 from friction_audit.planning import design
 from friction_audit.planning.design import Candidate, Limits, candidates_of
@@ -36,6 +36,7 @@ SEED = 7  # of the noise of the check
 SIZE = 0.1  # of the friction torque: an effect of this size counts, where no log has one
 FEWEST_RUNS = 3  # with fewer there are too few cycles for a diagnosis
 AT_AN_END = (0.15, 2)  # share of the time, and least number of runs, at either end where a drift is to be seen
+WORKING_BYTES = 500_000_000  # for all candidates of a joint at once
 RATE_HZ = 1000.0  # of a trajectory's samples before they are thinned out
 
 
@@ -110,19 +111,21 @@ def plan_tasks(
     report: Callable[[float], None] | None = None,
 ) -> list[JointPlan]:
     """Plan what joints need within their limits, joints side by side; ``report`` takes the share that is done."""
-    groups, done = dict[int, list[tuple[Task, Limits]]](), count(1)
+    groups = dict[int, list[tuple[Task, Limits]]]()
     for one in tasks:
         groups.setdefault(one[0].joint.number, []).append(one)
 
     def work(k: int) -> list[JointPlan]:
-        plans = []
-        for one in [*groups.values()][k]:
-            plans.append(plan_task(*one, duration_s, check=check))
-            if report is not None:
-                report(next(done) / len(tasks))
-        return plans
+        with parallel.one_joint_at_a_time() if len(groups) > 1 else nullcontext():
+            return [plan_task(*one, duration_s, check=check) for one in [*groups.values()][k]]
 
-    return [plan for plans in per_joint(work, len(groups)) for plan in plans]
+    plans = list[JointPlan]()
+    # Half of the work is in the interpreter, for which threads would wait.
+    for own in parallel.in_processes(work, len(groups), parallel.workers_for(len(groups), WORKING_BYTES)):
+        plans += own
+        if report is not None:
+            report(len(plans) / len(tasks))
+    return plans
 
 
 def plan_task(task: Task, limits: Limits, duration_s: float = DURATION_S, *, check: bool | None = None) -> JointPlan:
