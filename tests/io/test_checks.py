@@ -131,7 +131,10 @@ def test_a_fault_is_named_with_joint_and_amount(
 def test_what_is_left_out_and_what_is_kept() -> None:
     log = vetted(changed(put("tau_J_d", ..., NAN), put("temperature", slice(1, None, 2), NAN)))
     assert (log.tau_J_d, log.temperature, len(log.t)) == (None, None, 3000)
-    assert vetted(changed(put("tau_J", (..., 1), NAN))).joint_names == ("panda_joint1", "panda_joint3")
+    log = vetted(changed(put("tau_J", (..., 1), NAN), put("gravity", (..., 2), NAN)))
+    assert log.joint_names == ("panda_joint1", "panda_joint3")
+    assert finding(log, "empty_joint").message.endswith("joints are numbered without it (2 is panda_joint3)")
+    assert finding(log, "sparse_channel").message.startswith("gravity (gravity) of panda_joint3 lacks 3000 of 3000")
     log = vetted(changed(put("q", (10, 0), NAN), put("tau_J", (20, 2), np.inf), put("t", 30, NAN)))
     assert (finding(log, "non_finite").amount, finding(log, "non_finite").damaged, len(log.t)) == (3, True, 2997)
     assert "(q (q) of panda_joint1, tau_J (tau_J) of panda_joint3)" in finding(log, "non_finite").message

@@ -77,7 +77,8 @@ def _leave_out_channels(recording: Recording, missing: Counts) -> Recording:
     findings = [Finding("empty_channel", text.format(names[c], samples), amount=float(samples)) for c in empty]
     for channel in sparse:
         few = int(missing[channel].max())
-        text = f"{channel} lacks {few} of {samples} rows; the channel is left out, the rows are kept"
+        name = recording.name_of(channel, int(missing[channel].argmax()))
+        text = f"{name} lacks {few} of {samples} rows; the channel is left out, the rows are kept"
         findings.append(Finding("sparse_channel", text, amount=float(few)))
     kept = {name: array for name, array in recording.channels.items() if name not in (*empty, *sparse)}
     mapping = {name: own for name, own in recording.mapping.items() if name not in (*empty, *sparse)}
@@ -93,10 +94,15 @@ def _leave_out_joints(recording: Recording, missing: Counts) -> Recording:
         raise InputError(
             f"{recording.path}: no joint has q, dq and torque together; each lacks one of them in all {samples} rows"
         )
-    names, text = recording.joint_names, "{} holds no {} in all {} rows: it is left out, joints are numbered without it"
+    names, text = (
+        recording.joint_names,
+        "{} holds no {} in all {} rows: it is left out, joints are numbered without it{}",
+    )
     lost, kept = (np.flatnonzero(one).tolist() for one in (empty, ~empty))
     lacks = {j: " and ".join(c for c, counts in missing.items() if counts[j] == samples) for j in lost}
-    findings = [Finding("empty_joint", text.format(names[j], lacks[j], samples), amount=float(samples)) for j in lost]
+    now = {j: next((f" ({n} is {names[k]})" for n, k in enumerate(kept, start=1) if k > j), "") for j in lost}
+    texts = (text.format(names[j], lacks[j], samples, now[j]) for j in lost)
+    findings = [Finding("empty_joint", text, amount=float(samples)) for text in texts]
     left = recording.changed(lambda t, every: (t, {name: np.asfortranarray(a[:, kept]) for name, a in every.items()}))
     return replace(left, joint_names=tuple(names[joint] for joint in kept)).with_findings(*findings)
 
