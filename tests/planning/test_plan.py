@@ -19,7 +19,7 @@ from friction_audit.joint_log import Float
 from friction_audit.planning import design, plan as plans
 from friction_audit.planning.design import Limits, candidates_of, limits_of
 from friction_audit.planning.plan import JointPlan, plan_task, plan_tasks, trajectory_of
-from friction_audit.planning.task import Arm, Joint, Task, task_of
+from friction_audit.planning.task import Arm, Joint, Task, subject_of, task_of
 from friction_audit.reporting.notices import sentences
 from friction_audit.reporting.plan import Recording, plan_lines
 from tests.each_case import thorough
@@ -111,6 +111,13 @@ def test_a_number_that_a_document_leaves_out_takes_no_name_away() -> None:
     effects = [{"name": "nonlinear_viscous", "alternatives": ["stribeck"], "parameters": numbers}]
     found = {"joint": 1, "name": "joint1", "verdict": "ambiguous", "effects": effects}
     assert task_of(found, True, 0.0).why == "nonlinear_viscous or stribeck"
+
+
+def test_a_joint_of_many_turns_is_planned_for_within_one() -> None:
+    subject = subject_of(Joint())
+    far: Any = replace(subject, data=replace(subject.data, q=100.0 * subject.data.q)), None
+    found = {"joint": 1, "name": "joint1", "verdict": "not_testable"}
+    assert task_of(found, True, 0.0, far).joint.reach_rad == pytest.approx((-2.0 * np.pi, 2.0 * np.pi))
 
 
 def test_a_recording_for_estimate_determines_both_coefficients() -> None:
