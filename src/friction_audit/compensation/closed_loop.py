@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compensation.competitors import Feed, feed_friction
-from friction_audit.compensation.controller import step
+from friction_audit.compensation.controller import HOLE_S, step
 from friction_audit.compensation.law import JOINT_MODEL
 from friction_audit.compiled import Record, compiled
 from friction_audit.dynamics.bristles import bristle_damping, bristle_nm
@@ -113,7 +113,7 @@ SUMS = np.dtype(
 def add_torque(sums: Record, t: Float, dq: Float, torque: Float) -> None:
     """Add the samples that follow, shape (n,), to a record of SUMS."""
     for i in range(len(t)):
-        dt = t[i] - sums.t_s if sums.samples > 0.0 else 0.0
+        dt = t[i] - sums.t_s if sums.samples > 0.0 and t[i] - sums.t_s <= HOLE_S else 0.0
         sums.work_j += 0.25 * (sums.torque_nm + torque[i]) * (sums.dq_rad_s + dq[i]) * dt
         sums.square_nm2s += 0.5 * (sums.torque_nm * sums.torque_nm + torque[i] * torque[i]) * dt
         sums.largest_nm = max(sums.largest_nm, abs(torque[i]))
@@ -213,8 +213,8 @@ def run_same_motion(control: Control, recorded: Recorded, q: Float) -> int:
         total = torque[i] + logged[i] if len(logged) > 0 else torque[i]
         needed = total - memory.u_nm
         write_torques(torques, memory, i, needed)
-        if memory.ticks > 0:
-            dt = t[i] - tally.t_s
+        dt = t[i] - tally.t_s
+        if memory.ticks > 0 and dt <= HOLE_S:
             moved = 0.5 * (memory.dq + dq[i]) * dt
             friction, exchange = 0.5 * (tally.total_nm + total) * moved, 0.5 * (memory.interaction_nm + needed) * moved
             count_energy(tally, settings, friction, exchange, moved, dt)
@@ -257,7 +257,7 @@ def run_closed_loop(control: Control, recorded: Recorded, loop: Loop, velocity: 
             for k in range(len(bent)):  # for a slice, numba compiles a message for seconds
                 bent[k] = loop.bent[starts, k]
             memory.q_rad, memory.dq = q, v
-        if i + 1 < len(t):
+        if i + 1 < len(t) and t[i + 1] - t[i] <= HOLE_S:
             before, u = q, memory.u_nm
             span = Step(t[i + 1] - t[i], push[i], push[i + 1], float(i), i + 1.0)
             pieces = max(1, int(np.ceil(span.h / loop.longest_s - 1e-6)))

@@ -29,6 +29,8 @@ SPEED_BOUND_RAD_S, TORQUE_BOUND_NM = 100.0, 1e4  # beyond all arms with torque s
 # So many ticks in a row a torque at its limit has turned back: the limits hold a loop that would grow without them.
 # Noise does that for three or four ticks, a hand for one.
 REVERSALS = 50
+# A longer hole in the log adds no energy, and a joint in a closed loop starts again from the recording after it. [s]
+HOLE_S = 1.0
 EVEN = 1e-8  # time constants of a filter between a step of the clock and its period
 
 
@@ -86,13 +88,15 @@ def advance(settings: Record, memory: Record, dq: float, interaction_nm: float, 
 @compiled(inline=True)
 def add_up(settings: Record, memory: Record, dq: float, interaction_nm: float, dt: float) -> None:
     """Add the interval since the previous tick by trapezoids, u held, to the cycle and the ledgers (2), (24)."""
+    memory.longest_gap_s = max(memory.longest_gap_s, dt)
+    if dt > HOLE_S:
+        return
     moved = 0.5 * (memory.dq + dq) * dt
     work = 0.5 * (memory.interaction_nm + interaction_nm) * moved
     memory.net_j += work + memory.u_nm * moved
     before = abs(memory.dq) if abs(memory.dq) > settings.rest_rad_s else 0.0
     memory.path_rad += 0.5 * (before + (abs(dq) if abs(dq) > settings.rest_rad_s else 0.0)) * dt
     memory.square_rad2_s += 0.5 * (memory.dq * memory.dq + dq * dq) * dt
-    memory.longest_gap_s = max(memory.longest_gap_s, dt)
     memory.energy_j += work
     if memory.active == 1:
         memory.active_energy_j += work

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from friction_audit.compensation import SAME_MOTION, SAME_OPERATOR, closed_loop
 from friction_audit.compensation.competitors import Compensator, JointModelCompensation, feed_of, refuse, straighten
+from friction_audit.compensation.controller import HOLE_S
 from friction_audit.compensation.records import fresh_memory, pack
 from friction_audit.compensation.result import FittedOperator, Signals
 from friction_audit.compensation.settings import ReplaySettings
@@ -170,6 +171,7 @@ def make_scene(
     if operator is None:
         restart[cycles.start] = restart[cycles.stop] = True
         cuts = restart.astype(np.int64)
+    restart |= np.diff(recorded.t, prepend=recorded.t[:1]) > HOLE_S
     assert model is not None
     left = recorded.total - model.torque(motion)
     moving = np.abs(motion.dq) > cycles.standstill_rad_s
