@@ -40,31 +40,30 @@ _DATABASE_ERRORS = (sqlite3.Error, UnicodeDecodeError)
 
 
 class _Numbers:
-    """Big-endian numbers in some bytes, at many places at once; what lies behind the end counts as zeros."""
+    """Numbers at many places of some bytes at once; before the first place are eight other bytes."""
 
     def __init__(self, buffer: bytes | mmap.mmap) -> None:
-        self.buffer = buffer
+        self.buffer, self._bytes = buffer, np.frombuffer(buffer, np.uint8)
         self._words = np.ndarray((len(buffer) - 7,), ">i8", buffer, strides=(1,))
 
     def signed(self, at: Int, width: Int | int) -> Int:
-        """Return numbers of up to eight bytes."""
-        place = np.minimum(at, len(self._words) - 1)
-        return self._words[place] << 8 * (at - place) >> 64 - 8 * width
+        """Return big-endian numbers of up to eight bytes."""
+        word: Int = self._words[np.minimum(at + width - 8, len(self._words) - 1)]
+        return word << 64 - 8 * width >> 64 - 8 * width
 
     def unsigned(self, at: Int, width: int) -> Int:
-        """Return numbers of up to four bytes."""
+        """Return big-endian numbers of up to four bytes."""
         return self.signed(at, width) & ((1 << 8 * width) - 1)
 
     def varints(self, at: Int) -> tuple[Int, Int]:
         """Return numbers of up to eight bytes with seven bits each, and where they end."""
-        word = self.signed(at, 8)
-        value, end, more = word >> 56 & 0x7F, at + 1, word < 0
-        for _ in range(7):
+        value, end, more = np.zeros_like(at), at, np.ones(len(at), np.bool_)
+        for _ in range(8):
+            byte = self._bytes.take(end, mode="clip")
+            value, end = np.where(more, value << 7 | byte & 0x7F, value), end + more
+            more &= byte & 0x80 != 0
             if not more.any():
                 break
-            word = word << 8
-            value, end = np.where(more, value << 7 | word >> 56 & 0x7F, value), end + more
-            more &= word < 0
         return value, end
 
 
@@ -118,7 +117,7 @@ class _Pages:
             trunk = words[0]
             free.update(words[2 : 2 + words[1]])
         ranges = list[tuple[int, int, int]]()
-        for rows, _ in self.lots(np.setdiff1d(np.arange(1, self._count + 1), np.fromiter(free, np.int64))):
+        for rows, _ in self.lots(np.setdiff1d(np.arange(2, self._count + 1), np.fromiter(free, np.int64))):
             page, first, count = np.unique(rows.page, return_index=True, return_counts=True)
             is_whole = ~np.isin(page, rows.page[~rows.is_message])
             ends = np.array([rows.id[first + count - 1], rows.id[first], page])
@@ -156,7 +155,7 @@ class _Pages:
             return self._numbers, rows
         records = list(map(self._record, rows.begin.tolist(), rows.size.tolist(), rows.local.tolist()))
         there = np.array(list(map(len, records)))
-        data, begin = _Numbers(b"".join([*records, bytes(8)])), np.cumsum(there) - there
+        data, begin = _Numbers(b"".join([bytes(8), *records])), 8 + np.cumsum(there) - there
         whole = _Rows(rows.page, rows.id, begin, rows.size, there, *self._values(data, begin, rows.size, there))
         return data, whole.take(whole.is_sound & (there == rows.size))
 
@@ -190,11 +189,11 @@ class _Pages:
             kind, after = data.varints(at)
             kind, at = np.where(at < end, kind, 0), np.where(at < end, after, at)  # an added column may be missing
             width = np.minimum(np.where(kind < _BYTES, _WIDTHS.take(kind, mode="clip"), kind - _BYTES >> 1), size + 1)
-            integer = np.where(kind < _ZERO, data.signed(place, width), kind - _ZERO)
-            values[name], place = (kind, place, width, integer), place + width
-        (of_topic, *topic_at, topic), (of_time, *_, time), (kind, start, width, _) = (values[name] for name in _COLUMNS)
-        is_topic, is_time = (_ARE_INTEGERS.take(of, mode="clip") for of in (of_topic, of_time))
-        topic = np.where(is_topic & (sum(topic_at) <= begin + local), topic, -1)
+            values[name], place = (kind, place, width), place + width
+        *integers, (kind, start, width) = (values[name] for name in _COLUMNS)
+        is_topic, is_time = (_ARE_INTEGERS.take(of, mode="clip") for of, *_ in integers)
+        topic, time = (np.where(of < _ZERO, data.signed(at, wide), of - _ZERO) for of, at, wide in integers)
+        topic = np.where(is_topic & (sum(values["topic_id"][1:]) <= begin + local), topic, -1)
         is_message = is_topic & is_time & (kind >= _BYTES) & (kind % 2 == 0)
         return topic, time, start, width, is_message, (at == end) & (place - begin == size)
 
