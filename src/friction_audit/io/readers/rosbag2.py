@@ -1,13 +1,11 @@
 """ROS 2 bags -> Recording: a directory, or one sqlite3 storage file, with or without metadata.yaml."""
 
 import re
-import sqlite3
 from collections.abc import Collection, Iterator, Sequence
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from shutil import copyfile
 from tempfile import TemporaryDirectory
 
 from friction_audit.errors import InputError
@@ -59,24 +57,23 @@ class Rosbag2Stream(MessageStream):
 
 @contextmanager
 def _opened(path: Path) -> Iterator[MessageStream]:
-    """Open all storage files of a bag; what had to be copied or decompressed is kept as long."""
+    """Open all storage files of a bag; what had to be decompressed is kept as long."""
     with ExitStack() as stack:
         metadata, listed = "", path / METADATA
         if listed.is_file():
             with listed.open("rb") as stated:
                 metadata = stated.read(_LARGEST_METADATA).decode(errors="replace")
         files = _storage_files(path, metadata) if path.is_dir() else [path]
-        is_copied = any(file.suffix in COMPRESSED or _has_log(file) for file in files)
-        folder = Path(stack.enter_context(TemporaryDirectory()) if is_copied else path)
+        is_packed = any(file.suffix in COMPRESSED for file in files)
+        folder = Path(stack.enter_context(TemporaryDirectory()) if is_packed else path)
         streams = list[MessageStream]()
-        for given in files:  # by what it holds; by its name if it holds neither
-            file = _copy_with_log(given, folder) if _has_log(given) else given
-            file = _decompress_file(given, folder) if given.suffix in COMPRESSED else file
+        for packed in files:  # by what it holds; by its name if it holds neither
+            file = _decompress_file(packed, folder) if packed.suffix in COMPRESSED else packed
             is_sqlite = starts_with(file, Sqlite3Stream.magic)
             is_mcap = starts_with(file, McapStream.magic) or (file.suffix == ".mcap" and not is_sqlite)
             streams.append(McapStream(file) if is_mcap else Sqlite3Stream(file))
         stream = Rosbag2Stream(path, streams, metadata)
-        stream.is_lasting = not is_copied
+        stream.is_lasting = not is_packed
         yield stream
 
 
@@ -91,25 +88,6 @@ def _storage_files(path: Path, metadata: str) -> list[Path]:
         there = f"copy the whole bag, or give one of its files alone ({', '.join(names)})"
         raise InputError(f"{path}: metadata.yaml lists {', '.join(missing)}, not to be found; {there}")
     return [path / name for name in names]
-
-
-def _has_log(path: Path) -> bool:
-    """Return True if a part of a database is still in its write-ahead log."""
-    log = path.with_name(f"{path.name}-wal")
-    return log.is_file() and log.stat().st_size > 0
-
-
-def _copy_with_log(path: Path, folder: Path) -> Path:
-    """Copy a database to where SQLite may write, and put what its write-ahead log holds into the copy."""
-    try:
-        for suffix in ("", "-wal"):
-            copyfile(f"{path}{suffix}", folder / f"{path.name}{suffix}")
-        with closing(sqlite3.connect(folder / path.name)) as database:
-            database.execute("PRAGMA wal_checkpoint")
-    except (OSError, sqlite3.Error) as error:
-        what = f"cannot be copied into {folder} with its write-ahead log ({error}); set TMPDIR to a larger place"
-        raise InputError(f"{path}: {what}") from error
-    return folder / path.name
 
 
 def _decompress_file(path: Path, folder: Path) -> Path:

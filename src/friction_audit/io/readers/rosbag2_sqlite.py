@@ -10,6 +10,8 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import closing, suppress
 from functools import cached_property
 from pathlib import Path
+from shutil import copyfile
+from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -214,13 +216,18 @@ class Sqlite3Stream(MessageStream):
         self._is_cut = self._bytes < whole
         if self._is_cut:
             self._note(self._bytes, "the file is cut off there", whole)
+        self._merged: mmap.mmap | None = None  # with what is in a write-ahead log
+        log = path.with_name(f"{path.name}-wal")
         try:
-            with closing(self._connect()) as opened:
-                self.connections = self._read_connections(opened)
+            with TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+                if not self._is_cut and log.is_file() and log.stat().st_size:
+                    path = self._merge(log, Path(folder) / path.name)
+                with closing(self._connect(path)) as opened:
+                    self.connections = self._read_connections(opened)
         except _DATABASE_ERRORS as error:
             raise InputError(
-                f"{path}: the sqlite3 database cannot be read: {error}; nothing of it can be saved, since the list "
-                "of its topics is broken or cut off; copy it again from where it was recorded"
+                f"{self._path}: the sqlite3 database cannot be read: {error}; nothing of it can be saved, since the "
+                "list of its topics is broken or cut off; copy it again from where it was recorded"
             ) from error
 
     def blocks(self, keys: Collection[int], window: Window | None = None) -> Iterator[Block]:
@@ -262,15 +269,30 @@ class Sqlite3Stream(MessageStream):
 
     def _pages(self) -> _Pages:
         with self._open() as file:
-            return _Pages(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ), self._page_bytes, self._columns)
+            content = self._merged or mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+        return _Pages(content, self._page_bytes, self._columns)
 
     def _note_malformed(self) -> None:
         if not self._is_cut:  # which has been noted
             self._note(None, "database disk image is malformed; the messages on whole pages were read")
 
-    def _connect(self) -> sqlite3.Connection:
+    def _merge(self, log: Path, copy: Path) -> Path:
+        """Copy the database to where SQLite may write, and put what its write-ahead log holds into the copy."""
+        try:
+            copyfile(self._path, copy)
+            copyfile(log, f"{copy}-wal")
+            with closing(sqlite3.connect(copy)) as database:
+                database.execute("PRAGMA wal_checkpoint")
+            with copy.open("rb") as file:
+                self._merged = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+        except OSError as error:
+            what = f"cannot be copied with its write-ahead log ({error}); set TMPDIR to a larger place"
+            raise InputError(f"{self._path}: {what}") from error
+        return copy
+
+    def _connect(self, path: Path) -> sqlite3.Connection:
         """Open without writing any file next to it."""
-        database = sqlite3.connect(f"{self._path.resolve().as_uri()}?mode=ro&immutable=1", uri=True)
+        database = sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro&immutable=1", uri=True)
         if self._is_cut:
             database.execute("PRAGMA writable_schema = ON")  # else SQLite refuses it
         database.text_factory = lambda text: text.decode(errors="replace")
