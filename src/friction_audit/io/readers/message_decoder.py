@@ -53,8 +53,7 @@ class Layout:
         size, count = self.size, len(block)
         if not self.numbers.keys() >= {*paths} or not (block.size == size).all():
             return None
-        buffer: Any = block.buffer
-        start, steps = int(block.start[0]), np.diff(block.start)
+        buffer, start, steps = block.buffer, int(block.start[0]), np.diff(block.start)
         stride = int(steps[0]) if count > 1 else size
         if stride < size or not (steps == stride).all():  # the payloads are not at a constant distance
             anywhere = np.ndarray((len(buffer) - size + 1,), f"V{size}", buffer, strides=(1,))

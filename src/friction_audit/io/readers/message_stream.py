@@ -9,7 +9,6 @@ from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass
 from io import BytesIO
 from math import inf
-from mmap import mmap
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 
@@ -96,7 +95,7 @@ class Block:
 
     key: int  # key of the connection
     log_time: Int  # time at which each message was recorded, shape (n,) [ns]
-    buffer: bytes | mmap  # bytes that hold all payloads
+    buffer: Any  # bytes that hold all payloads, or a map of a file
     start: Int  # offset of each payload in the buffer, shape (n,)
     size: Int  # length of each payload, shape (n,) [byte]
 
@@ -178,7 +177,7 @@ class MessageStream(AbstractContextManager["MessageStream"]):
     def _decompressed(self, blocks: Iterable[Block]) -> Iterator[Block]:
         """Yield blocks of messages; where a recorder has compressed each message, decompressed."""
         for block in blocks:
-            packed = next(block.payloads()).startswith(ZSTD_MAGIC)
+            packed = block.buffer.startswith(ZSTD_MAGIC, int(block.start[0]))
             rows = list(zip(block.log_time.tolist(), block.payloads(), strict=True)) if packed else []
             if plain := self._block(block.key, rows) if packed else block:
                 yield plain

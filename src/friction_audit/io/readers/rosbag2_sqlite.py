@@ -6,8 +6,8 @@ For the layout of pages and records see https://www.sqlite.org/fileformat2.html.
 import mmap
 import sqlite3
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from contextlib import closing, suppress
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import ExitStack, closing, suppress
 from functools import cached_property
 from pathlib import Path
 from shutil import copyfile
@@ -27,9 +27,7 @@ from friction_audit.io.readers.message_stream import (
 )
 from friction_audit.joint_log import Bool, Int
 
-_HEADER_BYTES, _LARGEST_PAGE = 100, 65_536
 _INTERIOR, _LEAF = (5, 12), (13, 8)  # pages of a table: their first byte, length of their header
-_DEEPEST = 20  # levels of a tree, as in SQLite
 _LOT_BYTES = 1 << 20  # of pages that are looked at together
 _COLUMNS = ("topic_id", "timestamp", "data")
 # What is known of rows of the table of messages: the record, how much of it is on its page, the content.
@@ -55,7 +53,7 @@ class _Pages:
     def in_tree(self, root: int) -> Int | None:
         """Return the leaf pages of a table in the order of ids; None if a page above them is broken."""
         level = np.array([root])
-        for _ in range(_DEEPEST):
+        for _ in range(20):  # levels, as in SQLite
             if ((level < 1) | (level > self._count)).any() or np.bincount(level).max() > 1:
                 break
             start = (level - 1) * self._page_bytes
@@ -169,16 +167,15 @@ class Sqlite3Stream(MessageStream):
     def __init__(self, path: Path) -> None:
         super().__init__(path)
         self._merged: mmap.mmap | None = None
-        with self._open() as file, TemporaryDirectory(ignore_cleanup_errors=True) as folder:
-            header = self.magic + file.read(_HEADER_BYTES - len(self.magic))
-            is_stated = len(header) == _HEADER_BYTES and header[24:28] == header[92:96]
-            page, log = int.from_bytes(header[16:18], "big"), Path(f"{path}-wal")
-            self._page_bytes = _LARGEST_PAGE if page == 1 else page
-            whole = self._page_bytes * int.from_bytes(header[28:32], "big") if is_stated else 0
-            self._is_cut = self._bytes < whole
+        with self._open() as file, ExitStack() as stack:
+            header, log = (self.magic + file.read(84)).ljust(100, b"\0"), Path(f"{path}-wal")
+            self._page_bytes = header[16] << 8 | header[17] << 16  # 1 stands for the largest
+            pages = int.from_bytes(header[28:32], "big") if header[24:28] == header[92:96] else 0  # 0: not stated
+            self._is_cut = self._bytes < pages * self._page_bytes
             if self._is_cut:
-                self._note(self._bytes, "the file is cut off there", whole)
+                self._note(self._bytes, "the file is cut off there", pages * self._page_bytes)
             elif log.is_file() and log.stat().st_size:  # SQLite would write next to the user's file
+                folder = stack.enter_context(TemporaryDirectory(ignore_cleanup_errors=True))
                 path = Path(copyfile(path, Path(folder, path.name)))
                 copyfile(log, f"{path}-wal")
             try:
@@ -247,8 +244,7 @@ class Sqlite3Stream(MessageStream):
             database.execute("PRAGMA writable_schema = ON")  # else SQLite refuses it
         database.execute("PRAGMA wal_checkpoint")
         database.text_factory = lambda text: text.decode(errors="replace")
-        # No text is larger than the file, unless an expression in the table's definition makes it.
-        database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, min(max(self._bytes, _LARGEST_PAGE), LARGEST_MESSAGE))
+        database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_MESSAGE)  # a table's definition can make larger texts
         return database
 
     def _read_connections(self, database: sqlite3.Connection) -> tuple[Connection, ...]:
@@ -264,17 +260,13 @@ class Sqlite3Stream(MessageStream):
         known = database.execute(query) if "message_definitions" in tables else ()
         definitions = {name: (str(language), str(text).encode()) for name, language, text in known}
         topics = database.execute("SELECT id, name, type, serialization_format FROM topics ORDER BY id").fetchall()
-        counts = self._count_messages(database, [key for key, *_ in topics])
+        count, counts = "SELECT topic_id, COUNT(*) FROM messages GROUP BY topic_id", dict[int, int]()
+        if len(topics) == 1:  # by the index of time stamps, without reading them
+            count = "SELECT id, (SELECT COUNT(*) FROM messages) FROM topics"
+        with suppress(*_DATABASE_ERRORS):
+            counts = {} if self._is_cut else dict(database.execute(count).fetchall())
+        counts = counts or Counter(one.key for one in self.blocks([key for key, *_ in topics]) for _ in one.log_time)
         return tuple(
             Connection(key, str(topic), str(kind), str(how), definitions.get(kind, ("", b"")), counts.get(key, 0))
             for key, topic, kind, how in topics
         )
-
-    def _count_messages(self, database: sqlite3.Connection, keys: Sequence[int]) -> Mapping[int, int]:
-        """Count the messages of each topic; of a single one by the index of time stamps, without reading them."""
-        single = "SELECT id, (SELECT COUNT(*) FROM messages) FROM topics"
-        several = "SELECT topic_id, COUNT(*) FROM messages GROUP BY topic_id"
-        with suppress(*_DATABASE_ERRORS):
-            if not self._is_cut:
-                return dict(database.execute(single if len(keys) == 1 else several).fetchall())
-        return Counter(block.key for block in self.blocks(keys) for _ in block.log_time)
