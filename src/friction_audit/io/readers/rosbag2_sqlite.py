@@ -37,8 +37,7 @@ _WIDTHS = np.array([0, 1, 2, 3, 4, 6, 8, 8, 0, 0, 0, 0])
 _ARE_INTEGERS = np.isin(np.arange(12), (1, 2, 3, 4, 5, 6, 8, 9))
 _ZERO, _BYTES = 8, 12
 _ZSTD = int.from_bytes(ZSTD_MAGIC, "big")
-# What sqlite3 raises on a broken database; the second where the name of a broken thing is part of the message.
-_DATABASE_ERRORS = (sqlite3.Error, UnicodeDecodeError)
+_DATABASE_ERRORS = (sqlite3.Error, UnicodeDecodeError)  # of a broken database; the second if the message names a part
 
 
 class _Pages:
@@ -75,10 +74,11 @@ class _Pages:
             trunk = words[0]
             free.update(words[2 : 2 + words[1]])
         ranges = list[tuple[int, ...]]()
-        for rows, _ in self.lots(np.setdiff1d(np.arange(2, self._count + 1), np.fromiter(free, np.int64))):
+        for rows, broken in self.lots(np.setdiff1d(np.arange(2, self._count + 1), np.fromiter(free, np.int64))):
             page, first, count = np.unique(rows[_PAGE], return_index=True, return_counts=True)
             ends = np.array([rows[_ID][first + count - 1], rows[_ID][first], page])
-            ranges += map(tuple, ends[:, ~np.isin(page, rows[_PAGE][rows[_IS_MESSAGE] == 0])].T.tolist())
+            others = np.append(broken, rows[_PAGE][rows[_IS_MESSAGE] == 0])
+            ranges += map(tuple, ends[:, ~np.isin(page, others)].T.tolist())
         before, pages = -1, list[int]()
         for last, earliest, number in sorted(ranges):  # by last ids: a page with wrong ids displaces one at most
             if earliest > before:
@@ -86,8 +86,8 @@ class _Pages:
                 pages.append(number)
         return np.array(pages, np.int64)
 
-    def lots(self, pages: Int) -> Iterator[tuple[Int, bool]]:
-        """Yield the rows on leaf pages, many pages at a time, and whether all are sound; the others are left out."""
+    def lots(self, pages: Int) -> Iterator[tuple[Int, Int]]:
+        """Yield the rows on leaf pages that are sound, many pages at a time, and the pages where something is not."""
         many = max(_LOT_BYTES // self._page_bytes, 1)
         for lot in (pages[first : first + many] for first in range(0, len(pages), many)):
             page, at, is_sound = self._cells(lot, *_LEAF)
@@ -102,7 +102,7 @@ class _Pages:
             wrong = ~adds_up | (begin + local > (lot[page] - 1) * self._page_bytes + self._usable - 4 * (local < size))
             wrong[1:] |= (page[1:] == page[:-1]) & (ids[1:] <= ids[:-1])
             is_sound[page[wrong]] = False
-            yield rows if is_sound.all() else rows[:, is_sound[page]], bool(is_sound.all())
+            yield rows[:, ~wrong] if wrong.any() else rows, lot[~is_sound]
             if hasattr(self.content, "madvise"):  # what was looked at would count as memory of the process
                 self.content.madvise(mmap.MADV_DONTNEED)
 
@@ -191,8 +191,8 @@ class Sqlite3Stream(MessageStream):
 
     def blocks(self, keys: Collection[int], window: Window | None = None) -> Iterator[Block]:
         pages = self._pages()
-        for rows, is_sound in pages.lots(self._leaves):
-            if not is_sound:
+        for rows, broken in pages.lots(self._leaves):
+            if len(broken):
                 self._note_malformed()
             for key in keys:
                 own = rows[:, rows[_TOPIC] == key]
