@@ -37,6 +37,12 @@ _WIDTHS = np.array([0, 1, 2, 3, 4, 6, 8, 8, 0, 0, 0, 0])
 _ARE_INTEGERS = np.isin(np.arange(12), (1, 2, 3, 4, 5, 6, 8, 9))
 _ZERO, _BYTES = 8, 12
 _ZSTD = int.from_bytes(ZSTD_MAGIC, "big")
+_LARGEST_ID = 2**63 - 1
+# The nearest message before and after a part of the log.
+_OUTSIDE = (
+    "SELECT (SELECT MAX(timestamp) FROM messages WHERE timestamp < ?1), "
+    "(SELECT MIN(timestamp) FROM messages WHERE timestamp > ?2)"
+)
 _DATABASE_ERRORS = (sqlite3.Error, UnicodeDecodeError)  # of a broken database; the second if the message names a part
 
 
@@ -49,24 +55,28 @@ class _Pages:
         self._bytes = np.frombuffer(content, np.uint8)
         self._words = np.ndarray((len(content) - 7,), ">i8", content, strides=(1,))
 
-    def in_tree(self, root: int) -> Int | None:
-        """Return the leaf pages of a table in the order of ids; None if a page above them is broken."""
-        level = np.array([root])
+    def in_tree(self, root: int) -> tuple[Int, Int] | None:
+        """Return the leaf pages of a table in the order of ids, and bounds of their last ids, shape (n,) each.
+
+        None if a page above them is broken.
+        """
+        level, bounds = np.array([root]), np.array([_LARGEST_ID])
         for _ in range(20):  # levels, as in SQLite
             if ((level < 1) | (level > self._count)).any() or np.bincount(level).max() > 1:
                 break
             start = (level - 1) * self._page_bytes
             if (self._bytes[start[[0, -1]]] == _LEAF[0]).all():
-                return level
+                return level, bounds
             page, at, is_interior = self._cells(level, *_INTERIOR)
             if not is_interior.all():
                 break
             last = np.cumsum(np.bincount(page, minlength=len(level)))
             level = np.insert(self.integers(at, 4), last, self.integers(start + 8, 4))
+            bounds = np.insert(self._varints(at + 4)[0], last, bounds)
         return None
 
-    def found(self) -> Int:
-        """Return all leaf pages of messages in the order of ids, without free pages: deleted messages."""
+    def found(self) -> tuple[Int, Int]:
+        """Return all leaf pages of messages and their last ids in order, without free pages: deleted messages."""
         free, trunk = set[int](), int.from_bytes(self.content[32:36], "big")
         while 0 < trunk <= self._count and trunk not in free:
             free.add(trunk)
@@ -79,12 +89,13 @@ class _Pages:
             ends = np.array([rows[_ID][first + count - 1], rows[_ID][first], page])
             others = np.append(broken, rows[_PAGE][rows[_IS_MESSAGE] == 0])
             ranges += map(tuple, ends[:, ~np.isin(page, others)].T.tolist())
-        before, pages = -1, list[int]()
+        before, pages = -1, list[tuple[int, int]]()
         for last, earliest, number in sorted(ranges):  # by last ids: a page with wrong ids displaces one at most
             if earliest > before:
                 before = last
-                pages.append(number)
-        return np.array(pages, np.int64)
+                pages.append((number, last))
+        numbers, bounds = np.array(pages, np.int64).reshape(-1, 2).T
+        return numbers, bounds
 
     def lots(self, pages: Int) -> Iterator[tuple[Int, Int]]:
         """Yield the rows on leaf pages that are sound, many pages at a time, and the pages where something is not."""
@@ -191,7 +202,10 @@ class Sqlite3Stream(MessageStream):
 
     def blocks(self, keys: Collection[int], window: Window | None = None) -> Iterator[Block]:
         pages = self._pages()
-        for rows, broken in pages.lots(self._leaves):
+        leaves, bounds = self._leaves
+        ids = (0, _LARGEST_ID) if window is None or self._is_cut or self._merged else self._ids_in(window)
+        begin, end = np.searchsorted(bounds, ids)
+        for rows, broken in pages.lots(leaves[begin : end + 1]):
             if len(broken):
                 self._note_malformed()
             for key in keys:
@@ -219,13 +233,23 @@ class Sqlite3Stream(MessageStream):
                 yield block
 
     @cached_property
-    def _leaves(self) -> Int:
-        """The pages with messages; where the file is cut off or the table is broken, those that look like it."""
+    def _leaves(self) -> tuple[Int, Int]:
+        """Pages with messages and bounds of their last ids; those that look so where the table is broken or cut."""
         pages = self._pages()
         if self._is_cut or (leaves := pages.in_tree(self._root)) is None:
             self._note_malformed()
             return pages.found()
         return leaves
+
+    def _ids_in(self, window: Window) -> tuple[int, int]:
+        """Return the first and the last id of the messages in a window, by the index of time stamps."""
+        with suppress(*_DATABASE_ERRORS), closing(self._connect(self._path)) as database:
+            query = f"{_OUTSIDE}, MIN(rowid), MAX(rowid) FROM messages WHERE timestamp BETWEEN ?1 AND ?2"
+            *others, first, last = database.execute(query, (window.first, window.last)).fetchone()
+            outside = [one for one in others if one is not None]
+            window.keeps(outside, outside)
+            return (first, last) if first is not None else (_LARGEST_ID, 0)
+        return 0, _LARGEST_ID
 
     def _pages(self) -> _Pages:
         with self._open() as file:
