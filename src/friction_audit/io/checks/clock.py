@@ -114,7 +114,7 @@ def drop_repeats(recording: Recording, clock: Clock) -> Recording:
         if clock.rough <= 0.0:
             raise InputError(
                 f"{recording.path}: time ({recording.mapping.get('t', recording.clock)}) takes {clock.rows - repeats} "
-                f"values in {clock.rows} rows, too few to tell when each was sampled; expected a stamp per sample; "
+                f"values in {clock.rows} rows, too few to show when each was sampled; expected a stamp per sample; "
                 "write it with more digits, or name another clock with --map t=<column>"
             )
         return _spread(recording, clock.rough)
