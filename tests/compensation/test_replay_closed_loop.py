@@ -76,6 +76,16 @@ def test_the_same_torque_moves_a_compensated_joint_farther() -> None:
     np.testing.assert_allclose(history.viscous_estimated_nms_per_rad[5:], 0.07, rtol=0.1)
 
 
+@pytest.mark.parametrize("assume", ["same-motion", "same-torque"])
+def test_a_jump_of_the_clock_adds_no_energy_and_no_steps(assume: str) -> None:
+    log, settings = log_of(MINUTE), ReplaySettings(assume=assume, compensator=COMPENSATOR)
+    jumped = replace(log, t=log.t + 1e6 * (log.t > 0.5 * log.t[-1]))
+    (one,), (other,) = replay(log, settings).joints, replay(jumped, settings).joints
+    assert other.numbers.energy_without_j == pytest.approx(one.numbers.energy_without_j, rel=0.05)
+    assert other.numbers.energy_with_j == pytest.approx(one.numbers.energy_with_j, rel=0.1)
+    assert other.passivity.violations == 0
+
+
 def test_a_competitor_that_diverges_is_cut_there_and_said_so() -> None:
     competitor = Competitor(name="torque_regulation", desired_inertia_kg_m2=0.02)
     found = replay(log_of(MINUTE), ReplaySettings(assume="same-operator", operator=TRUE_HAND, competitor=competitor))

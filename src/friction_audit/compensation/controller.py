@@ -27,6 +27,8 @@ SPEED_BOUND_RAD_S, TORQUE_BOUND_NM = 100.0, 1e4  # beyond all arms with torque s
 # Consecutive ticks at which a torque at its limit changes direction: only the limits bound such a loop, which counts as
 # diverged. Noise reaches three or four ticks, a hand one.
 MOST_REVERSALS = 50
+# A longer hole in the log adds no energy, and a joint in a closed loop starts again from the recording after it. [s]
+HOLE_S = 1.0
 EVEN_STEP = 1e-8  # difference between a step of the clock and its period, in time constants of the filter
 
 
@@ -90,13 +92,15 @@ def moving_speed(dq: float, rest_rad_s: float) -> float:
 @compiled(inline=True)
 def integrate_energies(settings: Record, state: Record, dq: float, interaction_nm: float, dt: float) -> None:
     """Add the interval before this tick to the sums of the cycle and the energies (2), (24): trapezoids, u constant."""
+    state.longest_gap_s = max(state.longest_gap_s, dt)
+    if dt > HOLE_S:
+        return
     moved = 0.5 * (state.dq + dq) * dt
     work = 0.5 * (state.interaction_nm + interaction_nm) * moved
     state.net_j += work + state.u_nm * moved
     before, now = moving_speed(state.dq, settings.rest_rad_s), moving_speed(dq, settings.rest_rad_s)
     state.path_rad += 0.5 * (before + now) * dt
     state.square_rad2_s += 0.5 * (state.dq * state.dq + dq * dq) * dt
-    state.longest_gap_s = max(state.longest_gap_s, dt)
     state.energy_j += work
     if state.active == 1:
         state.active_energy_j += work

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from friction_audit.compensation import SAME_MOTION, SAME_OPERATOR, competitors, replay_loops as loops
 from friction_audit.compensation.competitors import Compensator
+from friction_audit.compensation.controller import HOLE_S
 from friction_audit.compensation.records import initial_states, settings_records
 from friction_audit.compensation.result import FittedOperator, Signals
 from friction_audit.compensation.settings import ReplaySettings
@@ -161,6 +162,7 @@ def make_part(
     if operator is None:
         restart[cycles.start] = restart[cycles.stop] = True
         cycle_ends = restart.astype(np.int64)
+    restart |= np.diff(recorded.t, prepend=recorded.t[:1]) > HOLE_S
     unmodelled = mean_over_cycles(recorded.total - model.torque(motion), motion, cycles)
     plant = _make_plant(recorded, motion, tables, operator, unmodelled, restart)
     return ReplayPart(

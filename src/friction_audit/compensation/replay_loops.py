@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compensation.competitors import Feedforward, update_feedforward
-from friction_audit.compensation.controller import step
+from friction_audit.compensation.controller import HOLE_S, step
 from friction_audit.compensation.law import JOINT_MODEL
 from friction_audit.compiled import Record, compiled
 from friction_audit.dynamics.bristles import bristle_damping, bristle_nm
@@ -112,7 +112,7 @@ TORQUE_SUMS = np.dtype(
 def add_torque(sums: Record, t: Float, dq: Float, torque: Float) -> None:
     """Add the samples that follow, shape (n,), to a record of TORQUE_SUMS."""
     for i in range(len(t)):
-        dt = t[i] - sums.t_s if sums.samples > 0.0 else 0.0
+        dt = t[i] - sums.t_s if sums.samples > 0.0 and t[i] - sums.t_s <= HOLE_S else 0.0
         sums.work_j += 0.25 * (sums.torque_nm + torque[i]) * (sums.dq_rad_s + dq[i]) * dt
         sums.square_nm2s += 0.5 * (sums.torque_nm * sums.torque_nm + torque[i] * torque[i]) * dt
         sums.peak_nm = max(sums.peak_nm, abs(torque[i]))
@@ -205,8 +205,8 @@ def run_same_motion(controller: Controller, recorded: RecordedJoint) -> int:
     for i in range(len(t)):
         interaction = total[i] - state.u_nm
         record_torques(torques, state, i, interaction)
-        if state.ticks > 0:
-            dt = t[i] - statistics.t_s
+        dt = t[i] - statistics.t_s
+        if state.ticks > 0 and dt <= HOLE_S:
             moved = 0.5 * (state.dq + dq[i]) * dt
             friction = 0.5 * (statistics.total_nm + total[i]) * moved
             net = 0.5 * (state.interaction_nm + interaction) * moved
@@ -252,7 +252,7 @@ def run_closed_loop(controller: Controller, recorded: RecordedJoint, plant: Plan
             for k in range(len(deflections)):  # for a slice, numba compiles a message for seconds
                 deflections[k] = plant.deflections[restarts, k]
             state.q_rad, state.dq = q, v
-        if i + 1 < len(t):
+        if i + 1 < len(t) and t[i + 1] - t[i] <= HOLE_S:
             before, u = q, state.u_nm
             span = Step(t[i + 1] - t[i], drive[i], drive[i + 1], float(i), i + 1.0)
             steps = max(1, int(np.ceil(span.h / plant.longest_step_s - 1e-6)))

@@ -187,14 +187,13 @@ class RegressionProblem:
     @cached_property
     def responses(self) -> list[Float]:
         """Linear responses of first and second order to the motion, on the samples, shapes (1 or 2, m)."""
-        data = self.data
-        found = [first_order(data.dq, exp(-data.step_s / lag), 0.0)[:, None] for lag in LAGS_S]
-        highest = KNOWN_SHARE * self.samples.corner_hz
+        data, highest = self.data, KNOWN_SHARE * self.samples.corner_hz
+        found = [self.columns(first_order(data.dq, exp(-data.step_s / lag), 0.0)[:, None]) for lag in LAGS_S]
         for hertz, damping in product(RINGING_HZ[highest >= RINGING_HZ].tolist(), DAMPING_RATIOS):
             pole = cmath.exp(2.0 * np.pi * hertz * data.step_s * (1j * sqrt(1.0 - damping**2) - damping))
             rung = first_order(data.ddq.astype(complex), pole, 0j)
-            found.append(np.column_stack([rung.real, rung.imag]))
-        return [self.columns(one) for one in found]
+            found.append(self.columns(np.column_stack([rung.real, rung.imag])))
+        return found
 
     @cached_property
     def smoothed(self) -> Float:
