@@ -16,13 +16,13 @@ from friction_audit.compensation.comparison.methods import (
     NO_COMPENSATION,
     OBSERVED_SHARE,
     OBSERVER,
-    SCENES,
+    SETUPS,
     Joint,
     Tuning,
 )
 from friction_audit.compensation.comparison.result import find_reference, measure, vibration_nm
 from friction_audit.compensation.competitors import DisturbanceObserver
-from friction_audit.compensation.law import PUBLISHED, RIDGE, Coefficients, EnergyCompensator, payback_s
+from friction_audit.compensation.law import NO_RIDGE, RIDGE, Coefficients, EnergyCompensator, payback_s
 from friction_audit.parallel import own_process
 from friction_audit.reproduce.checks import LOW_PEAK_NM, compensated, peak_nm
 from friction_audit.reproduce.claims import SECOND, make_course
@@ -69,7 +69,7 @@ def single_joint(persons: int) -> Iterator[str]:
     assert isinstance(fig10.settings, BenchSettings)
     assert isinstance(fig10.settings.compensator, EnergyCompensator)
     white, slow = fig10.settings.sensors[0], PANDA_SENSORS[0]
-    for ridge, sensors in ((PUBLISHED, white), (0.001, white), (RIDGE, white), (PUBLISHED, slow), (RIDGE, slow)):
+    for ridge, sensors in ((NO_RIDGE, white), (0.001, white), (RIDGE, white), (NO_RIDGE, slow), (RIDGE, slow)):
         energy = replace(fig10.settings.compensator, ridge=ridge)
         settings = replace(fig10.settings, compensator=energy, sensors=(sensors,))
         courses = [make_course(simulate(settings, seed)) for seed in range(persons)]
@@ -82,7 +82,7 @@ def single_joint(persons: int) -> Iterator[str]:
 
 def arm(persons: int) -> Iterator[str]:
     """Yield a row per person and window of the elastic Panda: whether the loop held, and what was left."""
-    (panda,) = (scene for scene in SCENES if scene.name == "panda")
+    (panda,) = (setup for setup in SETUPS if setup.name == "panda")
     (energy,) = (method for method in METHODS if method.name == "energy")
     tunings = [energy.sweeps[0].at(window) for window in (2.0, 3.0)]
     yield "| seed | tuning | held | slope [mW] | peak [N m] | Coulomb left |"
@@ -96,7 +96,7 @@ def arm(persons: int) -> Iterator[str]:
 
 def torque_loop(persons: int) -> Iterator[str]:
     """Yield a row per method and arm: motors driven directly, and under torque control with as much friction left."""
-    (panda,) = (scene for scene in SCENES if scene.name == "panda")
+    (panda,) = (setup for setup in SETUPS if setup.name == "panda")
     panda = replace(panda, tuning_seeds=0, margin_seeds=0)
     assert isinstance(panda.settings, ArmSettings)
     joints = tuple(map(with_torque_control, panda.settings.joints))
@@ -110,8 +110,8 @@ def torque_loop(persons: int) -> Iterator[str]:
                 others = tuple(method.sweeps[0].at(1.0 / ratio - 1.0) for ratio in (0.5, 0.3))
             methods.append(replace(method, sweeps=(), others=others))
     yield "| torque control | method | tuning | lost | slope [mW] | peak [N m] | Coulomb left |"
-    for scene, name in ((panda, "none"), (inner, "gain 4, dead time 0.5 ms")):
-        with_others = replace(scene, with_others=scene is inner)
+    for setup, name in ((panda, "none"), (inner, "gain 4, dead time 0.5 ms")):
+        with_others = replace(setup, with_others=setup is inner)
         for row in compare(with_others, min(persons, 5), methods).rows:
             slope = row.interval("energy_slope_w").value
             peak = row.interval("drawn_peak_nm").value

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from friction_audit.compensation.counterfactual import fit_operator, recording_of
+from friction_audit.compensation.plant import fit_operator, recording_of
 from friction_audit.compensation.result import FittedOperator
 from friction_audit.errors import AnalysisError
 from friction_audit.pipeline import AuditSettings, estimate_log
@@ -62,7 +62,7 @@ def _person(seed: int, duration_s: float) -> tuple[tuple[float, ...], FittedOper
     log = simulate(replace(BENCH, operator=hand, duration_s=duration_s), seed).log
     interaction = estimate_log(log, AuditSettings()).interaction
     try:
-        return true, fit_operator(recording_of(interaction, 0), interaction.q[:, 0])
+        return true, fit_operator(recording_of(interaction, 0))
     except AnalysisError:
         return true, None
 

@@ -6,7 +6,6 @@ import inspect
 import re
 from dataclasses import fields, replace
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -28,8 +27,8 @@ from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import Diagnosis, Estimate
 from friction_audit.preprocessing.interaction import Caution
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
-from friction_audit.reporting import diagnosis, estimate, replay
 from tests.reporting.conftest import build_estimate
+from tests.reporting.test_files import TABLES
 from tests.test_docs import DOCS
 
 MOST_NAMES = 11  # the eleventh is plot
@@ -123,10 +122,6 @@ def test_a_name_that_is_none_is_refused() -> None:
             getattr(friction_audit, call)("run.mcap")
 
 
-def names(*results: ModuleType) -> tuple[str, ...]:
-    return tuple(table.name for result in results for table in result.TABLES)
-
-
 def test_the_names_below_the_top_are_where_their_page_says() -> None:
     named = re.findall(r"^\| `(friction_audit[.\w]*)\.(\w+)", (DOCS / "python.md").read_text(), re.MULTILINE)
     assert len(named) > 2
@@ -135,12 +130,12 @@ def test_the_names_below_the_top_are_where_their_page_says() -> None:
 
 def test_results_become_frames(log: JointLog, estimated: Estimate, tmp_path: Path) -> None:
     frames = friction_audit.to_frames(estimated)
-    assert tuple(frames) == names(estimate)
+    assert tuple(frames) == TABLES[:4]
     assert frames["coefficients"]["coulomb_nm"][0] == estimated.friction.joints[0].coulomb.value
     assert len(frames["interaction"]) == len(log.t)
-    assert tuple(friction_audit.to_frames(friction_audit.replay_log(estimated))) == names(replay)
+    assert tuple(friction_audit.to_frames(friction_audit.replay_log(estimated))) == TABLES[4:7]
     report = friction_audit.report_log(estimated, tmp_path / "run.md")
-    assert tuple(friction_audit.to_frames(report)) == names(estimate, replay, diagnosis)
+    assert tuple(friction_audit.to_frames(report)) == TABLES
     assert (tmp_path / "run.md").read_text().startswith("# Joint friction")
     with pytest.raises(UsageError, match=r"run.md: exists already"):
         friction_audit.report_log(estimated, tmp_path / "run.md")

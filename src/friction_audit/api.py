@@ -26,11 +26,11 @@ from friction_audit.pipeline import AuditSettings, Diagnosis, Estimate, LogRepla
 from friction_audit.preprocessing.interaction import Caution
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.reporting import ENDINGS
-from friction_audit.reporting.diagnosis import diagnose_tables
-from friction_audit.reporting.estimate import estimate_tables
+from friction_audit.reporting.diagnosis import DIAGNOSE
+from friction_audit.reporting.estimate import ESTIMATE
 from friction_audit.reporting.figures.registry import draw_result
 from friction_audit.reporting.notices import sentence_of
-from friction_audit.reporting.replay import replay_tables
+from friction_audit.reporting.replay import REPLAY
 from friction_audit.reporting.report import LogReport, report_estimate, report_tables
 from friction_audit.simulation import Simulation, simulate
 from friction_audit.simulation.hide import hide
@@ -273,8 +273,8 @@ def plot(
 
 
 DRAWN: dict[type, str] = {Estimate: "estimate", LogReplay: "replay", Diagnosis: "diagnosis"}
-TABLES: dict[type, Callable[[Any], Sequence[TidyTable]]] = {Estimate: estimate_tables, LogReplay: replay_tables}
-TABLES |= {Diagnosis: diagnose_tables, LogReport: report_tables}
+TABLES: dict[type, Callable[[Any], Sequence[TidyTable]]] = {Estimate: ESTIMATE.tables, LogReplay: REPLAY.tables}
+TABLES |= {Diagnosis: DIAGNOSE.tables, LogReport: report_tables}
 
 
 def _of_kind(result: object, call: str, kinds: Mapping[type, Any]) -> Any:  # noqa: ANN401 - of any kind

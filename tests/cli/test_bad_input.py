@@ -83,6 +83,7 @@ UNREADABLE, DAMAGED = 3, 6
 NAN = r"10 of 400 rows hold NaN, infinity"
 EMPTY, BACK = r"tau_J .*none of the 400 rows holds a number", r"time .*goes back at 399 of 399 rows"
 STILL = r"time does not advance|time .*is the same in all 400 rows"
+COARSE = r"time .*takes 3 values in 400 rows, too few"
 SPOILED: Mapping[str, tuple[Callable[[JointLog], JointLog], int, str]] = {
     "nan": (lambda log: _not_finite(log, np.nan), DAMAGED, NAN),
     "infinity": (lambda log: _not_finite(log, np.inf), DAMAGED, NAN),
@@ -90,6 +91,7 @@ SPOILED: Mapping[str, tuple[Callable[[JointLog], JointLog], int, str]] = {
     "zero samples": (lambda _: swinging_log(0), UNREADABLE, r"0 (samples|messages)"),
     "one sample": (lambda _: swinging_log(1), UNREADABLE, r"1 sample; at least 2 are needed"),
     "constant time": (lambda log: with_arrays(log, t=np.zeros(SAMPLES)), UNREADABLE, STILL),
+    "coarse time": (lambda log: with_arrays(log, t=np.floor(2.0 * log.t / log.t[-1])), UNREADABLE, COARSE),
     "time runs back": (lambda log: with_arrays(log, t=log.t[::-1].copy()), UNREADABLE, BACK),
 }
 """Fault -> what gives a log that has it, exit code and message."""
@@ -287,7 +289,7 @@ TEXTS = {
     "utf-16": ((NAMES + b"0,0,0,0\n").decode().encode("utf-16"), r"text in UTF-16; expected a table in UTF-8"),
     "utf-32": ((NAMES + b"0,0,0,0\n").decode().encode("utf-32"), r"text in UTF-32; expected a table in UTF-8"),
     "old line ends": (b"time,q_1,dq_1,tau_J_1\r0,0,0,0\r", r"carriage return alone"),
-    "no header": (b"0,0,0,0\n1,0,0,0\n", r"no header: line 1 holds 4 numbers.*--map t=#1"),
+    "no header": (b"0,0,0,0\n1,0,0,0\n", r"no header: line 1 holds 4 numbers.*--map t=#1 --map q=#2-#2 "),
     "only a header": (NAMES, r"0 samples: a header of 4 columns and no rows.*record the arm"),
     "word": (NAMES + b"0,0,x,0\n1,0,0,0\n", r"line 2, column dq_1: 'x' is not a number"),
     "no date": (NAMES + b"noon,0,0,0\nnoon,0,0,0\n", r"time holds neither a number nor a date.*: 'noon'"),

@@ -22,6 +22,7 @@ from friction_audit.io.files import sha256_of
 from friction_audit.io.readers import read_log
 from friction_audit.io.writers.write_log import write_log
 from friction_audit.reporting.figures.registry import figures_of
+from friction_audit.reporting.html.batch_page import OF_A_TEST
 from friction_audit.simulation import BenchSettings, simulate
 from tests.in_this_process import Run
 
@@ -75,6 +76,10 @@ def test_from_logs_to_every_output(rig: Path, run: Run) -> None:
     assert f"{DAYS} sessions of 1 arm: 0 computed, {DAYS + 1} known from the ledger, 1 of these failed" in again.out
     assert {path.name: path.stat().st_mtime_ns for path in folder.iterdir() if path.name in first} == first
     assert run("batch-report", rig, "--json", "-q").document()["known"] == DAYS + 1
+    (folder / "mine.png").touch()
+    assert run("batch-report", rig / "2026-03-01.npz", "-q", "--overwrite").code == 0
+    left = {f"{kind.name}.png" for kind in figures_of("drift") if kind.name not in OF_A_TEST}
+    assert {path.name for path in folder.iterdir()} == {"ledger.sqlite", *RESULTS, *left, "mine.png"}
 
 
 @pytest.mark.usefixtures("here")

@@ -14,7 +14,7 @@ import typer
 from friction_audit.cli import NAMES, command_of, parameters
 from friction_audit.cli.compare import ARMS, FIGURES, METHOD_NAMES
 from friction_audit.cli.reproduce import PAPER_FIGURES
-from friction_audit.compensation.comparison.methods import METHODS, SCENES
+from friction_audit.compensation.comparison.methods import METHODS, SETUPS
 from friction_audit.io.writers.write_log import WRITERS as LOG_WRITERS
 from friction_audit.reporting import ENDINGS
 from friction_audit.reporting.figures import comparison
@@ -118,7 +118,7 @@ def test_nothing_heavy_is_loaded() -> None:
 
 def test_names_of_options_are_those_of_the_steps() -> None:
     assert tuple(method.name for method in METHODS) == METHOD_NAMES
-    assert tuple(scene.name for scene in SCENES) == ARMS
+    assert tuple(setup.name for setup in SETUPS) == ARMS
     assert tuple(comparison.FIGURES) == FIGURES
     assert tuple(one.figure for one in REPRODUCTIONS) == PAPER_FIGURES
     assert WRITERS.keys() == ENDINGS.keys()

@@ -11,7 +11,7 @@ import pytest
 from friction_audit.cli.compare import FIGURES
 from friction_audit.compensation.comparison import result
 from friction_audit.compensation.comparison.experiment import choose_best, compare, find_margin
-from friction_audit.compensation.comparison.methods import BEST, IDLE, METHODS, SCENES, Method, Scene, Tuning
+from friction_audit.compensation.comparison.methods import BEST, IDLE, METHODS, SETUPS, Method, Setup, Tuning
 from friction_audit.compensation.comparison.result import Comparison
 from friction_audit.compensation.competitors import Compensator
 from friction_audit.reporting.compare import compare_lines
@@ -26,8 +26,8 @@ SEEDS = 2
 CHOSEN = ("none", "disturbance_observer", "torque_regulation", "energy", "oracle")
 
 
-def short_joint(duration_s: float = 15.0) -> Scene:
-    joint = SCENES[0]
+def short_joint(duration_s: float = 15.0) -> Setup:
+    joint = SETUPS[0]
     few: dict[str, Any] = {"tuning_seeds": 1, "most_values": 5, "sweeps": 1, "margin_seeds": 1, "margin_share": 0.7}
     return replace(joint, settings=replace(joint.settings, duration_s=duration_s), **few)
 
@@ -83,9 +83,9 @@ def tunings(method: Method) -> list[Tuning]:
 @EACH
 def test_every_tuning_makes_a_compensator_for_every_joint(method: Method) -> None:
     for tuning in tunings(method):
-        made = SCENES[1].compensated(tuning, 2.0).compensator
+        made = SETUPS[1].compensated(tuning, 2.0).compensator
         assert isinstance(made, tuple)
-        assert len(made) == len(SCENES[1].settings.joints)
+        assert len(made) == len(SETUPS[1].settings.joints)
         assert all(isinstance(one, Compensator) for one in made)
         assert tuning.name
         assert tuning.meaning
@@ -109,13 +109,13 @@ def test_without_compensation_a_person_feels_the_joint() -> None:
 
 
 def test_a_competitor_that_is_unstable_is_caught_and_drawn_up_to_there() -> None:
-    scene = short_joint()
+    setup = short_joint()
     (method,) = (one for one in METHODS if one.name == "torque_regulation")
     wild: Tuning = method.sweeps[0].at(40.0)
-    reference = result.find_reference(simulate(scene.compensated(METHODS[0].paper), 0))
-    simulation = simulate(scene.compensated(wild), 0)
+    reference = result.find_reference(simulate(setup.compensated(METHODS[0].paper), 0))
+    simulation = simulate(setup.compensated(wild), 0)
     outcome, course = result.measure(simulation, reference), result.make_course(simulation, reference)
-    assert 0.0 < outcome.lost_s < scene.settings.duration_s
+    assert 0.0 < outcome.lost_s < setup.settings.duration_s
     assert course.lost_s == outcome.lost_s == course.t[-1]
     assert len(course.t) == len(course.dq) == len(course.interaction_nm) == len(course.energy_j)
 

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from friction_audit.compensation.competitors import Compensator, DisturbanceObserver
-from friction_audit.compensation.controller import FIND, step
-from friction_audit.compensation.records import fresh_memory, pack
+from friction_audit.compensation.controller import DETECT, step
+from friction_audit.compensation.records import initial_states, settings_records
 from friction_audit.compensation.settings import OperatorImpedance, ReplaySettings
 from friction_audit.compiled import Record
 from friction_audit.joint_log import Float, JointLog
@@ -69,16 +69,16 @@ def runs_away(motion: TrueMotion) -> bool:
 
 
 def fresh(compensator: Compensator | None) -> tuple[Record, Record]:
-    memory = fresh_memory(1)
-    memory["modelled_nm"] = COULOMB  # what a replay would tell a compensator with a joint's model, at every tick
-    return pack([compensator], 1.0 / TICK_S)[0], memory[0]
+    state = initial_states(1)
+    state["modelled_nm"] = COULOMB  # a replay stores it at every tick, for a compensator with a joint's model
+    return settings_records([compensator], 1.0 / TICK_S)[0], state[0]
 
 
 def feed(compensator: Compensator | None, dq: Any, interaction_nm: Any, dt: float = TICK_S) -> tuple[Float, Record]:
-    """Return the torques of a compensator that sees these signals, and its memory."""
-    settings, memory = fresh(compensator)
+    """Return the torques of a compensator that sees these signals, and its state."""
+    settings, state = fresh(compensator)
     pairs = np.broadcast(np.asarray(dq, float), np.asarray(interaction_nm, float))
-    return np.array([step(settings, memory, v, torque, dt, FIND) for v, torque in pairs]), memory
+    return np.array([step(settings, state, v, torque, dt, DETECT) for v, torque in pairs]), state
 
 
 def observer_limit(settings: DisturbanceObserver, motor: float, outer: float) -> float:

@@ -12,9 +12,9 @@ from hypothesis import given, settings, strategies as st
 from numpy.testing import assert_array_equal
 
 from friction_audit.compensation import competitors, law
-from friction_audit.compensation.controller import FIND, REVERSALS, TORQUE_BOUND_NM, run, step
-from friction_audit.compensation.law import PUBLISHED, Checked, Coefficients, EnergyCompensator
-from friction_audit.compensation.records import GAP, MEMORY, fresh_memory, pack
+from friction_audit.compensation.controller import DETECT, MOST_REVERSALS, TORQUE_BOUND_NM, run, step
+from friction_audit.compensation.law import NO_RIDGE, Checked, Coefficients, EnergyCompensator
+from friction_audit.compensation.records import GAP, STATE, initial_states, settings_records
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
@@ -40,10 +40,10 @@ def strokes(peaks: list[float], *, seconds: float = 0.5) -> Float:
 
 def closed(compensator: EnergyCompensator, dq: Float, force: Float) -> Any:
     """Run a compensator along a motion that is kept up by force; its sensor feels that without its own torque."""
-    settings, memory, seen = pack([compensator], 1.0 / DT)[0], fresh_memory(1)[0], np.empty(len(dq), MEMORY)
+    settings, state, seen = settings_records([compensator], 1.0 / DT)[0], initial_states(1)[0], np.empty(len(dq), STATE)
     for i, (v, torque) in enumerate(zip(dq, force, strict=True)):
-        step(settings, memory, v, torque - memory["u_nm"], DT if i else 0.0, FIND)
-        seen[i] = memory
+        step(settings, state, v, torque - state["u_nm"], DT if i else 0.0, DETECT)
+        seen[i] = state
     return seen
 
 
@@ -67,7 +67,7 @@ def test_friction_is_silent_in_the_dead_band_then_all_of_it(compensator: Any, dq
 def test_friction_of_a_recording_with_a_compensator_of_its_own(window: int) -> None:
     dq = strokes([0.5, 0.8, 0.6, 1.1, 0.7, 0.9])
     friction = 0.3 * np.sign(dq) + 0.07 * dq + 0.2 * np.gradient(dq, DT)
-    compensator = EnergyCompensator(window=window, ridge=PUBLISHED, factor=0.0, passivity=False)
+    compensator = EnergyCompensator(window=window, ridge=NO_RIDGE, factor=0.0, passivity=False)
     signals = run(compensator, clock(len(dq)), dq, friction)
     assert np.all(np.isnan(signals["estimated_coulomb_nm"][signals["cycle"] < window]))
     assert signals["estimated_coulomb_nm"][-1] == pytest.approx(0.3, rel=5e-3)
@@ -89,7 +89,7 @@ def at_end_of(cycle: int, signals: Any) -> tuple[float, float]:
 def test_as_published_a_step_between_two_cycles_is_split_wrongly_and_the_negative_part_not_applied() -> None:
     """Friction doubles between two cycles of about one speed: their equations meet where no friction is."""
     dq, friction = stepped([0.5, 0.6, 0.5], [1.0, 2.0, 2.0])
-    compensator = EnergyCompensator(window=2, ridge=PUBLISHED, factor=1e-6, passivity=False)
+    compensator = EnergyCompensator(window=2, ridge=NO_RIDGE, factor=1e-6, passivity=False)
     signals = run(compensator, clock(len(dq)), dq, friction)
     coulomb, viscous = at_end_of(2, signals)
     assert coulomb < -0.1
@@ -178,7 +178,7 @@ LUGRE = competitors.LugreCompensation(coulomb_nm=COULOMB, breakaway_nm=0.4, visc
 @pytest.mark.parametrize(
     ("made", "message"),
     [
-        (lambda: pack([None], 0.0), "rate 0 Hz"),
+        (lambda: settings_records([None], 0.0), "rate 0 Hz"),
         (lambda: replace(LUGRE, breakaway_nm=0.2), "breakaway_nm 0.2: expected coulomb_nm 0.3 or more"),
         (lambda: competitors.fit_sigmoid(0.0, 0.0), "friction above zero"),
     ],
@@ -286,15 +286,15 @@ def test_a_reading_that_is_none_silences_for_good_and_does_not_reach_the_ledgers
 
 def test_its_own_torque_is_watched_too() -> None:
     regulation = competitors.TorqueRegulation(inertia_kg_m2=1.0, desired_inertia_kg_m2=1e-3)
-    torque, memory = feed(regulation, 0.0, [1.0, 5.0, 20.0, 1.0])
+    torque, state = feed(regulation, 0.0, [1.0, 5.0, 20.0, 1.0])
     assert torque == pytest.approx([999.0, 4995.0, 0.0, 0.0])
-    assert (memory["unstable"], memory["ticks"]) == (1, 4)
+    assert (state["unstable"], state["ticks"]) == (1, 4)
 
 
 def test_turning_back_at_the_limit_tick_by_tick_is_no_control() -> None:
     held = competitors.TorqueRegulation(inertia_kg_m2=1.0, desired_inertia_kg_m2=0.1, max_torque_nm=1.0)
     sides = np.where(np.arange(200) % 2, 1.0, -1.0)
-    torque, memory = feed(held, 0.0, sides)
-    assert memory["unstable"] == 1
-    assert torque[: REVERSALS - 1].all()
-    assert_array_equal(torque[REVERSALS + 2 :], 0.0)
+    torque, state = feed(held, 0.0, sides)
+    assert state["unstable"] == 1
+    assert torque[: MOST_REVERSALS - 1].all()
+    assert_array_equal(torque[MOST_REVERSALS + 2 :], 0.0)

@@ -11,15 +11,15 @@ from numpy.testing import assert_allclose
 
 from friction_audit.compensation.comparison.result import vibration_nm
 from friction_audit.compensation.competitors import (
-    PUBLISHED,
+    PANDA_SIGMOIDS,
     DisturbanceObserver,
     FixedCompensation,
     LugreCompensation,
     TorqueRegulation,
     fit_sigmoid,
 )
-from friction_audit.compensation.controller import FIND, step
-from friction_audit.compensation.law import Coefficients, EnergyCompensator, Law, payback_s
+from friction_audit.compensation.controller import DETECT, step
+from friction_audit.compensation.law import Coefficients, CompensatorSettings, EnergyCompensator, payback_s
 from friction_audit.joint_log import Float
 from friction_audit.simulation import IDEAL_SENSORS, PANDA_SENSORS, JointParameters, Operator
 from friction_audit.simulation.bench import BenchSettings
@@ -57,7 +57,7 @@ def uncompensated_j() -> float:
 def test_an_oracle_leaves_no_friction_and_no_method_beats_it(uncompensated_j: float) -> None:
     best = abs(work_j(guided(ORACLE)))
     assert best < 5e-3 * uncompensated_j
-    for competitor in (LUGRE, OBSERVER, REGULATION, fit_sigmoid(COULOMB, VISCOUS), PUBLISHED[0]):
+    for competitor in (LUGRE, OBSERVER, REGULATION, fit_sigmoid(COULOMB, VISCOUS), PANDA_SIGMOIDS[0]):
         assert best < abs(work_j(guided(competitor))) < uncompensated_j
 
 
@@ -74,7 +74,7 @@ def test_a_guard_takes_back_what_over_compensation_put_in(right: Any) -> None:
     assert work_j(wild) < -0.1
     # What is compensated too much, over the time in which it is paid back.
     fastest = float(np.abs(guarded.dq).max())
-    assert work_j(guarded) > -0.6 * (COULOMB + VISCOUS * fastest) * fastest * Law.payback_s
+    assert work_j(guarded) > -0.6 * (COULOMB + VISCOUS * fastest) * fastest * CompensatorSettings.payback_s
 
 
 # LuGre as a compensator, against its solution by hand.
@@ -92,10 +92,10 @@ def level(dq: float) -> float:
 @pytest.mark.parametrize("dt", [1e-3, 2e-2])
 def test_bristles_bend_exponentially_at_any_tick(speed: float, dt: float) -> None:
     ticks = 40
-    torque, memory = feed(DAMPED_LUGRE, np.full(ticks, speed), 0.0, dt)
+    torque, state = feed(DAMPED_LUGRE, np.full(ticks, speed), 0.0, dt)
     bend = np.sign(speed) * level(speed) / 300 * (1 - np.exp(-300 * abs(speed) * np.arange(ticks) * dt / level(speed)))
     rate = speed - 300 * abs(speed) * bend / level(speed)
-    assert memory["bristle_rad"] == pytest.approx(bend[-1], rel=1e-9)
+    assert state["deflection_rad"] == pytest.approx(bend[-1], rel=1e-9)
     assert_allclose(torque, 300 * bend + 0.2 * rate + 0.07 * speed, rtol=1e-9)
 
 
@@ -107,7 +107,7 @@ BACKWARD = (0.30, 0.49, 0.25, 0.70, 0.47, 0.12, 0.29)
 
 @pytest.mark.parametrize("joint", range(7))
 def test_the_torque_is_the_formula_and_its_plateaus_are_the_published_ones(joint: int) -> None:
-    one = PUBLISHED[joint]
+    one = PANDA_SIGMOIDS[joint]
     assert one.plateaus_nm == pytest.approx((FORWARD[joint], BACKWARD[joint]), abs=6e-3)
     dq = np.array([-10.0, -0.3, -0.05, 0.0, 0.05, 0.3, 10.0])
     phi1, phi2, phi3 = one.height_nm, one.steepness_s_per_rad, one.shift_rad_s
@@ -146,11 +146,11 @@ LIGHT = JointParameters(inertia_kg_m2=0.1, coulomb_nm=COULOMB, viscous_nms_per_r
 
 def observe(observer: DisturbanceObserver, friction_nm: float, ddq: float, ticks: int = 400) -> Float:
     """Return what is observed of a joint that keeps accelerating, its sensor feeling u: F_m = B ddq + tau_f - u."""
-    settings, memory = fresh(observer)
+    settings, state = fresh(observer)
     u, observed = 0.0, []
     for k in range(ticks):
-        u = step(settings, memory, 0.1 + ddq * k * TICK_S, INERTIA * ddq + friction_nm - u, TICK_S, FIND)
-        observed.append(float(memory["observed_friction_nm"]))
+        u = step(settings, state, 0.1 + ddq * k * TICK_S, INERTIA * ddq + friction_nm - u, TICK_S, DETECT)
+        observed.append(float(state["observed_friction_nm"]))
     return np.array(observed)
 
 
@@ -170,10 +170,10 @@ def test_a_wrong_inertia_looks_like_friction(assumed: float, ddq: float) -> None
 
 def test_the_torque_is_the_gain_times_what_is_observed_outside_the_dead_band() -> None:
     observer = replace(PUBLISHED_OBSERVER, compensation_gain=0.8, dead_band_rad_s=0.01, ramp_rad_s=0.02)
-    settings, memory = fresh(observer)
+    settings, state = fresh(observer)
     for speed, share in ((0.5, 1.0), (0.02, 0.5), (-0.02, 0.5), (0.01, 0.0), (0.0, 0.0), (-0.5, 1.0)):
-        u = step(settings, memory, speed, 0.3, TICK_S, FIND)
-        assert u == pytest.approx(0.8 * share * memory["observed_friction_nm"])
+        u = step(settings, state, speed, 0.3, TICK_S, DETECT)
+        assert u == pytest.approx(0.8 * share * state["observed_friction_nm"])
 
 
 @pytest.mark.parametrize("hand", [0.05, 0.08])

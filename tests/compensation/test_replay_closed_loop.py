@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from friction_audit.compensation.competitors import UNABLE, feed_friction, feed_of
-from friction_audit.compensation.counterfactual import tables_of_file
-from friction_audit.compensation.records import fresh_memory
+from friction_audit.compensation.competitors import NOT_RUNNABLE, make_feedforward, update_feedforward
+from friction_audit.compensation.plant import tabulate_given_model
+from friction_audit.compensation.records import initial_states
 from friction_audit.compensation.result import dissipation_removed, find_step
 from friction_audit.compensation.settings import Competitor, ModelFile, ReplaySettings, energy_compensator
 from friction_audit.dynamics.motion import Motion
@@ -74,6 +74,16 @@ def test_the_same_torque_moves_a_compensated_joint_farther() -> None:
     # The ridge starts from no friction; two updates later it has the split.
     np.testing.assert_allclose(history.coulomb_estimated_nm[5:], 0.3, rtol=0.03)
     np.testing.assert_allclose(history.viscous_estimated_nms_per_rad[5:], 0.07, rtol=0.1)
+
+
+@pytest.mark.parametrize("assume", ["same-motion", "same-torque"])
+def test_a_jump_of_the_clock_adds_no_energy_and_no_steps(assume: str) -> None:
+    log, settings = log_of(MINUTE), ReplaySettings(assume=assume, compensator=COMPENSATOR)
+    jumped = replace(log, t=log.t + 1e6 * (log.t > 0.5 * log.t[-1]))
+    (one,), (other,) = replay(log, settings).joints, replay(jumped, settings).joints
+    assert other.numbers.energy_without_j == pytest.approx(one.numbers.energy_without_j, rel=0.05)
+    assert other.numbers.energy_with_j == pytest.approx(one.numbers.energy_with_j, rel=0.1)
+    assert other.passivity.violations == 0
 
 
 def test_a_competitor_that_diverges_is_cut_there_and_said_so() -> None:
@@ -211,11 +221,11 @@ def test_what_is_applied_is_the_friction_by_hand(speed: float) -> None:
         dq=np.linspace(-1, 1, n),
         ddq=np.zeros(n),
     )
-    memory, feed = fresh_memory(1), feed_of(terms, motion)
-    feed_friction(memory[0], feed, 0.05, speed, 10)
+    state, feed = initial_states(1), make_feedforward(terms, motion)
+    update_feedforward(state[0], feed, 0.05, speed, 10)
     expected = 0.3 * np.sign(speed) + 0.1 + 0.07 * speed
-    assert float(memory["modelled_nm"][0]) == pytest.approx(np.sign(speed) * expected if speed else 0.4, abs=1e-6)
-    assert float(memory["bristle_nm"][0]) == 0.0
+    assert float(state["modelled_nm"][0]) == pytest.approx(np.sign(speed) * expected if speed else 0.4, abs=1e-6)
+    assert float(state["bristle_nm"][0]) == 0.0
 
 
 def test_every_term_runs_or_is_refused_by_name() -> None:
@@ -224,19 +234,19 @@ def test_every_term_runs_or_is_refused_by_name() -> None:
     motion = Motion(t=log.t, q=q, dq=dq, ddq=np.gradient(dq, log.t))
     plain = {"gravity_error": (0.3, 0.1, *[0.0] * 15), "warm_up": (0.1, 0.02, 30.0, 0.0)}  # not of the arm or the air
     for term in terms():
-        if term.name not in {*UNABLE, "inertia"}:
+        if term.name not in {*NOT_RUNNABLE, "inertia"}:
             one = FittedTerm(term.name, plain[term.name]) if term.name in plain else typical_term(term)
             kept = tuple(own for own in firm.terms if own.name != term.name)
-            assert tables_of_file(replace(firm, terms=(*kept, one)), motion).inertia_kg_m2 >= 1.0
+            assert tabulate_given_model(replace(firm, terms=(*kept, one)), motion).inertia_kg_m2 >= 1.0
 
 
-@pytest.mark.parametrize("name", sorted(UNABLE))
+@pytest.mark.parametrize("name", sorted(NOT_RUNNABLE))
 def test_a_term_that_cannot_run_is_refused_by_name(name: str) -> None:
     term = next(term for term in terms() if term.name == name)
     model = and_term(name, *(min(max(0.01, parameter.lower), parameter.upper) for parameter in term.parameters))
     joint = run(log_by(SIMPLE), "same-torque", model)
     assert joint.numbers is None
-    why = f"{name}: {sentences()['not_in_loop'][UNABLE[name]]}"
+    why = f"{name}: {sentences()['not_in_loop'][NOT_RUNNABLE[name]]}"
     assert why in text_of(joint.reason)
     of_friction = {"stiction", "frictional_lag", "load_dependent_friction"}
     applied = run(log_by(SIMPLE), "same-motion", model, applied=True)

@@ -1,7 +1,6 @@
 """The estimate does not depend on the blocks in which a log is read."""
 
 from collections.abc import Collection, Iterator
-from dataclasses import fields
 from itertools import pairwise
 from typing import Any
 
@@ -74,9 +73,8 @@ def assert_same_cycles(found: EnergyCycles, expected: EnergyCycles) -> None:
         np.testing.assert_array_equal(getattr(found, name), getattr(expected, name), name)
     for name in ("start_s", "stop_s", "peak_speed_rad_s", "moving_s", "fastest", "initiation", "termination"):
         np.testing.assert_allclose(getattr(found, name), getattr(expected, name), rtol=1e-9, err_msg=name)
-    for field in fields(expected.sums):
-        own, other = getattr(found.sums, field.name), getattr(expected.sums, field.name)
-        np.testing.assert_allclose(own, other, rtol=1e-9, atol=1e-11, err_msg=field.name)
+    for name, own, other in zip(expected.sums._fields, found.sums, expected.sums, strict=True):
+        np.testing.assert_allclose(own, other, rtol=1e-9, atol=1e-11, err_msg=name)
 
 
 def assert_same(found: Estimate, expected: Estimate) -> None:

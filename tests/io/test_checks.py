@@ -90,6 +90,7 @@ def test_time_starts_at_zero_and_the_start_follows() -> None:
     [
         (put("t", slice(2000, None), lambda t: t[2000:] - 2.0), "back at 1 of 2999 rows, by up to 1.999 s at row 2001"),
         (times("t", 2.0), r"q is 0\.5 times the integral of dq over time; .*--time-scale 0\.5"),
+        (times("dq", 1e3), r"q is 0\.001 times the integral of dq over time; .*dq has another scale or unit"),
         (put("dq", ..., 0.0), r"dq .* is 0 in all 3000 rows while q moves by 1"),
         (put("t", slice(1, None), NAN), r"1 sample; .*2999 of 3000 rows hold NaN"),
     ],
@@ -130,7 +131,10 @@ def test_a_fault_is_named_with_joint_and_amount(
 def test_what_is_left_out_and_what_is_kept() -> None:
     log = vetted(changed(put("tau_J_d", ..., NAN), put("temperature", slice(1, None, 2), NAN)))
     assert (log.tau_J_d, log.temperature, len(log.t)) == (None, None, 3000)
-    assert vetted(changed(put("tau_J", (..., 1), NAN))).joint_names == ("panda_joint1", "panda_joint3")
+    log = vetted(changed(put("tau_J", (..., 1), NAN), put("gravity", (..., 2), NAN)))
+    assert log.joint_names == ("panda_joint1", "panda_joint3")
+    assert finding(log, "empty_joint").message.endswith("joints are numbered without it (2 is panda_joint3)")
+    assert finding(log, "sparse_channel").message.startswith("gravity (gravity) of panda_joint3 lacks 3000 of 3000")
     log = vetted(changed(put("q", (10, 0), NAN), put("tau_J", (20, 2), np.inf), put("t", 30, NAN)))
     assert (finding(log, "non_finite").amount, finding(log, "non_finite").damaged, len(log.t)) == (3, True, 2997)
     assert "(q (q) of panda_joint1, tau_J (tau_J) of panda_joint3)" in finding(log, "non_finite").message
@@ -263,6 +267,8 @@ def test_jitter_and_single_holes_are_no_batches() -> None:
     [
         *((turned, 180.0 / np.pi, ["degrees"] * len(turned.split())) for turned in ("q", "dq", "q dq")),
         ("dq", 30.0 / np.pi, ["velocity_unit"]),  # revolutions per minute
+        ("dq", 0.5 / np.pi, ["velocity_unit"]),  # per second
+        ("q", 0.5 / np.pi, ["position_unit"]),
     ],
 )
 def test_other_units_are_turned_into_radians(turned: str, factor: float, named: list[str]) -> None:
@@ -334,6 +340,13 @@ def test_a_channel_that_keeps_its_value_is_named_with_the_part(channel: str) -> 
     found = vetted(changed(freeze)).source.findings
     assert (found[0].code, found[0].joint) == ("channel_frozen", 2)
     assert "from about 1.2 to 3 s" in found[0].message
+
+
+def test_a_jump_of_the_clock_holds_no_value_and_moves_no_joint() -> None:
+    jump = put("t", slice(1500, None), lambda t: t[1500:] + 1e6)
+    log = vetted(changed(jump, put("dq", (slice(100, 102), 1), 0.4)))
+    assert "channel_frozen" not in codes(log)
+    assert 1.0 < estimate_log(log, AuditSettings()).friction.joints[0].moving_s < 3.0
 
 
 def test_two_recordings_in_one_file_are_named_with_the_row(tmp_path: Path) -> None:

@@ -18,6 +18,7 @@ SECONDS = np.linspace(0.0, 0.999, 1000)
     ("names", "found"),
     [
         ("q|time", ("time", None, "column")),
+        ("q|time_since_start_ms", ("time_since_start_ms", "ms", "column")),
         ("duration| success rate", ("duration", "ms", "robot_time")),
         ("time|success_rate", ("time", "ms", "robot_time")),
         ("%time|field.header.stamp", ("field.header.stamp", None, "header_stamp")),

@@ -16,7 +16,7 @@ from friction_audit.joint_log import JointLog, LogInBlocks, LogPart, Source
 from friction_audit.pipeline import AuditSettings, estimate_log, replay_estimate, while_read
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.preprocessing.sign import coarse_log
-from friction_audit.reporting.estimate import ESTIMATE, estimate_tables
+from friction_audit.reporting.estimate import ESTIMATE
 from friction_audit.reporting.replay import REPLAY
 from friction_audit.robot.arm import load_arm
 from tests.each_case import thorough, with_thorough
@@ -98,7 +98,7 @@ def test_the_estimate_is_the_same(
         log = read_log(path, options)
         assert isinstance(log, LogInBlocks) is options.in_blocks
         estimate = estimate_log(log, settings)
-        cycles = [len(rows) for rows in estimate_tables(estimate)[2].rows]
+        cycles = [len(rows) for rows in ESTIMATE.tables(estimate)[2].rows]
         found.append((ESTIMATE.of(estimate), cycles))
     assert_same(found[1], found[0])
 

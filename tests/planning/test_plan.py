@@ -18,8 +18,8 @@ from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.planning import design, plan as plans
 from friction_audit.planning.design import Limits, candidates_of, limits_of
-from friction_audit.planning.plan import JointPlan, plan_task, trajectory_of
-from friction_audit.planning.task import Arm, Joint, Task, task_of
+from friction_audit.planning.plan import JointPlan, plan_task, plan_tasks, trajectory_of
+from friction_audit.planning.task import Arm, Joint, Task, subject_of, task_of
 from friction_audit.reporting.notices import sentences
 from friction_audit.reporting.plan import Recording, plan_lines
 from tests.each_case import thorough
@@ -113,6 +113,13 @@ def test_a_number_that_a_document_leaves_out_takes_no_name_away() -> None:
     assert task_of(found, True, 0.0).why == "nonlinear_viscous or stribeck"
 
 
+def test_a_joint_of_many_turns_is_planned_for_within_one() -> None:
+    subject = subject_of(Joint())
+    far: Any = replace(subject, data=replace(subject.data, q=100.0 * subject.data.q)), None
+    found = {"joint": 1, "name": "joint1", "verdict": "not_testable"}
+    assert task_of(found, True, 0.0, far).joint.reach_rad == pytest.approx((-2.0 * np.pi, 2.0 * np.pi))
+
+
 def test_a_recording_for_estimate_determines_both_coefficients() -> None:
     joint = Joint()
     task = Task(joint=joint, purpose="estimate", why="1 cycle: move it")
@@ -121,6 +128,10 @@ def test_a_recording_for_estimate_determines_both_coefficients() -> None:
     true = {"coulomb_nm": joint.parameters.coulomb_nm, "viscous_nms_per_rad": joint.parameters.viscous_nms_per_rad}
     for name, value in true.items():
         assert found[name].value == pytest.approx(value, rel=0.1), name
+    shares, other = list[float](), replace(task, joint=replace(joint, number=2))
+    both = plan_tasks([(task, plan.limits), (other, plan.limits)], 60.0, check=False, report=shares.append)
+    assert [(one.task, one.runs) for one in both] == [(task, plan.runs), (other, plan.runs)]
+    assert sorted(shares) == [0.5, 1.0]
     first, second, *_, last, _ = plan_lines([Recording("estimate", (plan,), ())], [])
     assert "(1 cycle): " in first, "the motion is what to do"
     assert second.startswith("start at 0.00 rad")

@@ -12,10 +12,12 @@ import pyarrow.parquet as pq
 import pytest
 
 from friction_audit.io.writers.tables import TidyTable, write_rows
-from friction_audit.reporting import diagnosis, drift_sessions, estimate, replay
-from friction_audit.reporting.diagnosis import diagnose_tables
+from friction_audit.reporting import drift_sessions
+from friction_audit.reporting.diagnosis import DIAGNOSE
 from friction_audit.reporting.drift import BatchSummary
 from friction_audit.reporting.drift_sessions import session_columns
+from friction_audit.reporting.estimate import ESTIMATE
+from friction_audit.reporting.replay import REPLAY
 from friction_audit.reporting.report import LogReport, report_tables
 from tests.reporting import batch_by_hand, diagnosis_by_hand, log_report_by_hand as by_hand
 from tests.reporting.conftest import build_estimate
@@ -33,7 +35,7 @@ UNITLESS = {
 UNIT = re.compile(r"_(s|rad|rad_s|nm|nm_s|nms_per_rad|j)$")
 
 
-TABLES = tuple(table.name for module in (estimate, replay, diagnosis) for table in module.TABLES)
+TABLES = tuple(table.name for document in (ESTIMATE, REPLAY, DIAGNOSE) for table, _ in document.files)
 
 
 @cache
@@ -58,7 +60,7 @@ def test_columns_are_the_result_s() -> None:
     found = by_hand.report()
     assert tuple(every()) == TABLES
     alone = LogReport(estimate=found.estimate)
-    assert tuple(table.name for table in report_tables(alone)) == tuple(table.name for table in estimate.TABLES)
+    assert tuple(table.name for table in report_tables(alone)) == TABLES[: len(ESTIMATE.files)]
     for rows, joint in zip(every()["coefficients"].rows, found.estimate.friction.joints, strict=True):
         assert (rows.joint, rows.name, bool(rows.columns["reason"][0])) == (joint.joint, joint.name, bool(joint.reason))
         assert rows.columns["viscous_high_nms_per_rad"][0] == pytest.approx(joint.viscous.high, nan_ok=True)
@@ -69,7 +71,7 @@ def test_columns_are_the_result_s() -> None:
 
 @pytest.mark.parametrize(("unit", "ends"), [("N m", ("nm", "j")), ("A", ("a", "a_rad")), ("mA", ("ma", "ma_rad"))])
 def test_columns_have_the_unit_of_the_torque(unit: str, ends: tuple[str, str]) -> None:
-    coefficients, _, cycles, interaction = estimate.estimate_tables(in_ampere(build_estimate(1), unit))
+    coefficients, _, cycles, interaction = ESTIMATE.tables(in_ampere(build_estimate(1), unit))
     assert {f"coulomb{part}_{ends[0]}" for part in ("", "_low", "_high")} < coefficients.types.keys()
     assert f"net_energy_{ends[1]}" in cycles.types
     assert f"interaction_{ends[0]}" in interaction.types
@@ -80,7 +82,7 @@ def test_residual_is_measured_less_model_and_effects_are_words() -> None:
     whole = np.ones_like(NAMED.traces.measured)  # type: ignore[union-attr]
     effect = replace(AMBIGUOUS.effects[0], alternatives=("asymmetric_coulomb", "inertia_error"))
     traces = replace(NAMED.traces, measured=0.5 * whole, before=0.4 * whole, after=0.48 * whole)  # type: ignore[type-var]
-    tables = diagnose_tables(diagnosis_by_hand.diagnosis(replace(NAMED, traces=traces, effects=(effect,))))
+    tables = DIAGNOSE.tables(diagnosis_by_hand.diagnosis(replace(NAMED, traces=traces, effects=(effect,))))
     made = {table.name: table.rows[0].columns for table in tables if table.rows}
     for name, value in {"nominal": 0.4, "augmented": 0.48, "residual_before": 0.1, "residual_after": 0.02}.items():
         assert made["residual"][f"{name}_nm"] == pytest.approx(value)

@@ -62,7 +62,7 @@ def test_no_word_becomes_markup(place: str, word: str) -> None:
     parts: dict[str, html_page.Part] = {
         "text": html_page.Text(lines=(word,)),
         "cell": Table(columns=(column,), rows=(word,), caption="c"),
-        "title": Table(columns=(replace(column, title=word),), rows=("x",), caption="c"),
+        "title": Table(columns=(column._replace(title=word),), rows=("x",), caption="c"),
         "command": html_page.Command(line=word),
         "caption": Table(columns=(column,), rows=("x",), caption=word, folded=True),
     }
@@ -116,6 +116,7 @@ def test_the_lead_of_a_batch_claims_no_more_than_was_tested() -> None:
     assert "check lubrication" not in html
     assert "check lubrication" in write_page(batch_by_hand.batch(batch_by_hand.arm()), {})
     assert "No drift of the friction was found on 1 arm; no answer on 1 arm." in html
+    assert "No answer on 2 arms." in write_page(batch_by_hand.batch(bare, replace(bare, robot="other")), {})
     (joint,) = steady.joints
     warmer = replace(joint, coefficients=tuple(replace(one, shape="temperature") for one in joint.coefficients))
     html = write_page(batch_by_hand.batch(steady, replace(steady, robot="warm", joints=(warmer,))), {})

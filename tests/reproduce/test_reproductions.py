@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from friction_audit.compensation.comparison.experiment import compare
-from friction_audit.compensation.comparison.methods import METHODS, SCENES
-from friction_audit.reproduce import REPRODUCTIONS, Claim, Simulations, simulate_figures
+from friction_audit.compensation.comparison.methods import METHODS, SETUPS
+from friction_audit.reproduce import REPRODUCTIONS, Claim, Simulations, simulate_figure
 from friction_audit.reproduce.checks import KEPT, ORDER, SLOPE_BOUND, tolerance_j
 from tests.each_case import thorough
 
@@ -21,7 +21,7 @@ SIMULATED = {one.figure: one for one in REPRODUCTIONS if one.compare is None}
 
 @cache
 def simulated(figure: str) -> Simulations:
-    return simulate_figures([SIMULATED[figure]], 1 if figure == "12" else SEEDS)
+    return simulate_figure(SIMULATED[figure], 1 if figure == "12" else SEEDS)
 
 
 @cache
@@ -42,8 +42,7 @@ def test_claims_belong_to_the_figure_which_is_drawn(figure: str) -> None:
 
 def test_progress_is_reported_and_seeds_are_counted() -> None:
     shares: list[float] = []
-    chosen = [one for one in REPRODUCTIONS if one.figure in ("3", "8")]
-    simulations = simulate_figures(chosen, 2, shares.append)
+    simulations = simulate_figure(SIMULATED["8"], 2, shares.append, simulate_figure(SIMULATED["3"], 2))
     assert {name: len(each) for name, each in simulations.items()} == {"fig3": 1, "fig8": 2}
     assert shares == sorted(shares)
     assert shares[0] == 0.0
@@ -98,10 +97,10 @@ def test_the_passivity_controller_takes_what_the_fourth_cycle_injected() -> None
 
 
 def test_the_proposed_method_keeps_the_energy_of_a_joint_and_own_experiments_are_apart() -> None:
-    joint = SCENES[0]
+    joint = SETUPS[0]
     settings = replace(joint.settings, duration_s=15.0)
-    scene = replace(joint, settings=settings, tuning_seeds=0, with_others=False, margin_seeds=0)
-    short = compare(scene, 2, [replace(method, sweeps=()) for method in METHODS if method.name in ORDER])
+    setup = replace(joint, settings=settings, tuning_seeds=0, with_others=False, margin_seeds=0)
+    short = compare(setup, 2, [replace(method, sweeps=()) for method in METHODS if method.name in ORDER])
     found = {claim.claim: claim for one in COMPARED for claim in one.check({"fig13": short})}
     assert [claim.own for claim in found.values()] == [sentence.startswith("own experiment") for sentence in found]
     assert (len(found), sum(claim.own for claim in found.values())) == (6, 2)

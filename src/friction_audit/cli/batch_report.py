@@ -3,10 +3,10 @@
 import json
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -33,11 +33,6 @@ EXAMPLES = """Examples:
 INTERRUPTED = 130  # exit code: stopped by the user
 # Parameters that change nothing in the numbers; the values of a --config file are written out.
 NOT_PART_OF_IT = ("rebuild", "json", "quiet", "verbose", "overwrite", "config", "workers", "strict", "junit")
-# Modules that the drift and the results take, imported while others read logs.
-FOR_RESULTS = (
-    *("scipy.optimize", "scipy.signal", "scipy.stats", "statsmodels.robust.robust_linear_model"),
-    *("statsmodels.stats.multitest", "friction_audit.cli.batch_files", "jinja2", "pyarrow.csv", "pyarrow.parquet"),
-)
 RESULTS = ("batch.json", "batch.html", "sessions.csv", "sessions.parquet")
 """In the folder of the ledger, made anew whenever something is new."""
 _COUNTS = re.compile(r"\d+ computed, \d+ known")
@@ -115,7 +110,8 @@ def command(
         standing = _catch_up(found, batch, cluster or processes, alone=alone)
         held = [(log.path, log.folders, log.row, standing.hashes.get(log.place)) for log in standing.logs]
         request = (held, standing.passing, standing.warnings, settings.text(), tested, limits, formats, __version__)
-        answer = None if shared.overwrite or voice.verbose else batch.recall(request)
+        last = batch.last()
+        answer = None if shared.overwrite or voice.verbose else batch.recall(request, last)
         if answer is None:
             from friction_audit.cli.batch_files import write_results
 
@@ -123,6 +119,7 @@ def command(
             again = encodable(command_line(context, leave_out=NOT_PART_OF_IT))
             answer, files = write_results(batch, standing, again)
             batch.remember(request, answer, files)
+            batch.remove_figures(last, files)
     if shared.general.json:
         counts = {"computed": standing.new, "known": standing.known}  # of this run
         with (folder / RESULTS[0]).open(encoding="utf-8") as lines:
@@ -175,22 +172,25 @@ class Batch:
                 "--overwrite to replace them (the ledger keeps the numbers of both), or another folder with -o"
             )
 
-    def recall(self, request: object) -> BatchAnswer | None:
+    def last(self) -> dict[str, Any]:
+        """Return the note on the last report: its request, its files and its answer; empty without one."""
+        from friction_audit.batch.ledger import digest_of
+
+        digest, _, text = (self.ledger.note(REPORTED) or "").partition(" ")
+        if digest == (digest_of(repr(text)) if text else ""):
+            note: dict[str, Any] = json.loads(text or "{}")
+            return note
+        why = "the note on the last report is damaged; the report is made again from the sessions"
+        self.voice.warn([f"{self.ledger.path}: {why}"])
+        return {}
+
+    def recall(self, request: object, last: Mapping[str, Any]) -> BatchAnswer | None:
         """Return the answer to the same request if all that was written with it is still there, else None."""
         from friction_audit.batch.ledger import digest_of
 
-        if (written := self.ledger.note(REPORTED)) is None:
+        if last.get("request") != digest_of(repr(request)) or last["files"] != self._stamps(last["files"]):
             return None
-        digest, _, text = written.partition(" ")
-        if digest != digest_of(repr(text)):
-            why = "the note on the last report is damaged; the report is made again from the sessions"
-            self.voice.warn([f"{self.ledger.path}: {why}"])
-            return None
-        note = json.loads(text)
-        files = note.pop("files")
-        if note.pop("request") != digest_of(repr(request)) or files != self._stamps(files):
-            return None
-        return BatchAnswer(**note)
+        return BatchAnswer(**{name: last[name] for name in BatchAnswer.__slots__})
 
     def remember(self, request: object, answer: BatchAnswer, files: Iterable[str]) -> None:
         """Keep the answer to a request, and how the files look that were written with it."""
@@ -198,6 +198,13 @@ class Batch:
 
         text = json.dumps({"request": digest_of(repr(request)), "files": self._stamps(files)} | asdict(answer))
         self.ledger.write_note(REPORTED, f"{digest_of(repr(text))} {text}")
+
+    def remove_figures(self, last: Mapping[str, Any], written: Sequence[str]) -> None:
+        """Remove figures of the last report, as it left them, that this one has no content for."""
+        before = last.get("files", {})
+        for name, stamp in self._stamps(set(before).difference(written)).items():
+            if stamp == before[name] and name.endswith(tuple(self.formats)):
+                (self.folder / name).unlink()
 
     def _stamps(self, names: Iterable[str]) -> dict[str, list[int]]:
         """Return size and time of the last change of files, by name; of those that are there."""
@@ -259,13 +266,11 @@ def _catch_up(found: "Sequence[LogFile]", batch: Batch, executor: "Executor", *,
     def watch(done: int, total: int, failed: int) -> None:
         nonlocal finished
         finished = f"{done} of {total} new logs are"
-        if done == 1 < total:
-            loading.enter_context(chain.loading(*FOR_RESULTS))  # there is time while others read logs
         if report is not None:
             report(done / max(total, 1), f"{done}/{total}{f', {failed} failed' if failed else ''}")
 
     try:
-        with ExitStack() as loading, batch.voice.step("estimate friction") as report:
+        with batch.voice.step("estimate friction") as report:
             return catch_up(found, batch.settings, batch.ledger, executor, watch, backwards=not alone)
     except KeyboardInterrupt as stop:
         remark(f"stopped: {finished} finished; {batch.ledger.path} keeps them; the same command goes on from there")

@@ -49,7 +49,7 @@ def command(
 ) -> None:
     """Compare compensation methods in simulation (two logs: diff)."""
     from friction_audit.compensation.comparison.experiment import compare
-    from friction_audit.compensation.comparison.methods import METHODS, NONE, SCENES
+    from friction_audit.compensation.comparison.methods import METHODS, NONE, SETUPS
     from friction_audit.reporting.compare import COMPARE, compare_lines
     from friction_audit.reporting.figures.comparison import draw_comparison
     from friction_audit.simulation.assign import as_nested
@@ -58,17 +58,17 @@ def command(
     voice = general.voice
     out = ResultFolder(folder=folder, figures=figures, formats=drawing.formats, overwrite=overwrite)
     out.check()
-    (scene,) = (one for one in SCENES if one.name == comparison.arm)
-    settings: Any = changed(scene.settings, change, duration_s=comparison.duration)
-    margin = scene.margin_seeds if comparison.margin_persons is None else comparison.margin_persons
-    scene = replace(scene, settings=settings, margin_seeds=margin)
+    (setup,) = (one for one in SETUPS if one.name == comparison.arm)
+    settings: Any = changed(setup.settings, change, duration_s=comparison.duration)
+    margin = setup.margin_seeds if comparison.margin_persons is None else comparison.margin_persons
+    setup = replace(setup, settings=settings, margin_seeds=margin)
     chosen = [method for method in METHODS if method.name in (NONE, *comparison.methods)]
     with voice.step("compare") as progress:
-        result = compare(scene, comparison.persons, chosen, progress)
+        result = compare(setup, comparison.persons, chosen, progress)
     with voice.step("draw"):
         drawn = draw_comparison(result, figures).items()
         files = [(name, str(path)) for name, figure in drawn for path in out.save_figure(name, figure)]
-    about: dict[str, object] = {"arm": result.scene, "settings": as_nested(settings)}
+    about: dict[str, object] = {"arm": result.setup, "settings": as_nested(settings)}
     about |= {name: getattr(result, name) for name in ("duration_s", "seeds", "tuning_seeds", "margin_seeds")}
     about["effects"] = hidden_effects(settings)
     about |= {"methods": result.rows, "sweeps": result.curves, "figures": files}

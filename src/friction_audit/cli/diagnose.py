@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from functools import partial
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,12 +23,11 @@ EXAMPLES = """Examples:
 
 DOCUMENT, MODEL = "diagnose.json", "model.toml"
 LENGTH = 10.0  # of the diagnosis, compared with reading
-# While the log is read: what processes would load one by one after they are forked.
+# While the log is read: what processes would load one by one after they are forked; with the loops of the noise, numba.
 LOADED = (
     *("friction_audit.friction.estimate", "friction_audit.diagnosis.diagnose"),
-    *("friction_audit.diagnosis.gram", "scipy.ndimage"),
+    *("friction_audit.diagnosis.noise", "scipy.ndimage"),
 )
-REPORT = "friction_audit.reporting.diagnosis"
 
 
 @group(DIAGNOSIS)
@@ -72,7 +70,7 @@ def command(
     audit, reading = chain.audit_settings(shared), chain.read_options(shared.reading, shared.selection)
     settings = _settings(options)
     out = ResultFolder(folder, "diagnose", figures, drawn.formats, export, overwrite=again)
-    out.check(log, (DOCUMENT, MODEL), "diagnosis")
+    out.check(log, (DOCUMENT, MODEL), "diagnosis:DIAGNOSE")
     with voice.stages([1.0, LENGTH, *[1.0] * out.stages]) as stages:
         # No step reads what is desired, and it takes memory.
         recorded = replace(chain.read(log, reading, stages, loaded=LOADED), tau_J_d=None)
@@ -87,19 +85,13 @@ def command(
             subjects = diagnosis_subjects(estimate, settings)
             estimate = without_samples(estimate)  # most of the memory, released before processes are forked
             recorded = estimate.log
-
-            def done(part: float) -> None:
-                import_module(REPORT)  # while the next joints are diagnosed
-                if share is not None:
-                    share(part)
-
-            diagnosed = diagnose_subjects(subjects, settings, done)
-            found = Diagnosis(estimate=estimate, joints=diagnosed, settings=settings)
+            joints = diagnose_subjects(subjects, settings, share)
+            found = Diagnosis(estimate=estimate, joints=joints, settings=settings)
         from friction_audit.diagnosis.result import UNANSWERED
-        from friction_audit.reporting.diagnosis import DIAGNOSE, diagnose_lines, diagnose_tables
+        from friction_audit.reporting.diagnosis import DIAGNOSE, diagnose_lines
         from friction_audit.reporting.notices import diagnose_notices
 
-        joints, json = found.joints, shared.general.json
+        json = shared.general.json
         answered = not all(joint.verdict in UNANSWERED and not joint.traceback for joint in joints)
         if not json:
             chain.warn_about(recorded, diagnose_notices(found), stages, marked=answered)
@@ -109,7 +101,7 @@ def command(
         text = out.write_document(DOCUMENT, document, json=json)
         _write_model(found, out, stages)
         out.write_figures({"diagnosis": found}, [one.joint for one in joints], recorded.source.torque_unit, stages)
-        out.write_exports(diagnose_tables(found), recorded, stages)
+        out.write_exports(DIAGNOSE.tables(found), recorded, stages)
     show(text, lambda: diagnose_lines(found, verbose=voice.verbose), json=json)
     chain.exit_for_bugs(joints, voice)
     chain.conclude(recorded, diagnose_notices(found), strict=strict)

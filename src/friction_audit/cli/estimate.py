@@ -32,7 +32,7 @@ def command(
     voice = shared.general.voice
     settings, options = chain.audit_settings(shared, friction), chain.read_options(shared.reading, shared.selection)
     out = ResultFolder(folder, "estimate", figures, drawn.formats, export, overwrite=shared.overwrite)
-    out.check(log, (DOCUMENT, HISTORY), "estimate")
+    out.check(log, (DOCUMENT, HISTORY), "estimate:ESTIMATE")
     with voice.stages(2 + out.stages) as stages:
         with chain.loading("friction_audit.friction.estimate"):
             from friction_audit.pipeline import while_read
@@ -53,6 +53,6 @@ def command(
         out.write_csv(HISTORY, output.HISTORY.file(joints, "history", recorded.source.torque_unit))
         out.write_figures({"estimate": result}, [one.joint for one in joints], recorded.source.torque_unit, stages)
         if export:
-            out.write_exports(output.estimate_tables(result), recorded, stages)
+            out.write_exports(output.ESTIMATE.tables(result), recorded, stages)
     show(text, lambda: output.estimate_lines(result), json=json)
     chain.conclude(recorded, estimate_notices(result), strict=strict)

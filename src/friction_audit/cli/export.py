@@ -66,8 +66,7 @@ def command(
     estimate = None
     if result is None:
         audit = chain.audit_settings(shared, friction)
-        with chain.loading("friction_audit.friction.estimate"):
-            log = chain.read_torque(source, shared, voice)
+        log = chain.read_torque(source, shared, voice)
         estimate = chain.estimate(log, audit, voice)
         chain.require_one(estimate.log, estimate.friction.joints)
     found = of_estimate(estimate) if estimate else read_result(result or source, options.arm)

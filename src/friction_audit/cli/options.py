@@ -1,7 +1,6 @@
 """The options that commands share, in groups; each is declared here once."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -172,7 +171,7 @@ class GeneralOptions:
         return Voice(quiet=self.quiet, verbose=self.verbose)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@group(params.COMMON)
 class LogOptions:
     """What every command that goes from a log to its cycles understands."""
 

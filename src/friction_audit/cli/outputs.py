@@ -1,11 +1,10 @@
 """What a command makes of a result: documents, figures and tables in a folder, and text on standard output."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import KW_ONLY, dataclass
 from functools import partial
-from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from pkgutil import resolve_name
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from friction_audit.cli.chain import check_outputs
 from friction_audit.cli.console import Voice, remark, say
@@ -22,8 +21,7 @@ MCAP = "mcap"
 Figures = Sequence[tuple[str, int | None, str]]  # kind, joint (None: all of them) and name of each
 
 
-@dataclass(frozen=True, slots=True)
-class ResultFolder:
+class ResultFolder(NamedTuple):
     """The folder of a result, or none, and what is written there, each file whole or not at all."""
 
     folder: Path | None  # where; without one nothing is written
@@ -31,12 +29,14 @@ class ResultFolder:
     figures: Sequence[str] = ()  # names of the figures
     formats: Sequence[str] = ()  # of the figures
     exports: Sequence[str] = ()  # formats that the tables are written in: mcap, csv, parquet
-    _: KW_ONLY
     prefix: str = ""  # of the names of the tables' files
-    overwrite: bool  # whether files that exist are replaced
+    overwrite: bool = False  # whether files that exist are replaced
 
     def check(self, log: Path | None = None, files: Sequence[str] = (), *results: str) -> None:
-        """Refuse what could not be written, before anything long is done: files by name, figures, tables of results."""
+        """Refuse what could not be written, before anything long is done: files by name, figures, tables.
+
+        ``results``: where the results are specified whose tables may be written, ``module:DOCUMENT``.
+        """
         if self.folder is None:
             if self.exports:
                 asked = ",".join(self.exports)
@@ -46,8 +46,8 @@ class ResultFolder:
         figures = [self.folder / f"{kind}.{suffix}" for kind in self.figures for suffix in self.formats]
         single = (f"{kind}-joint[0-9]*.{suffix}" for kind in self.figures for suffix in self.formats)
         figures += sorted(path for pattern in single for path in self.folder.glob(pattern))
-        modules = [import_module(f"friction_audit.reporting.{result}") for result in results if self.exports]
-        tables = [table.name for module in modules for table in module.TABLES]
+        specified = [resolve_name(f"friction_audit.reporting.{result}") for result in results if self.exports]
+        tables = [table.name for document in specified for table, _ in document.files]
         paths = [*(self.folder / file for file in files), *figures, *self.exported(tables)]
         check_outputs(paths, overwrite=self.overwrite, log=log)
 

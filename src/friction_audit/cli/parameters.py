@@ -8,7 +8,7 @@ from functools import partial
 from math import inf
 from pathlib import Path
 from pkgutil import resolve_name
-from typing import Annotated, Any, TypeVar, dataclass_transform
+from typing import Annotated, Any, NamedTuple, TypeVar, dataclass_transform
 
 import typer
 from typer.core import TyperCommand
@@ -188,8 +188,7 @@ HEADINGS: dict[str, Collection[str] | None] = {
 }
 
 
-@dataclass(frozen=True)
-class _Given:
+class _Given(NamedTuple):
     """Lets Typer convert only what was given and is no text: it loads pydantic for that, a fifth of a short run."""
 
     runtime_param: Callable[[], Any]

@@ -64,7 +64,7 @@ def command(
     from friction_audit.io.writers.mcap import write_trajectory
     from friction_audit.io.writers.tables import write_trajectory_csv
     from friction_audit.planning.design import limits_of
-    from friction_audit.planning.plan import plan_task, trajectory_of
+    from friction_audit.planning.plan import plan_tasks, trajectory_of
     from friction_audit.reporting.notices import notice_lines
     from friction_audit.reporting.plan import PLAN, PURPOSES, Recording, plan_lines, plan_notices
 
@@ -77,12 +77,13 @@ def command(
     robot = {"auto": arm.robot, "none": ""}.get(shared.reading.robot, shared.reading.robot)
     asked: dict[str, Any] = {"urdf": shared.torque.urdf, "robot": robot, "range_rad": within}
     asked |= {"speed_rad_s": motion.speed, "acceleration_rad_s2": motion.acceleration, "jerk_rad_s3": motion.jerk}
+    starts = [(one, arm.start_rad[one.joint.number - 1]) for one in tasks if one.purpose]
+    limited = [(one, limits_of(one.joint, start, **asked)) for one, start in starts]
+    with voice.step("plan") as report:
+        every = plan_tasks(limited, motion.duration, check=motion.check, report=report)
     recordings, purposes = [], {one.purpose for one in tasks} - {None}
     for purpose in (one for one in PURPOSES if one in purposes):
-        own = [(one, arm.start_rad[one.joint.number - 1]) for one in tasks if one.purpose == purpose]
-        limited = ((one, limits_of(one.joint, start, **asked)) for one, start in own)
-        with voice.step(f"plan to {purpose}"):
-            plans = tuple(plan_task(*one, motion.duration, check=motion.check) for one in limited)
+        plans = tuple(one for one in every if one.task.purpose == purpose)
         files: tuple[str, ...] = ()
         if folder is not None:
             trajectory = trajectory_of(plans, arm, motion.trajectory_rate)
@@ -153,10 +154,10 @@ def _tasks_of_log(
 
     voice, settings = shared.general.voice, DiagnosisSettings()
     log = chain.read_torque(source, shared, voice)
-    with voice.step("diagnose"):
+    with voice.step("diagnose") as report:
         estimate = estimate_log(log, chain.audit_settings(shared))
         subjects = diagnosis_subjects(estimate, settings)
-        found = Diagnosis(estimate=estimate, joints=diagnose_subjects(subjects, settings), settings=settings)
+        found = Diagnosis(estimate=estimate, joints=diagnose_subjects(subjects, settings, report), settings=settings)
     pose = np.median(log.q, axis=0).tolist() if start is None else start
     pairs = list(zip(subjects, found.joints, strict=True))
     return tasks_of(DIAGNOSE.of(found), source, pose, wanted=wanted, names=log.joint_names, subjects=pairs)

@@ -116,9 +116,9 @@ def command(
     settings = replay_settings(options, shared.cycles)
     audit, reading = chain.audit_settings(shared), chain.read_options(shared.reading, shared.selection)
     out = ResultFolder(folder, "replay", figures, drawn.formats, export, overwrite=shared.overwrite)
-    out.check(log, (DOCUMENT, HISTORY), "replay")
+    out.check(log, (DOCUMENT, HISTORY), "replay:REPLAY")
     with voice.stages(3 + out.stages) as stages:
-        with chain.loading("friction_audit.friction.estimate", "friction_audit.compensation.counterfactual"):
+        with chain.loading("friction_audit.friction.estimate", "friction_audit.compensation.plant"):
             from friction_audit.pipeline import while_read
 
             # Figures and exports take all samples at once, and so does a joint that moves otherwise.
@@ -145,7 +145,7 @@ def command(
         text = out.write_document(DOCUMENT, document, json=json)
         out.write_csv(HISTORY, output.HISTORY.file(joints, "history", recorded.source.torque_unit))
         out.write_figures({"replay": found}, [joint.joint for joint in joints], recorded.source.torque_unit, stages)
-        out.write_exports(output.replay_tables(found), recorded, stages)
+        out.write_exports(output.REPLAY.tables(found), recorded, stages)
     show(text, lambda: output.replay_lines(found), json=json)
     chain.conclude(recorded, replay_notices(found), strict=strict)
 

@@ -65,11 +65,10 @@ def command(
         kinds, name, folder = wanted.formats or [by_ending[folder.suffix]], folder.stem, folder.parent
     files = {kind: (folder or Path()) / f"{name}{ENDINGS[kind]}" for kind in kinds}
     out = ResultFolder(folder=folder or Path(), name=name, prefix=f"{name}.", exports=export, overwrite=again)
-    out.check(log, [path.name for path in files.values()], "estimate", "replay", "diagnosis")
+    out.check(log, [path.name for path in files.values()], "estimate:ESTIMATE", "replay:REPLAY", "diagnosis:DIAGNOSE")
     lengths = [*(length for part, length in LENGTHS.items() if part in {"read", "friction", *sections}), DRAWING]
     with voice.stages([*lengths, *[WRITING] * (len(files) + out.stages)]) as stages:
-        with chain.loading("friction_audit.friction.estimate", "friction_audit.diagnosis.gram"):
-            recorded = chain.read(log, options, stages)
+        recorded = chain.read(log, options, stages)
         estimate = chain.estimate(recorded, settings, stages)
         if not json:
             from friction_audit.reporting.notices import estimate_notices

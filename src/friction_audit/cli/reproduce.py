@@ -39,7 +39,7 @@ def command(
 ) -> None:
     """Simulate the paper's figures and measure its claims."""
     from friction_audit.reporting.compare import CLAIM, REPRODUCE, count_line
-    from friction_audit.reproduce import REPRODUCTIONS, simulate_figures
+    from friction_audit.reproduce import REPRODUCTIONS, simulate_figure
 
     voice, json, persons = general.voice, general.json, simulation.persons
     names = [f"fig{number}" for number in simulation.figures]
@@ -50,7 +50,7 @@ def command(
     simulations: Simulations = {}
     for one in (one for one in REPRODUCTIONS if one.figure in simulation.figures):
         with voice.step(f"simulate figure {one.figure}") as progress:
-            simulations = simulate_figures([one], persons, progress, simulations)
+            simulations = simulate_figure(one, persons, progress, simulations)
         with voice.step(f"check and draw figure {one.figure}"):
             found = [asdict(claim) for claim in one.check(simulations)]
             paths = out.save_figure(f"fig{one.figure}", one.draw(simulations))

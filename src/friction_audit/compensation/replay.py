@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.compensation import FEED_BACK, MODEL, competitors, result
-from friction_audit.compensation.closed_loop import SUMS, add_torque
+from friction_audit.compensation import FEEDBACK, MODEL, competitors, result
 from friction_audit.compensation.competitors import Compensator
-from friction_audit.compensation.controller import FIND, hand_cuts
-from friction_audit.compensation.counterfactual import Run, make_scene, recording_of
+from friction_audit.compensation.controller import DETECT, detect_hand_cycles
 from friction_audit.compensation.law import Coefficients, EnergyCompensator
+from friction_audit.compensation.plant import CompensatorRun, make_part, recording_of
+from friction_audit.compensation.replay_loops import TORQUE_SUMS, add_torque
 from friction_audit.compensation.result import JointReplay, Replay, Signals
 from friction_audit.compensation.settings import Competitor, Limits, ReplaySettings, limits_of
 from friction_audit.effects.joint_model import JointModel
@@ -22,14 +22,13 @@ from friction_audit.friction.history import FrictionHistory, JointFriction
 from friction_audit.joint_log import Float, Recording, read_only
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
-from friction_audit.preprocessing.interaction import Caution, Interaction, reason_of
+from friction_audit.preprocessing.interaction import Caution, Interaction, Reason, reason_of
 from friction_audit.presets import FRANKA
 
 LONGEST_STEP = 3.5  # a step of the clock of this many median steps is a gap, at any rate
-FAR_BELOW = 0.25  # share of the published friction of its kind that no healthy joint falls below
-# Mean friction torque over the rms torque below which no joint with a gear is; one moved fast by hand has 0.3.
-NEXT_TO_NOTHING = 0.03
-GONE = 0.1  # friction in the later half of a log over that of its beginning: joints that warm up keep half of it
+LEAST_OF_PUBLISHED = 0.25  # share of the published Coulomb friction that joints of a Panda have at least
+LEAST_OF_TORQUE = 0.03  # mean friction torque over rms torque, at least; a geared joint moved fast by hand has 0.3
+LEAST_OF_BEGINNING = 0.1  # friction in the later half of a log over that at its beginning; warming up keeps half of it
 UNCOMPENSATED = 2  # cycles before the compensator of the paper has an estimate
 FEWEST_CYCLES = 4
 
@@ -47,22 +46,22 @@ def replay(
 ) -> Replay:
     """Run a compensator on the joints of a recording, or on some by their numbers, as a controller would have.
 
-    The interaction is without samples where these are not to be kept; the parts are the same, one after the other, a
-    single one where the settings say ``needs_whole``. The thresholds of the cycles are the compensator's. With the
-    speed of the end effector as a controller sees it, from what is measured at each sample, shape (n,), the hand ends
-    the cycles of all joints, and there is one part. [m/s]
+    ``parts`` holds the samples of the interaction, one part after the other; there is one part where the settings say
+    ``needs_whole``. ``interaction`` has samples only where the result is to keep its signals. The compensator uses the
+    thresholds of the cycles. With a hand speed, that of the end effector at each sample without smoothing, shape (n,)
+    [m/s], the hand ends the cycles of all joints, and there is one part.
     """
-    cuts = np.full(1, FIND)
+    cycle_ends = np.full(1, DETECT)
     if hand_speed is not None:
         energy = settings.compensator
         energy = energy if isinstance(energy, EnergyCompensator) else EnergyCompensator()
         t, hand, dq = map(read_only, (interaction.t, hand_speed, interaction.dq))
         thresholds = cycles[0].initiation, cycles[0].termination
-        cuts = hand_cuts(t, hand, dq, thresholds, energy.dead_band_rad_s, energy.minimum_path_rad)
+        cycle_ends = detect_hand_cycles(t, hand, dq, thresholds, energy.dead_band_rad_s, energy.minimum_path_rad)
     chosen = [one for one in friction.joints if joints is None or one.joint in joints]
     runs = [_JointRun(log, interaction, cycles, one, settings) for one in chosen]
     for part in parts:
-        per_joint(lambda place: runs[place].take(part, cuts), len(runs))  # noqa: B023 - it runs at once
+        per_joint(lambda place: runs[place].add(part, cycle_ends), len(runs))  # noqa: B023 - it runs at once
     replays = tuple(run.result() for run in runs)
     warnings = [] if interaction.choice.drive == "hand" else [Caution(code="arm_moves_itself")]
     if interaction.choice.gravity == "in-torque":
@@ -78,7 +77,7 @@ def replay(
 
 
 class _JointRun:
-    """One joint on its way through the parts of a recording."""
+    """The replay of one joint, through the parts of a recording."""
 
     def __init__(
         self,
@@ -90,83 +89,80 @@ class _JointRun:
     ) -> None:
         step_s, robot = 1.0 / log.rate_hz, log.source.robot
         self.friction, self._kept = friction, len(interaction.t) > 0
-        self.square = 0.0  # sum of the squared torque over the samples of all cycles
+        self.square = 0.0  # sum of the squared torque over the samples of all cycles [N^2 m^2]
         self._settings, self._column = settings, interaction.joint_numbers.index(friction.joint)
         self.cycles = cycles[self._column]
         recorded = recording_of(interaction, self._column)
-        limits = settings.limits(limits_of(robot, friction.joint))
-        model = None if settings.joint_model is None else settings.joint_model.joint(friction.joint)
-        # Without a compensator the same motion takes all of the total torque from outside.
-        nothing = np.broadcast_to(0.0, len(recorded.t))
+        limits, zeros = settings.limits(limits_of(robot, friction.joint)), np.broadcast_to(0.0, len(recorded.t))
         self._joint = JointReplay(
             joint=friction.joint,
             name=friction.name,
             compensator=settings.compensator,
             limits=limits,
-            model=model,
-            without=Signals(recorded.t, recorded.dq, recorded.total, nothing, nothing, nothing),
+            # Without a compensator the operator gives the total torque of the recorded motion.
+            without=Signals(recorded.t, recorded.dq, recorded.total, zeros, zeros, zeros),
         )
         try:
+            model = None if settings.joint_model is None else settings.joint_model.joint(friction.joint)
+            self._joint = replace(self._joint, model=model)
             wanted = tune(settings.competitor, friction, robot, model) if settings.competitor else settings.compensator
         except AnalysisError as reason:
             self._joint = replace(self._joint, reason=reason_of(reason))
             return
-        chosen = _in_force(wanted, self.cycles, limits, step_s)
-        self._joint = replace(self._joint, compensator=chosen)
-        self._run, self._idle = (Run(one, step_s, self.cycles.peak_power_w) for one in (chosen, None))
-        self._recorded, self._total = np.zeros(2, SUMS)
-        self._changes: dict[str, Any] = {}  # of the joint, where it was replayed
+        chosen = _with_limits(wanted, self.cycles, limits, step_s)
+        self._joint = self._replayed = replace(self._joint, compensator=chosen)
+        self._run, self._idle = (CompensatorRun(one, step_s, self.cycles.peak_power_w) for one in (chosen, None))
+        self._recorded_sums, self._total_sums = np.zeros(2, TORQUE_SUMS)
 
-    def take(self, part: Interaction, cuts: NDArray[np.int64]) -> None:
-        """Take the samples that follow."""
-        torque = part.torque[:, self._column]
-        borders = np.clip(np.stack([self.cycles.start, self.cycles.stop], axis=1) - part.first, 0, len(torque))
+    def add(self, interaction: Interaction, cycle_ends: NDArray[np.int64]) -> None:
+        """Run through the next part of the recording."""
+        torque = interaction.torque[:, self._column]
+        borders = np.clip(np.stack([self.cycles.start, self.cycles.stop], axis=1) - interaction.first, 0, len(torque))
         for start, stop in borders[borders[:, 0] < borders[:, 1]].tolist():
             self.square += float(torque[start:stop] @ torque[start:stop])
         if self._joint.reason:
             return
         modelled = isinstance(self._joint.compensator, competitors.JointModelCompensation)
         try:
-            scene = make_scene(part, self.cycles, self.friction, self._settings, cuts, modelled=modelled)
-            found = self._run.take(scene)
+            part = make_part(interaction, self.cycles, self.friction, self._settings, cycle_ends, modelled=modelled)
+            replayed = self._run.run(part)
         except AnalysisError as reason:
             self._joint = replace(self._joint, reason=reason_of(reason))
             return
-        recorded = scene.recorded
-        for sums, torque in ((self._recorded, recorded.torque), (self._total, recorded.total)):
+        recorded = part.recorded
+        for sums, torque in ((self._recorded_sums, recorded.torque), (self._total_sums, recorded.total)):
             add_torque(sums, recorded.t, recorded.dq, torque)
-        self._changes = {"replayed": found if self._kept else self._joint.without}
-        if scene.loop is not None:
-            without = self._idle.take(scene)
-            self._changes |= {
-                "without": without,
-                "fitted": scene.fitted,
-                "operator": scene.operator,
-                "simulated": True,
-                "model_error": result.model_error(recorded, without),
-            }
+        self._replayed = replace(self._joint, replayed=replayed if self._kept else self._joint.without)
+        if part.plant is not None:
+            without = self._idle.run(part)
+            self._replayed = replace(
+                self._replayed,
+                without=without,
+                fitted=part.fitted,
+                operator=part.operator,
+                simulated=True,
+                model_error=result.model_error(recorded, without),
+            )
 
     def result(self) -> JointReplay:
-        """Return the joint, after the last part."""
-        joint = self._joint
-        if joint.reason:
-            return joint
-        run, history = self._run, np.concatenate(self._run.rows).view(np.recarray)
+        """Return the result, after the last part."""
+        if self._joint.reason:
+            return self._joint
+        run, history = self._run, np.concatenate(self._run.cycles).view(np.recarray)
         history.start_s[:1], history.start_s[1:] = 0.0, history.stop_s[:-1]
-        reason = (
-            result.missing_estimate(history, self.friction, joint.compensator) if isnan(run.tally["diverged_s"]) else ()
-        )
-        if run.felt["samples"] <= 1:
+        reason: Reason = ()
+        if run.torque_sums["samples"] <= 1:
             reason = (Caution("diverges_at_once"),)
+        elif isnan(run.statistics["diverged_s"]):
+            reason = result.missing_estimate(history, self.friction, self._joint.compensator)
         if reason:
-            return replace(joint, reason=reason)
-        without = self._idle.felt if "without" in self._changes else self._total
-        numbers, passivity = result.measure(self._recorded, without, run.felt, run.tally, history)
+            return replace(self._joint, reason=reason)
+        without = self._idle.torque_sums if self._replayed.simulated else self._total_sums
+        numbers, passivity = result.summarise(self._recorded_sums, without, run.torque_sums, run.statistics, history)
         return replace(
-            joint,
-            **self._changes,
+            self._replayed,
             history=history,
-            last=Coefficients(**{one.name: float(run.memory[one.name]) for one in fields(Coefficients)}),
+            last=Coefficients(**{one.name: float(run.state[one.name]) for one in fields(Coefficients)}),
             numbers=numbers,
             passivity=passivity,
             recovery=result.find_recovery(history),
@@ -174,13 +170,13 @@ class _JointRun:
 
 
 def tune(competitor: Competitor, friction: JointFriction, robot: str, model: JointModel | None) -> Compensator:
-    """Return a compensator for one joint."""
-    if competitor.name in FEED_BACK:
-        return _feed_back(competitor, friction)
-    if competitor.name == MODEL:
-        return _modelled(model)
-    if competitor.name == "sigmoid" and robot in FRANKA and friction.joint <= len(competitors.PUBLISHED):
-        return competitors.PUBLISHED[friction.joint - 1]
+    """Return a competitor for one joint, with its numbers from the log, the published ones, or the model."""
+    if competitor.name in FEEDBACK:
+        return _tune_feedback(competitor, friction)
+    if competitor.name == MODEL and model is not None:
+        return _model_feedforward(model)
+    if competitor.name == "sigmoid" and robot in FRANKA and friction.joint <= len(competitors.PANDA_SIGMOIDS):
+        return competitors.PANDA_SIGMOIDS[friction.joint - 1]
     coulomb, viscous = friction.coulomb.value, friction.viscous.value
     if friction.reason or not (coulomb >= 0.0 and viscous >= 0.0 and coulomb + viscous > 0.0):
         raise AnalysisError(friction.reason or (Caution("log_pushes"),))
@@ -192,17 +188,15 @@ def tune(competitor: Competitor, friction: JointFriction, robot: str, model: Joi
     return EnergyCompensator(forced=forced, forced_from_cycle=1, forced_until_acted=False, passivity=False)
 
 
-def _modelled(model: JointModel | None) -> Compensator:
-    if model is None:
-        raise AnalysisError((Caution("not_in_model_file"),))
-    terms = tuple(term for term in model.terms if term.effect.friction or term.name in competitors.OF_FRICTION)
+def _model_feedforward(model: JointModel) -> Compensator:
+    terms = tuple(term for term in model.terms if term.effect.friction or term.name in competitors.FRICTION_TERMS)
     if not terms:
         raise AnalysisError((Caution("nothing_to_apply"),))
-    competitors.refuse(terms)
+    competitors.check_runnable(terms)
     return competitors.JointModelCompensation(terms=terms)
 
 
-def _feed_back(competitor: Competitor, friction: JointFriction) -> Compensator:
+def _tune_feedback(competitor: Competitor, friction: JointFriction) -> Compensator:
     found, inertia = friction.regression, competitor.motor_inertia_kg_m2
     if inertia is None and found is not None and found.inertia.low > 0.0:
         inertia = found.inertia.value
@@ -216,8 +210,8 @@ def _feed_back(competitor: Competitor, friction: JointFriction) -> Compensator:
     return competitors.TorqueRegulation(inertia_kg_m2=inertia, desired_inertia_kg_m2=desired)
 
 
-def _in_force(compensator: Compensator, cycles: EnergyCycles, limits: Limits, step_s: float) -> Compensator:
-    """Return the compensator with the limits, and the thresholds where it finds cycles itself."""
+def _with_limits(compensator: Compensator, cycles: EnergyCycles, limits: Limits, step_s: float) -> Compensator:
+    """Return the compensator within the limits, and with the cycle thresholds of the log where it detects cycles."""
     kept: dict[str, Any] = {
         "max_torque_nm": min(compensator.max_torque_nm, limits.torque_nm),
         "max_torque_rate_nm_s": min(compensator.max_torque_rate_nm_s, limits.rate_nm_s),
@@ -247,35 +241,34 @@ def _cautions(joint: JointReplay) -> Iterator[Caution]:
 def seems_compensated(
     interaction: Interaction, cycles: EnergyCycles, friction: JointFriction, robot: str, square: float
 ) -> dict[str, object]:
-    """Return the sign of an active compensator without a column; ``square`` sums the squared torque of all cycles."""
+    """Return evidence of an active compensator that is not logged; ``square`` sums the squared torque of all cycles."""
     if interaction.compensation is not None or interaction.choice.drive != "hand" or friction.reason:
         return {}
-    coefficients = {"Coulomb": friction.coulomb, "viscous": friction.viscous}
-    negative = [name for name, found in coefficients.items() if found.high < 0]
+    negative = [name for name, one in (("Coulomb", friction.coulomb), ("viscous", friction.viscous)) if one.high < 0]
     if negative:
         return {"case": "negative", "names": " and ".join(negative)}
     if interaction.choice.sign_turned and interaction.choice.source == "interaction":
         return {"case": "sign"}
-    if found := _vanishing(interaction, cycles, square):
+    if found := _vanishing_friction(interaction, cycles, square):
         return found
-    if robot in FRANKA and friction.joint <= len(competitors.PUBLISHED):
-        usual = min(competitors.PUBLISHED[friction.joint - 1].plateaus_nm)
-        if friction.coulomb.high < FAR_BELOW * usual:
+    if robot in FRANKA and friction.joint <= len(competitors.PANDA_SIGMOIDS):
+        usual = min(competitors.PANDA_SIGMOIDS[friction.joint - 1].plateaus_nm)
+        if friction.coulomb.high < LEAST_OF_PUBLISHED * usual:
             return {"case": "far_below", "coulomb": friction.coulomb.value, "usual": usual}
     return {}
 
 
-def _vanishing(interaction: Interaction, cycles: EnergyCycles, square: float) -> dict[str, object]:
-    """Return that friction is gone, from the start or after the first cycles; nothing where it is not."""
+def _vanishing_friction(interaction: Interaction, cycles: EnergyCycles, square: float) -> dict[str, object]:
+    """Return evidence that friction is negligible, from the start or after the first cycles; empty without any."""
     work, path, samples = cycles.sums.work_j, cycles.sums.path_rad, cycles.stop - cycles.start
     if len(work) < FEWEST_CYCLES or interaction.choice.gravity == "in-torque":
         return {}
-    little = NEXT_TO_NOTHING * np.sqrt(square / samples.sum())
+    negligible = LEAST_OF_TORQUE * np.sqrt(square / samples.sum())
     half = len(work) // 2
     before = float(work[:UNCOMPENSATED].sum() / path[:UNCOMPENSATED].sum())
     after = float(work[half:].sum() / path[half:].sum())
-    if before > little and after < -GONE * before:
+    if before > negligible and after < -LEAST_OF_BEGINNING * before:
         return {"case": "gives_out", "after": after}
-    if before > little and after < GONE * before:
+    if before > negligible and after < LEAST_OF_BEGINNING * before:
         return {"case": "vanishes", "before": before, "after": after}
-    return {"case": "nothing"} if abs(work.sum()) < little * path.sum() else {}
+    return {"case": "nothing"} if abs(work.sum()) < negligible * path.sum() else {}

@@ -162,7 +162,7 @@ def with_gravity(data: JointData) -> JointData:
         return data
     some, motion = used[:: len(used) // FITTED + 1], _chain_of(data)
     at = motion.at(some)
-    chain, sines = unknown_chain.decomposed(unknown_chain.GRAVITY, at), unknown_chain.own_sines(at)
+    chain, sines = unknown_chain.pivoted_cholesky(unknown_chain.GRAVITY, at), unknown_chain.own_gravity(at)
     of_chain = chain.at(at)
     weighing = np.vstack([sines, of_chain])
     rows = np.vstack([weighing, np.stack([data.direction, data.dq])[:, some], unknown_chain.constant_coupling(at)])
@@ -175,7 +175,7 @@ def with_gravity(data: JointData) -> JointData:
     load = np.empty(len(data.q))
     for first in range(0, len(load), AT_ONCE):
         part = motion.at(slice(first, first + AT_ONCE))
-        load[first : first + AT_ONCE] = own @ unknown_chain.own_sines(part) + others @ chain.at(part)
+        load[first : first + AT_ONCE] = own @ unknown_chain.own_gravity(part) + others @ chain.at(part)
     return replace(data, load=load)
 
 

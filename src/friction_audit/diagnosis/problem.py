@@ -28,7 +28,7 @@ from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.even_grid import first_order
 from friction_audit.preprocessing.interaction import Caution
-from friction_audit.robot.unknown_chain import free_of
+from friction_audit.robot.unknown_chain import project_out
 
 FOLDS = 10  # at most (R. Kohavi, Proc. IJCAI (1995) 1137); of ten cycles five folds would take two at once
 FEWEST_SAMPLES = 50  # G. E. P. Box, G. M. Jenkins, Time Series Analysis (1970): fewer show no autocorrelation
@@ -148,14 +148,14 @@ class RegressionProblem:
     def _free_of_chain(self) -> "RegressionProblem":
         samples, nominal = self.samples, self.nominal
         chain = chain_basis(self.data, samples.weight, self.columns, self.X, self.y)
-        y, nominal_y = free_of(chain, np.stack([samples.y, nominal.y]))
+        y, nominal_y = project_out(chain, np.stack([samples.y, nominal.y]))
         return replace(
             self,
             chain=chain,
             with_chain=self,
             samples=replace(samples, y=y),
-            nominal=replace(nominal, columns=free_of(chain, self.X).T, y=nominal_y),
-            curves=tuple(Curve(c.axis, free_of(chain, c.columns), c.values) for c in self.curves),
+            nominal=replace(nominal, columns=project_out(chain, self.X).T, y=nominal_y),
+            curves=tuple(Curve(c.axis, project_out(chain, c.columns), c.values) for c in self.curves),
         )
 
     @property
@@ -187,14 +187,13 @@ class RegressionProblem:
     @cached_property
     def responses(self) -> list[Float]:
         """Linear responses of first and second order to the motion, on the samples, shapes (1 or 2, m)."""
-        data = self.data
-        found = [first_order(data.dq, exp(-data.step_s / lag), 0.0)[:, None] for lag in LAGS_S]
-        highest = KNOWN_SHARE * self.samples.corner_hz
+        data, highest = self.data, KNOWN_SHARE * self.samples.corner_hz
+        found = [self.columns(first_order(data.dq, exp(-data.step_s / lag), 0.0)[:, None]) for lag in LAGS_S]
         for hertz, damping in product(RINGING_HZ[highest >= RINGING_HZ].tolist(), DAMPING_RATIOS):
             pole = cmath.exp(2.0 * np.pi * hertz * data.step_s * (1j * sqrt(1.0 - damping**2) - damping))
             rung = first_order(data.ddq.astype(complex), pole, 0j)
-            found.append(np.column_stack([rung.real, rung.imag]))
-        return [self.columns(one) for one in found]
+            found.append(self.columns(np.column_stack([rung.real, rung.imag])))
+        return found
 
     @cached_property
     def smoothed(self) -> Float:
@@ -210,13 +209,13 @@ class RegressionProblem:
 
     def columns(self, fine: Float) -> Float:
         """Columns of the fine grid, shape (n, p), on the samples, shape (p, m)."""
-        return free_of(self.chain, np.ascontiguousarray(self.samples.of(fine).T))
+        return project_out(self.chain, np.ascontiguousarray(self.samples.of(fine).T))
 
     @cached_property
     def near(self) -> tuple[Index, JointData, Callable[[Float], Float]]:
         """Where the filter reads the fine grid, the joint there, and what makes samples of its columns."""
         read, samples = self.samples.near(len(self.data.t))
-        return read, self.data.at(read), lambda fine: free_of(self.chain, np.ascontiguousarray(samples.of(fine).T))
+        return read, self.data.at(read), lambda fine: project_out(self.chain, np.ascontiguousarray(samples.of(fine).T))
 
     @cached_property
     def left_to_effects(self) -> Float:

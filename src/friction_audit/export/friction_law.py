@@ -8,6 +8,7 @@ Least Squares Problems, 1974, chapter 23), so that the simulated joint dissipate
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import count
+from math import isclose
 from pathlib import Path
 from typing import Any
 
@@ -132,8 +133,8 @@ class ExportedJoint:
         inertia = self.law.inertia_kg_m2
         values = (NAN if inertia is None else inertia, *self.fitted.coefficients[:2])
         pairs = ((name, self.found.get(name, UNDETERMINED), value) for name, value in zip(FOUND, values, strict=True))
-        # The interval of a number below zero is not that of the zero in its place.
-        return {name: replace(one if one.value >= 0.0 else UNDETERMINED, value=value) for name, one, value in pairs}
+        # An interval is that of the number that was found: not of a zero in its place, nor of what is fitted with it.
+        return {n: replace(one if isclose(one.value, value) else UNDETERMINED, value=value) for n, one, value in pairs}
 
     @property
     def static_nm(self) -> float:
@@ -224,13 +225,27 @@ def laws_of(
         raise UsageError(f"--joints {absent}: not in the source; its joints are {', '.join(map(str, numbers))}")
     laws, lacking = [], []
     for number, name, model in (one for one in joints.every if wanted is None or one[0] in wanted):
+        own = speeds.get(number, usual)
+        within = _within_bounds(model, joints.found.get(number, {}), own)
         try:
-            laws.append(friction_law(number, name, model, speeds.get(number, usual), armature=armature))
+            laws.append(friction_law(number, name, within, own, armature=armature))
         except AnalysisError as error:
             lacking.append((number, reason_of(error)))
     if not laws:
         raise AnalysisError("no joint has friction to export:", lacking)
     return laws, lacking
+
+
+def _within_bounds(model: JointModel | Reason, found: Mapping[str, Coefficient], speeds: Float) -> JointModel | Reason:
+    """Fit Coulomb and viscous friction anew, none below zero, where the source has found one of them below zero."""
+    values = np.nan_to_num([found[name].value for name in COEFFICIENTS if name in found])
+    if isinstance(model, tuple) or not np.any(values < 0.0):
+        return model
+    from scipy.optimize import nnls
+
+    columns = speeds[:, None] ** np.array(POWERS[:2])
+    coulomb, viscous = nnls(columns, columns @ values)[0].tolist()
+    return simple_model(inertia_kg_m2=model.inertia_kg_m2, coulomb_nm=coulomb, viscous_nms_per_rad=viscous)
 
 
 def _of_document(document: Mapping[str, Any], path: Path) -> Joints:

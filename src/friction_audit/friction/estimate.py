@@ -34,12 +34,12 @@ class JointPass:
     ) -> None:
         """Set up for a joint (0-based) of a log and the thresholds of its cycles."""
         self._column, self._rate_hz = column, log.rate_hz
-        self.search = CycleSearch(settings, column, log.rate_hz, own, hand)
+        self.search = CycleSearch(settings, column, self._rate_hz, own, hand)
         self.seen = reasons.SignalRange(column, log.samples)
-        self.rows = RegressionRows(column, log.samples, log.rate_hz)
+        self.rows = RegressionRows(column, log.samples, self._rate_hz)
         self._cutoffs_hz = settings.cutoff_hz, CUTOFF_HZ  # of the cycles, and of the regression
         # Samples around new ones, beyond what a filter remembers.
-        self.margin = max(self.rows.around, *(settling_samples(log.rate_hz, hz) for hz in self._cutoffs_hz))
+        self.margin = max(self.rows.around, *(settling_samples(self._rate_hz, hz) for hz in self._cutoffs_hz))
 
     def take(self, part: Interaction, own: Interaction, around: Interaction, *, more: bool) -> None:
         """Add the new samples ``own`` of a part, given with the samples around them; ``more`` if other parts follow."""
@@ -140,20 +140,18 @@ def _solve_paper(own: EnergyCycles, kept: EnergyCycles, model: str, window: int)
     }
     nothing = np.full(len(found["coulomb"]), results.NAN)
     history = _history(own, window, {name: (values, nothing, nothing) for name, values in found.items()})
-    return {**medians, "history": replace(history, dissipated_j=own.sums.printed_net_j[history.cycle - 1])}
+    return {**medians, "history": history._replace(dissipated_j=own.sums.printed_net_j[history.cycle - 1])}
 
 
 def _history(own: EnergyCycles, first: int, columns: Columns) -> results.CoefficientHistory:
     """Return one row per cycle that counts, from the first one with an estimate on."""
     kept = np.flatnonzero(own.reason == KEPT)[first - 1 :]
-    coefficients = {
-        name: column for one in results.UNITS for name, column in zip(results.COLUMNS[one], columns[one], strict=True)
-    }
     return results.CoefficientHistory(
-        cycle=kept + 1,
-        start_s=own.start_s[kept],
-        stop_s=own.stop_s[kept],
-        **coefficients,
+        kept + 1,
+        own.start_s[kept],
+        own.stop_s[kept],
+        *columns["coulomb"],
+        *columns["viscous"],
         net_energy_j=np.cumsum(own.sums.work_j)[kept],
         dissipated_j=own.sums.dissipated_j[kept],
         path_rad=own.sums.rectified_path_rad[kept],

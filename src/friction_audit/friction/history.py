@@ -1,8 +1,8 @@
 """FrictionHistory: friction coefficients per joint over time, with their uncertainty."""
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 from math import isnan
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -29,8 +29,7 @@ UNITS = {"coulomb": "nm", "viscous": "nms_per_rad"}
 COLUMNS = {name: tuple(f"{name}{part}_{unit}" for part in ("", "_low", "_high")) for name, unit in UNITS.items()}
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class CoefficientHistory:
+class CoefficientHistory(NamedTuple):
     """Coefficients after each cycle that counts, m rows; NaN where a window cannot give one."""
 
     cycle: Int  # number of the cycle among all of the joint's cycles, from 1, shape (m,)
@@ -54,17 +53,13 @@ class CoefficientHistory:
 
     def with_coefficient(self, name: str, value: Float, low: Float, high: Float) -> "CoefficientHistory":
         """Return the history with another value, low and high of ``"coulomb"`` or ``"viscous"``."""
-        changed: Any = dict(zip(COLUMNS[name], (value, low, high), strict=True))
-        return replace(self, **changed)
+        return self._replace(**dict[str, Any](zip(COLUMNS[name], (value, low, high), strict=True)))
 
 
-NO_HISTORY = CoefficientHistory(
-    cycle=np.empty(0, np.int64), **{f.name: np.empty(0) for f in fields(CoefficientHistory) if f.name != "cycle"}
-)
+NO_HISTORY = CoefficientHistory(np.empty(0, np.int64), *[np.empty(0)] * (len(CoefficientHistory._fields) - 1))
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class TorqueRegression:
+class TorqueRegression(NamedTuple):
     """The same coefficients from a robust regression of the torque itself, for comparison."""
 
     coulomb: Coefficient  # Coulomb coefficient [N m]

@@ -1,7 +1,6 @@
 """Files: which was read and whether it changed, outputs written whole, TOML in bounded time, documents read back."""
 
 import errno
-import hashlib
 import json
 import os
 import re
@@ -51,6 +50,8 @@ def stamp_of(path: Path) -> Stamp:
 
 def sha256_of(path: Path) -> str:
     """Return the hash of a file's content; of a directory: of all its files, in sorted order."""
+    import hashlib
+
     digest, files = hashlib.sha256(), _files_of(path)
     if not files:  # all folders that cannot be listed would be one content
         raise OSError(errno.ENOENT, "holds no file that can be read", str(path))

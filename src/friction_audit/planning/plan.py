@@ -1,11 +1,14 @@
 """The next recording of a joint: the motion, what `diagnose` would answer after it, and the trajectory."""
 
-from collections.abc import Mapping, Sequence, Set as AbstractSet
+from collections.abc import Callable, Mapping, Sequence, Set as AbstractSet
+from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
+from friction_audit import parallel
 from friction_audit.diagnosis.diagnose import diagnose_joint
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.problem import RegressionProblem
@@ -33,6 +36,7 @@ SEED = 7  # of the noise of the check
 SIZE = 0.1  # of the friction torque: an effect of this size counts, where no log has one
 FEWEST_RUNS = 3  # with fewer there are too few cycles for a diagnosis
 AT_AN_END = (0.15, 2)  # share of the time, and least number of runs, at either end where a drift is to be seen
+WORKING_BYTES = 500_000_000  # for all candidates of a joint at once
 RATE_HZ = 1000.0  # of a trajectory's samples before they are thinned out
 
 
@@ -99,6 +103,31 @@ def trajectory_of(plans: Sequence[JointPlan], arm: Arm, rate_hz: float) -> Traje
     return Trajectory(arm.names, *(np.concatenate(one) for one in zip(*parts, strict=True)))
 
 
+def plan_tasks(
+    tasks: Sequence[tuple[Task, Limits]],
+    duration_s: float = DURATION_S,
+    *,
+    check: bool | None = None,
+    report: Callable[[float], None] | None = None,
+) -> list[JointPlan]:
+    """Plan what joints need within their limits, joints side by side; ``report`` takes the share that is done."""
+    groups = dict[int, list[tuple[Task, Limits]]]()
+    for one in tasks:
+        groups.setdefault(one[0].joint.number, []).append(one)
+
+    def work(k: int) -> list[JointPlan]:
+        with parallel.one_joint_at_a_time() if len(groups) > 1 else nullcontext():
+            return [plan_task(*one, duration_s, check=check) for one in [*groups.values()][k]]
+
+    plans = list[JointPlan]()
+    # Half of the work is in the interpreter, for which threads would wait.
+    for own in parallel.in_processes(work, len(groups), parallel.workers_for(len(groups), WORKING_BYTES)):
+        plans += own
+        if report is not None:
+            report(len(plans) / len(tasks))
+    return plans
+
+
 def plan_task(task: Task, limits: Limits, duration_s: float = DURATION_S, *, check: bool | None = None) -> JointPlan:
     """Plan the motion that a joint needs.
 
@@ -158,7 +187,8 @@ def _filled(about: design.Information, criterion: design.Criterion, duration_s: 
     return counts
 
 
-def usual_terms(joint: Joint) -> dict[str, FittedTerm]:
+@lru_cache(maxsize=4)
+def usual_terms(joint: Joint) -> Mapping[str, FittedTerm]:
     """Return the effects that a joint alone can show, each of the usual size and in the middle of its grid."""
     alone = [one for one in effects() if one.coefficients and not EQUALS[one.name].needs_neighbours]
     data = subject_of(joint).data

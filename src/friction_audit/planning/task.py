@@ -2,7 +2,8 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import atan2, hypot, sqrt
+from functools import lru_cache
+from math import atan2, hypot, pi, sqrt
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
@@ -31,18 +32,19 @@ Purpose = Literal["decide", "diagnose", "estimate"]
 RATE_HZ = 500.0  # of simulated logs: ten times the diagnosis' samples
 LEAST_NOISE_NM = 1e-4
 REACH_RAD = 0.8  # to either side of the start: room for gravity, which takes 1.5 rad, within most arms' ranges
+FARTHEST_RAD = 2.0 * pi  # a turn shows every place of a joint, however many it has made in the log
 COEFFICIENTS = ("inertia_kg_m2", "coulomb_nm", "viscous_nms_per_rad")  # of the nominal model
 DID_NOT_MOVE = "did not move"  # how the reason of a joint at rest begins in a document
 SERVO = {"stiffness_nm_per_rad": 2000.0, "damping_nms_per_rad": 60.0}  # of a position controller, as in joint-driven
 AUTO = AuditSettings(cycles=CycleSettings(thresholds="auto"))  # slow strokes are no cycles at the usual thresholds
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+@dataclass(frozen=True, kw_only=True, slots=True)
 class Joint:
-    """A joint to plan for: its nominal model, noise, and who moves it."""
+    """A joint to plan for: its nominal model, noise, and who moves it. Two of which these are the same are equal."""
 
-    number: int = 1
-    name: str = "joint1"
+    number: int = field(default=1, compare=False)
+    name: str = field(default="joint1", compare=False)
     parameters: JointParameters = field(default_factory=JointParameters)
     noise_nm: float = 0.02  # RMS of the torque's noise below the corner [N m]
     corner_hz: float = CORNER_HZ  # of the low-pass filter [Hz]
@@ -183,7 +185,8 @@ def _joint(
         data = subject.data
         numbers["inertia_kg_m2"] = numbers.get("inertia_kg_m2", 0.0) + subject.known_inertia_kg_m2
         low, high = reach(data)
-        about["reach_rad"] = (min(-REACH_RAD, low - start_rad), max(REACH_RAD, high - start_rad))
+        ends = np.clip((start_rad - low, high - start_rad), REACH_RAD, FARTHEST_RAD)
+        about["reach_rad"] = (-float(ends[0]), float(ends[1]))
         if data.load is not None and data.used.any():
             angle = data.q[data.used] - start_rad
             sine, cosine = np.linalg.lstsq(np.column_stack([np.sin(angle), np.cos(angle)]), data.load[data.used])[0]
@@ -265,6 +268,7 @@ def term_of_block(block: Block, coefficients: Float) -> FittedTerm | None:
     return _term_of(block.effect, [*whole, *missing, *nonlinear])
 
 
+@lru_cache(maxsize=4)  # both purposes of a joint need its candidates, and joints without a log are equal
 def subject_of(joint: Joint, settings: BenchSettings | None = None, seed: int = 0) -> Subject:
     """Simulate a joint and prepare it for the diagnosis; without settings, a person who stops and goes."""
     settings = joint.settings(StopAndGo(), 60.0) if settings is None else settings

@@ -7,7 +7,8 @@ trapezoids over [t[start], t[stop]], on the real stamps; neighbours share the bo
 
 import sys
 from collections.abc import Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,8 +26,7 @@ BALANCE = (
 PAIRS = np.triu_indices(len(BALANCE))
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class EnergySums:
+class EnergySums(NamedTuple):
     """Energy sums over pieces of motion; every array has the same shape."""
 
     work_j: Float  # integral of F_m over the position, the net energy input [J]
@@ -78,10 +78,9 @@ class EnergyCycles:
 
     def rows(self, mask: Bool) -> "EnergyCycles":
         """Return the rows selected by a mask of shape (m,)."""
-        per_cycle = "start", "stop", "start_s", "stop_s", "peak_speed_rad_s", "open", "reason"
-        kept = {name: getattr(self, name)[mask] for name in (*per_cycle, "products", "speeds")}
-        sums = EnergySums(**{f.name: getattr(self.sums, f.name)[mask] for f in fields(self.sums)})
-        return replace(self, **kept, sums=sums)
+        names = "start", "stop", "start_s", "stop_s", "peak_speed_rad_s", "products", "speeds", "open", "reason"
+        sums = EnergySums(*(one[mask] for one in self.sums))
+        return replace(self, **{name: getattr(self, name)[mask] for name in names}, sums=sums)
 
 
 # Sums of ``add_up``, with the names of ``EnergySums``.

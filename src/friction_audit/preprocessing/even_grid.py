@@ -275,7 +275,7 @@ def steady_clock(t: Float) -> Float:
         return t
     period = _period(t)
     phasor = np.exp(2j * np.pi * t / period)
-    window = min(int(CLOCK_WINDOW_S / period), len(t))
+    window = min(max(int(CLOCK_WINDOW_S / period), 1), len(t))
     mean = uniform_filter1d(phasor.real, window) + 1j * uniform_filter1d(phasor.imag, window)
     if np.abs(mean).min() < LEAST_COHERENCE:
         return t

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import fields, replace
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -31,7 +31,6 @@ NOISE_MULTIPLE = 5.0  # standard deviations of the filtered velocity that termin
 TINY = 1e-6  # a log without any motion still gets thresholds above zero
 MOST_SAMPLES = 1 << 19  # of which automatic thresholds are taken, spread evenly over the log
 
-Arrays = TypeVar("Arrays", cycles.EnergyCycles, cycles.EnergySums)
 Thresholds = tuple[float, float]  # of initiation and termination
 Hand = tuple[Thresholds, Float]  # thresholds of the hand and its filtered speed, where it defines the cycles
 
@@ -48,6 +47,8 @@ class CycleSearch:
         self._thresholds = own if hand is None else hand[0]
         self._hand_speed = None if hand is None else hand[1]
         self._longest = int(LONGEST_S * rate_hz)
+        # At a low rate a single lost sample is no hole: its neighbours still describe the motion in between.
+        self._hole_s = max(settings.maximum_gap_s, LONGEST_STEP / rate_hz)
         self._filtered = np.empty(0)
         self._moving: bool | None = None  # at the first sample needed; None where its own speed decides
         self._at_border: bool | None = None
@@ -55,7 +56,7 @@ class CycleSearch:
         self._begun: tuple[cycles.EnergyCycles, Float] | None = None
         self._found: list[cycles.EnergyCycles] = []
         self._joined = 0  # so many of these are of many blocks
-        self._above, self._fastest, self._peak_power_w, self._last_s = 0, 0.0, 0.0, 0.0
+        self._above, self._fastest, self._peak_power_w, self._last_s, self._lost_s = 0, 0.0, 0.0, 0.0, 0.0
 
     def take(self, part: Interaction, filtered: Float, *, more: bool) -> None:
         """Find the cycles that end in new samples, whose filtered velocity is given, shape (k,); ``more`` may follow.
@@ -71,6 +72,8 @@ class CycleSearch:
         new = slice(shift + old, shift + len(self._filtered))
         power = part.driving(self._column, new) * part.dq[new, self._column]
         self._peak_power_w = max(self._peak_power_w, float(np.abs(power).max()))
+        steps = np.diff(part.t[new], prepend=self._last_s)
+        self._lost_s += float(steps[steps > self._hole_s].sum())
         self._last_s = float(part.t[new.stop - 1])
         borders = cycles.find_borders(
             signal,
@@ -122,23 +125,21 @@ class CycleSearch:
         """Add up the energies between borders, which are counted from the first sample needed."""
         settings, shift, inside = self._settings, self.first - part.first, part.choice.gravity == "in-torque"
         t = part.t[shift:]
-        # At a low rate a single lost sample is no hole: its neighbours still describe the motion in between.
-        hole_s = max(settings.maximum_gap_s, LONGEST_STEP / self._rate_hz)
         # Next to a hole the filtered velocity is a mean over both sides: a border there is no rest.
         near = int(0.5 * self._rate_hz / settings.cutoff_hz)
         first = max(int(borders[0]) - near, -shift)
         steps = np.diff(part.t[first + shift : borders[-1] + shift + near + 1])
-        holes = np.flatnonzero(steps > hole_s) + first
+        holes = np.flatnonzero(steps > self._hole_s) + first
         edges, peak = cycles.cut_evenly(steps[-first:], self._filtered, borders, PARTS)
         parts = self._sums(part, edges)
-        sums = cycles.EnergySums(**{one.name: getattr(parts, one.name).sum(axis=-1) for one in fields(parts)})
+        sums = cycles.EnergySums(*(one.sum(axis=-1) for one in parts))
         start, stop = borders[:-1] + self.first, borders[1:] + self.first
         start_s, position = t[borders[:-1]], self._position(part)[borders + shift]
         if self._begun is not None and len(start):
             begun, position[0] = self._begun
             start[0], start_s[0], peak[0] = begun.start[0], begun.start_s[0], max(peak[0], begun.peak_speed_rad_s[0])
-            for one in fields(sums):
-                getattr(sums, one.name)[0] += getattr(begun.sums, one.name)[0]
+            for one, other in zip(sums, begun.sums, strict=True):
+                one[0] += other[0]
         is_open = np.abs(np.diff(position, axis=0)).max(axis=1) > settings.closure_rad
         reason = np.where(stop - start > self._longest, cycles.LONG, cycles.KEPT)
         reason[is_open & inside] = cycles.OPEN
@@ -199,7 +200,7 @@ class CycleSearch:
             found,
             reason=np.full(len(found.reason), cycles.ONE_WAY) if one_way else found.reason,
             fastest=self._fastest,
-            moving_s=self._above / samples * self._last_s,
+            moving_s=self._above / samples * (self._last_s - self._lost_s),
             peak_power_w=self._peak_power_w,
         )
 
@@ -288,9 +289,9 @@ def _moments(parts: cycles.EnergySums) -> tuple[Float, Float]:
     return (one * other).sum(axis=-1), speeds
 
 
-def join_cycles(pieces: Sequence[Arrays]) -> Arrays:
-    """Return the cycles of a joint, or their sums, that were found piece by piece as one structure."""
+def join_cycles(pieces: Sequence[cycles.EnergyCycles]) -> cycles.EnergyCycles:
+    """Return the cycles of a joint that were found piece by piece as one structure."""
     every = {one.name: [getattr(own, one.name) for own in pieces] for one in fields(pieces[0])}
     joined: dict[str, Any] = {n: np.concatenate(some) for n, some in every.items() if isinstance(some[0], np.ndarray)}
-    joined |= {name: join_cycles(some) for name, some in every.items() if isinstance(some[0], cycles.EnergySums)}
-    return replace(pieces[0], **joined)
+    sums = cycles.EnergySums(*map(np.concatenate, zip(*every["sums"], strict=True)))
+    return replace(pieces[0], **joined, sums=sums)

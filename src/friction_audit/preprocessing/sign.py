@@ -111,7 +111,7 @@ def _judge(log: CoarseLog, joint: int, torque: Float) -> SignEvidence:
         path_rad=step * float(speed[moving].sum()),
         against_motion_nm=against,
         standard_error_nm=error,
-        strokes=len(np.unique(stroke)),
+        strokes=int(stroke.max(initial=-1)) + 1,
     )
     # Of torque that is noise-free the error is zero, and there is no score.
     if abs(against) > 0.0 and not abs(found.normal_score) <= SIGNIFICANT:

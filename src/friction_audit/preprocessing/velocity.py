@@ -218,19 +218,19 @@ def noise_of_both(slope: Float, logged: Float, valid: Bool, step_s: float, lag_s
     (2010), section 7.2): spectrum less cross-spectrum, by Welch's method, where both noises are white. Second
     differences and their median do not show noise that comes and goes with the motion, as of interpolated samples.
     """
-    samples = round(SEGMENT_S / step_s)
+    samples = max(round(SEGMENT_S / step_s), 1)
+    window, hertz = np.hanning(samples), np.fft.rfftfreq(samples, step_s)
+    high = min(NOISE_HZ, NOISE_SHARE / step_s)
+    band = (hertz >= high / NOISE_SPAN) & (hertz <= high)
     even = slice(len(slope) // samples * samples)
     slope, logged = (one[even].reshape(-1, samples) for one in (slope, logged))
     whole = valid[even].reshape(-1, samples).all(axis=1)
-    if np.count_nonzero(whole) < FEWEST_SEGMENTS:
+    if np.count_nonzero(whole) < FEWEST_SEGMENTS or not band.any():
         return np.zeros(2)
-    window, hertz = np.hanning(samples), np.fft.rfftfreq(samples, step_s)
     # As scipy.signal.csd, which takes 0.5 s to load.
     kept = (one[whole] - one[whole].mean(axis=1, keepdims=True) for one in (slope, logged))
     first, second = (np.fft.rfft(one * window) for one in kept)
     second *= np.exp(2j * np.pi * hertz * lag_s)
-    high = min(NOISE_HZ, NOISE_SHARE / step_s)
-    band = (hertz >= high / NOISE_SPAN) & (hertz <= high)
     apart = first - second
     of_q, of_dq = (np.mean(one * apart.conj(), axis=0).real[band] for one in (first, -second))
     found = np.median([of_q / (2.0 * np.pi * hertz[band]) ** 2, of_dq], axis=1)

@@ -6,13 +6,12 @@ import numpy as np
 
 from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.effects.registry import effect_of, motion_to_decide
-from friction_audit.io.writers.tables import TidyTable
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Diagnosis
 from friction_audit.reporting import diagnosis_tables as tables, diagnosis_words as words
 from friction_audit.reporting.documents import ResultDocument
 from friction_audit.reporting.notices import SENTENCE_END, diagnose_notices, log_line, physics_of, text_of
-from friction_audit.reporting.table import Column, Get, Record, to_json
+from friction_audit.reporting.table import Column, Record, to_json
 from friction_audit.reporting.words import format_share, in_unit, joints_label, range_of
 
 LONGEST = 225  # characters of a line about an effect without its joint; what is longer is for ``-v``
@@ -58,7 +57,25 @@ DIAGNOSE: ResultDocument = ResultDocument(
     Column("joints", [tables.JOINT_DIAGNOSIS], "per joint", lambda found: found.joints),
     notices=diagnose_notices,
     settings=lambda found: {"diagnosis": to_json(found.settings)},
-)
+    files=(
+        (tables.JOINT_DIAGNOSIS, lambda _, joint: [joint]),
+        (tables.EFFECT, lambda _, joint: tables.effect_rows([joint])),
+        (tables.NEGLIGIBLE, lambda _, joint: tables.effect_rows([joint], "negligible")),
+        (tables.PARAMETER, lambda _, joint: [
+            (row.effect.name, *one) for row in tables.effect_rows([joint]) for one in row.known.items()
+        ]),
+        (tables.CHECK, lambda _, joint: joint.checks),
+        (tables.STEP, lambda _, joint: list(enumerate(joint.ladder))),
+        (BIN, lambda _, joint: [
+            (model, one, cells)
+            for model, profiles in (("nominal", joint.profiles), ("augmented", joint.remaining))
+            for one in profiles
+            for cells in zip(one.centre, one.forwards, one.forwards_se, one.backwards, one.backwards_se, strict=True)
+        ]),
+        (RESIDUAL, lambda _, joint: joint.traces),
+        (SIMULATED, lambda _, joint: _simulated(joint)),
+    ),
+)  # fmt: skip
 
 
 def _simulated(joint: JointDiagnosis) -> dict[str, Float] | None:
@@ -67,33 +84,6 @@ def _simulated(joint: JointDiagnosis) -> dict[str, Float] | None:
         return None
     there = np.isfinite(gap.t)
     return {name: getattr(gap, name)[there] for name in ("t", "measured", "nominal", "augmented")}
-
-
-FILES: tuple[tuple[Record, Get], ...] = (
-    (tables.JOINT_DIAGNOSIS, lambda joint: [joint]),
-    (tables.EFFECT, lambda joint: tables.effect_rows([joint])),
-    (tables.NEGLIGIBLE, lambda joint: tables.effect_rows([joint], "negligible")),
-    (tables.PARAMETER, lambda joint: [
-        (row.effect.name, *one) for row in tables.effect_rows([joint]) for one in row.known.items()
-    ]),
-    (tables.CHECK, "checks"),
-    (tables.STEP, lambda joint: list(enumerate(joint.ladder))),
-    (BIN, lambda joint: [
-        (model, one, cells)
-        for model, profiles in (("nominal", joint.profiles), ("augmented", joint.remaining))
-        for one in profiles
-        for cells in zip(one.centre, one.forwards, one.forwards_se, one.backwards, one.backwards_se, strict=True)
-    ]),
-    (RESIDUAL, "traces"),
-    (SIMULATED, _simulated),
-)  # fmt: skip
-TABLES = tuple(record for record, _ in FILES)
-
-
-def diagnose_tables(found: Diagnosis) -> tuple[TidyTable, ...]:
-    """Return the tables of a diagnosis for files."""
-    joints, unit = found.joints, found.estimate.log.source.torque_unit
-    return tuple(record.file(joints, rows, unit) for record, rows in FILES)
 
 
 def diagnose_lines(found: Diagnosis, *, verbose: bool = False) -> list[str]:

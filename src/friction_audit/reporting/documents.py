@@ -1,12 +1,13 @@
 """What all JSON documents share, their schemas, and the documents of convert, plot, simulate and its truth."""
 
 import json
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from importlib import import_module
 from types import MappingProxyType
 from typing import Any
 
+from friction_audit.io.writers.tables import TidyTable
 from friction_audit.pipeline import Estimate
 from friction_audit.preprocessing.interaction import TorqueChoice
 from friction_audit.reporting.notices import Notice, estimate_notices, left_out_notices, log_notices, text_of
@@ -92,7 +93,7 @@ def settings_document(estimate: Estimate, reading: Mapping[str, object]) -> dict
 
 
 class ResultDocument(Document):
-    """The document of a result that follows from the estimate of a log: keys that all have, then its own columns."""
+    """A result that follows from the estimate of a log: its document, with keys that all have, and tables for files."""
 
     def __init__(
         self,
@@ -101,11 +102,15 @@ class ResultDocument(Document):
         *columns: Column,
         notices: Callable[[Any], Iterable[Notice]],
         settings: Callable[[Any], dict[str, Any]] = lambda _: {},
+        files: Sequence[tuple[Record, Callable[[Any, Any], Any]]] = (),
     ) -> None:
-        """Take kind and version, what it is, and its columns; what a result warns of, and its settings by step."""
+        """Take kind and version, what it is, and its columns; what a result warns of, and its settings by step.
+
+        ``files``: each table for files, and what gives its rows (or arrays) from a result and one of its ``joints``.
+        """
         super().__init__(name, title, SOURCE, SETTINGS, WARNINGS, *(one.at("found") for one in columns))
         self.own: Record = Record(*columns)
-        self.notices, self.settings = notices, settings
+        self.notices, self.settings, self.files = notices, settings, files
 
     def of(self, found: Any, reading: Mapping[str, object] = NO_OPTIONS) -> dict[str, Any]:  # noqa: ANN401
         """Return the document of a result of a log that was read with some options."""
@@ -113,6 +118,12 @@ class ResultDocument(Document):
         values = {"source": estimate.log, "warnings": self.notices(found), "found": found}
         values["settings"] = settings_document(estimate, reading) | self.settings(found)
         return self.json(values, estimate.log.source.torque_unit)
+
+    def tables(self, found: Any) -> tuple[TidyTable, ...]:  # noqa: ANN401
+        """Return the tables of a result for files."""
+        unit = getattr(found, "estimate", found).log.source.torque_unit
+        (joints,) = (one.value(found) for one in self.own.columns if one.name == "joints")
+        return tuple(record.file(joints, partial(rows, found), unit) for record, rows in self.files)
 
 
 OUTPUT = Record(
@@ -126,7 +137,7 @@ CONVERT = Document(
     "A log written in another format",
     SOURCE,
     Column("output", OUTPUT, "the new log"),
-    replace(WARNINGS, get=lambda one: log_notices(one["source"]) + left_out_notices(one["output"])),
+    WARNINGS._replace(get=lambda one: log_notices(one["source"]) + left_out_notices(one["output"])),
 )
 FIGURE = Record(
     Column("kind", str, "kind of figure", "0"),
@@ -162,7 +173,7 @@ SIMULATE = Document(
     Column("joint_names", [str], "names of the joints", "output.log.joint_names"),
     HIDDEN_SETTINGS,
     EFFECTS,
-    replace(WARNINGS, get=lambda one: left_out_notices(one["output"])),
+    WARNINGS._replace(get=lambda one: left_out_notices(one["output"])),
 )
 LOG_SHA256 = Column("log_sha256", str, "hash of the log", "output.sha256")
 # Everything that was simulated, and the hash that tells which log it is.

@@ -197,17 +197,19 @@ def batch_sentence(arms: Sequence[drift.ArmDrift]) -> str:
     verdicts = [drift_verdict(*(one for joint in arm.joints for one in joint.coefficients)) for arm in arms]
     drifting = [arm for arm in arms if arm.drift]
     warmer = [arm for arm, verdict in zip(arms, verdicts, strict=True) if verdict == TEMPERATURE]
-    found = f"No drift of the friction was found on {count_of(verdicts.count(STEADY), 'arm')}"
+    steady, untested = (count_of(verdicts.count(one), "arm") for one in (STEADY, UNTESTED))
+    found = [f"No drift of the friction was found on {steady}"] if STEADY in verdicts else []
     if drifting[1:]:
         names = words.enumerate_words(arm.robot for arm in drifting)
-        found = f"Friction drifts on {len(drifting)} of {count_of(len(arms), 'arm')}: {names}"
+        found = [f"Friction drifts on {len(drifting)} of {count_of(len(arms), 'arm')}: {names}"]
     elif drifting or len(arms) == 1:
-        found = f"{(drifting or arms)[0].robot}: {arm_sentence((drifting or arms)[0])}"
+        found = [f"{(drifting or arms)[0].robot}: {arm_sentence((drifting or arms)[0])}"]
     elif UNTESTED in verdicts:
-        found += f"; no answer on {count_of(verdicts.count(UNTESTED), 'arm')}"
+        found.append(f"{'no' if found else 'No'} answer on {untested}")
     if warmer and len(arms) > 1:
-        found += f"; drift and temperature cannot be separated on {words.enumerate_words(arm.robot for arm in warmer)}"
-    return f"{found}."
+        names = words.enumerate_words(arm.robot for arm in warmer)
+        found.append(f"{'drift' if found else 'Drift'} and temperature cannot be separated on {names}")
+    return f"{'; '.join(found)}."
 
 
 def first_after(change: drift.ChangePoint) -> str:

@@ -5,7 +5,6 @@ from typing import Any
 import numpy as np
 
 from friction_audit.friction.history import Coefficient
-from friction_audit.io.writers.tables import TidyTable
 from friction_audit.pipeline import Estimate
 from friction_audit.preprocessing.energy_cycles import REASONS
 from friction_audit.reporting.documents import ResultDocument
@@ -110,31 +109,27 @@ INTERACTION = Record(
     Column("q", get=lambda at: at[0].q[:, at[1]], unit="rad"),
     Column("dq", get=lambda at: at[0].dq[:, at[1]], unit="rad/s"),
     Column("interaction", get=lambda at: at[0].torque[:, at[1]], unit="N m"),
-    Column("compensation", get=lambda at: at[0].compensation[:, at[1]], unit="N m"),
+    Column(
+        "compensation", get=lambda at: None if at[0].compensation is None else at[0].compensation[:, at[1]],
+        unit="N m", optional=True,
+    ),
     name="interaction",
     summary="motion of a joint and torque at its friction port at a sample of the log",
     over="time_s",
-)
+)  # fmt: skip
 ESTIMATE: ResultDocument = ResultDocument(
     "estimate/1",
     "Friction coefficients of the joints of one log",
     Column("estimator", str, "method", "friction.estimator"),
     Column("joints", [FRICTION], "per joint", "friction.joints"),
     notices=estimate_notices,
+    files=(
+        (FRICTION, lambda _, joint: [joint]),
+        (HISTORY, lambda _, joint: joint.history),
+        (CYCLES, lambda found, joint: found.cycles[found.interaction.joint_numbers.index(joint.joint)]),
+        (INTERACTION, lambda found, joint: (found.interaction, found.interaction.joint_numbers.index(joint.joint))),
+    ),
 )
-TABLES = (FRICTION, HISTORY, CYCLES, INTERACTION)
-
-
-def estimate_tables(estimate: Estimate) -> tuple[TidyTable, ...]:
-    """Return the tables of an estimate for files: coefficients, their history, cycles, interaction torque."""
-    seen, joints, unit = estimate.interaction, estimate.friction.joints, estimate.log.source.torque_unit
-    column, absent = seen.joint_numbers.index, () if seen.compensation is not None else ("compensation",)
-    return (
-        FRICTION.file(joints, lambda one: [one], unit),
-        HISTORY.file(joints, "history", unit),
-        CYCLES.file(joints, lambda one: estimate.cycles[column(one.joint)], unit),
-        INTERACTION.file(joints, lambda one: (seen, column(one.joint)), unit, absent),
-    )
 
 
 def estimate_lines(estimate: Estimate) -> list[str]:

@@ -1,7 +1,6 @@
 """Export -> document and lines of the terminal."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 from math import isfinite, isnan
 
 from friction_audit.drift.session import COEFFICIENTS
@@ -47,7 +46,9 @@ def _joint_notices(joint: ExportedJoint, target: Target) -> Iterator[Notice]:
     for name in COEFFICIENTS:
         one = joint.found.get(name, joint.written[name])
         if not one.value >= 0.0:
-            why = "the source does not determine it" if isnan(one.value) else f"it is {with_unit(one, UNITS[name])}"
+            why = "the source does not determine it"
+            if not isnan(one.value):
+                why = f"it is {with_unit(one, UNITS[name])}; the friction in the file is the closest without it"
             yield notice("written_as_zero", number, name=NAMES[name], why=why)
     if joint.law.left_out:
         yield notice("terms_left_out", number, target=target.name, terms=", ".join(joint.law.left_out))
@@ -78,7 +79,7 @@ EXPORT = Document(
     Column("into", str, "file of the user that it is a copy of", null=True),
     Column("joints", [JOINT], "as written"),
     Column("simulated", [GAP], "forward simulation of the log in MuJoCo, by joint"),
-    replace(WARNINGS, get=export_notices),
+    WARNINGS._replace(get=export_notices),
 )
 
 

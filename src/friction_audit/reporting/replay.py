@@ -11,7 +11,6 @@ from friction_audit.compensation.law import EnergyCompensator
 from friction_audit.compensation.records import STATUSES
 from friction_audit.compensation.result import JointReplay
 from friction_audit.friction.history import Coefficient
-from friction_audit.io.writers.tables import TidyTable
 from friction_audit.pipeline import LogReplay
 from friction_audit.reporting.documents import ResultDocument
 from friction_audit.reporting.notices import log_line, physics_of, reason_lines, replay_notices, sentence_of, text_of
@@ -180,18 +179,12 @@ REPLAY: ResultDocument = ResultDocument(
     Column("joints", [JOINT_REPLAY], "per joint; where there is a reason the numbers are null", "replay.joints"),
     notices=replay_notices,
     settings=_settings,
+    files=(
+        (JOINT_REPLAY, lambda _, joint: [joint]),
+        (HISTORY, lambda _, joint: joint.history),
+        (SIGNALS, lambda _, joint: None if joint.replayed is None else joint),
+    ),
 )
-TABLES = (JOINT_REPLAY, HISTORY, SIGNALS)
-
-
-def replay_tables(found: LogReplay) -> tuple[TidyTable, ...]:
-    """Return the tables of a replay for files: joints, cycles, signals."""
-    joints, unit = found.replay.joints, found.estimate.log.source.torque_unit
-    return (
-        JOINT_REPLAY.file(joints, lambda one: [one], unit),
-        HISTORY.file(joints, "history", unit),
-        SIGNALS.file([one for one in joints if one.replayed is not None], "", unit),
-    )
 
 
 def replay_lines(found: LogReplay) -> list[str]:

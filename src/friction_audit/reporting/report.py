@@ -16,13 +16,13 @@ from friction_audit.friction.history import Coefficient, JointFriction
 from friction_audit.io.writers.tables import TidyTable
 from friction_audit.pipeline import Diagnosis, Estimate, LogReplay, diagnose_estimate, replay_estimate
 from friction_audit.reporting import SECTIONS
-from friction_audit.reporting.diagnosis import DIAGNOSE, diagnose_tables
+from friction_audit.reporting.diagnosis import DIAGNOSE
 from friction_audit.reporting.diagnosis_tables import TONES, WORDS, effect_rows
 from friction_audit.reporting.diagnosis_words import joint_message, plain_names
 from friction_audit.reporting.documents import SETTINGS, SOURCE, WARNINGS, settings_document
-from friction_audit.reporting.estimate import ESTIMATE, estimate_tables
+from friction_audit.reporting.estimate import ESTIMATE
 from friction_audit.reporting.notices import Notice, diagnose_notices, estimate_notices, replay_notices, text_of
-from friction_audit.reporting.replay import REPLAY, replay_tables
+from friction_audit.reporting.replay import REPLAY
 from friction_audit.reporting.table import JOINTS, Column, Document, Record, Tone
 from friction_audit.reporting.words import count_of, enumerate_words, with_unit
 
@@ -221,9 +221,8 @@ def report_settings(report: LogReport) -> dict[str, Any]:
 
 def report_tables(report: LogReport) -> tuple[TidyTable, ...]:
     """Return the tables of all parts for files; a part without an answer has none."""
-    replayed = () if report.replay is None else replay_tables(report.replay)
-    missing = () if report.diagnosis is None else diagnose_tables(report.diagnosis)
-    return (*estimate_tables(report.estimate), *replayed, *missing)
+    parts = ((ESTIMATE, report.estimate), (REPLAY, report.replay), (DIAGNOSE, report.diagnosis))
+    return tuple(table for document, found in parts if found is not None for table in document.tables(found))
 
 
 UNANSWERED = Record(Column("part", str, "the command"), Column("message", str, "why it has no answer"))
@@ -240,9 +239,9 @@ REPORT = Document(
     "report/4",
     "All parts of a report, as on its page",
     Column("command", str, "the command that makes the report again", null=True),
-    replace(SOURCE, get="estimate.log"),
-    replace(SETTINGS, get=report_settings),
-    replace(WARNINGS, get=report_notices),
+    SOURCE._replace(get="estimate.log"),
+    SETTINGS._replace(get=report_settings),
+    WARNINGS._replace(get=report_notices),
     Column("message", str, "the lead of the page", lead_sentence),
     Column("sections", [str], "sections that were asked for"),
     Column("unanswered", [UNANSWERED], "parts without an answer; each is null"),

@@ -3,9 +3,10 @@
 import io
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import KW_ONLY, asdict, dataclass, is_dataclass, replace
+from dataclasses import asdict, is_dataclass
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
+from unicodedata import combining, east_asian_width
 
 import numpy as np
 
@@ -29,8 +30,7 @@ ENDS = (("", "value"), ("_low", "low"), ("_high", "high"))
 TYPES = {str: "string", int: "integer", float: "number", bool: "boolean", dict: "object"}
 
 
-@dataclass(frozen=True, eq=False)
-class Column:
+class Column(NamedTuple):
     """A column of a table, or a key of a document."""
 
     name: str  # its name without the unit
@@ -40,7 +40,6 @@ class Column:
     meaning: str = ""  # one line for people
     # path of attributes, keys and places from a row ("" is the row itself), or a function of it; the key if None
     get: Get | None = None
-    _: KW_ONLY
     unit: str = ""  # unit of the value; its suffix ends the key
     # head of the column for people, without the unit, the words of the name if empty; ``short`` that of the terminal
     title: str = ""
@@ -54,7 +53,7 @@ class Column:
     tone: Mapping[str, Tone] | None = None  # tone of the badge around a text, by the text
     code: bool = False  # whether it is the name of a file or the like, which may break anywhere
     words: bool = False  # whether it is a phrase for which the page leaves room
-    optional: bool = False  # whether a document has the key only where there is something
+    optional: bool = False  # whether a document, or a table of arrays, has it only where there is something
 
     def key(self, torque_unit: str = NEWTON_METRES) -> str:
         """Return the name with its unit; in files that unit follows from that of the torque."""
@@ -63,10 +62,11 @@ class Column:
             suffix = ("nm_rad" if suffix == "j" else suffix).replace("nm", torque_unit.lower())
         return f"{self.name}_{suffix}" if suffix else self.name
 
-    def head(self, torque_unit: str) -> str:
-        """Return the head of the column on a page."""
+    def head(self, torque_unit: str, *, narrow: bool = False) -> str:
+        """Return the head of the column on a page, or the ``narrow`` one of the terminal."""
         unit, title = in_unit(self.unit, torque_unit), self.title or self.name.replace("_", " ")
-        return f"{title} [{unit}]" if unit else title
+        title = f"{self.short or title}\n" if narrow else f"{title} "
+        return f"{title}[{unit}]" if unit else title[:-1]
 
     @property
     def number(self) -> bool:
@@ -79,7 +79,7 @@ class Column:
 
     def at(self, path: str, **changed: Any) -> "Column":  # noqa: ANN401 - fields of a column
         """Return this column for rows from which ``path`` leads to what has its values."""
-        return replace(self, get=lambda row: self.value(_found(row, path)), **changed)
+        return self._replace(get=lambda row: self.value(_found(row, path)), **changed)
 
     def json(self, row: Row, torque_unit: str = NEWTON_METRES) -> Any:  # noqa: ANN401
         """Return the value in a row as a document has it."""
@@ -157,10 +157,8 @@ class Record:
         properties = {column.key(): column.schema() for column in columns}
         return {"type": "object", "required": required, "properties": properties}
 
-    def file(
-        self, joints: Iterable[Any], get: Get, torque_unit: str = NEWTON_METRES, absent: Collection[str] = ()
-    ) -> TidyTable:
-        """Return the table for files, without ``absent`` columns; ``get`` gives the rows (or arrays) of a joint."""
+    def file(self, joints: Iterable[Any], get: Get, torque_unit: str = NEWTON_METRES) -> TidyTable:
+        """Return the table for files, without optional columns that hold nothing; ``get``: rows (arrays) of a joint."""
 
         def cells(column: Column, rows: Any) -> Any:  # noqa: ANN401
             if self.arrays:
@@ -170,8 +168,10 @@ class Record:
                 return np.array(values, dtype=np.float64)  # NaN for None
             return ["" if value is None and column.kind is str else value for value in values]
 
-        columns = {one.key(torque_unit): one for one in self.file_columns() if one.name not in absent}
-        found = ((one, _found(one, get)) for one in joints)
+        every = ((one, _found(one, get)) for one in joints)
+        found = [(one, rows) for one, rows in every if rows is not None and (self.arrays or rows)]
+        lacking = [one for one in self.columns if one.optional and found and one.value(found[0][1]) is None]
+        columns = {one.key(torque_unit): one for one in self.file_columns() if one not in lacking}
         return TidyTable(
             name=self.name,
             summary=self.summary,
@@ -180,7 +180,6 @@ class Record:
             rows=tuple(
                 JointRows(joint=one.joint, name=one.name, columns={key: cells(c, rows) for key, c in columns.items()})
                 for one, rows in found
-                if rows is not None and (self.arrays or rows)
             ),
         )
 
@@ -189,7 +188,7 @@ class Record:
 
         def part(column: Column, end: str, field: str) -> Column:
             get = lambda row: getattr(column.value(row), field, None)  # noqa: E731
-            return replace(column, name=column.name + end, kind=float, get=get)
+            return column._replace(name=column.name + end, kind=float, get=get)
 
         own = ([one] if one.kind is not Coefficient else [part(one, *end) for end in ENDS] for one in self.on("f"))
         return [column for columns in own for column in columns]
@@ -218,31 +217,46 @@ class Table(NamedTuple):
         return self._replace(columns=[one for one in named if any(one.text(row) != NOTHING for row in self.rows)])
 
     def lines(self, marked: Collection[int] = ()) -> list[str]:
-        """Return it as text as wide as the terminal, and wider where numbers would be cut; ``marked`` rows get a mark.
+        """Return its lines, as wide as numbers need, with phrases as the terminal has room; mark ``marked`` rows."""
+        rows = [[column.text(row) for column in self.columns] for row in self.rows]
+        for number in marked:
+            rows[number][0] += f" {MARK}"
+        heads = [column.head(self.unit, narrow=True).split("\n") for column in self.columns]
+        most = max(map(len, heads))
+        every = [*zip(*([""] * (most - len(head)) + head for head in heads), strict=True), *rows]
+        widths = [max(map(_width, texts)) for texts in zip(*every, strict=True)]
+        if any(one.words for one in self.columns):
+            return self._with_phrases(rows, widths)
+        lines = []
+        for texts in every:  # not by rich: to load it takes a twentieth of `estimate`, again (bench_start)
+            gaps = (" " * (width - _width(text)) for text, width in zip(texts, widths, strict=True))
+            cells = zip(self.columns, gaps, texts, strict=True)
+            lines.append("  ".join(gap + text if one.number else text + gap for one, gap, text in cells).rstrip())
+        return [*lines[:most], "\N{BOX DRAWINGS LIGHT HORIZONTAL}" * (sum(widths) + 2 * len(widths) - 2), *lines[most:]]
 
-        A terminal breaks long lines, and half a number is worse. Columns of phrases give way.
-        """
+    def _with_phrases(self, rows: Sequence[Sequence[str]], widths: Sequence[int]) -> list[str]:
+        """Return its lines with phrases broken: a terminal breaks any long line, and half a number is worse."""
         from rich.box import SIMPLE_HEAD
         from rich.console import Console
         from rich.table import Table as RichTable
-        from rich.text import Text
 
         drawn = RichTable(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False, collapse_padding=True)
-        for column in self.columns:
-            head = Text(column.short or column.title or column.name.replace("_", " "))
-            head.append(f"\n[{in_unit(column.unit, self.unit)}]" if column.unit else "")
-            drawn.add_column(head, justify="right" if column.number else "left", no_wrap=not column.words)
-        for number, row in enumerate(self.rows):
-            first, *others = (column.text(row) for column in self.columns)
-            drawn.add_row(*map(Text, (f"{first} {MARK}" if number in marked else first, *others)))
-        stream = io.StringIO()
-        console = Console(file=stream, highlight=False, markup=False, color_system=None)
+        for column, width in zip(self.columns, widths, strict=True):
+            how: dict[str, Any] = {} if column.words else {"no_wrap": True, "min_width": width}
+            drawn.add_column(column.head(self.unit, narrow=True), justify="right" if column.number else "left", **how)
+        for texts in rows:
+            drawn.add_row(*texts)
+        console = Console(file=io.StringIO(), highlight=False, markup=False, emoji=False, color_system=None)
         roomy = console.options.update(max_width=1000)
-        for part in (one for one in drawn.columns if one.no_wrap):
-            part.min_width = max(console.measure(cell, options=roomy).maximum for cell in (part.header, *part.cells))
         console.width = max(console.width, console.measure(drawn, options=roomy).minimum)
-        console.print(drawn)
-        return [line.rstrip() for line in stream.getvalue().splitlines()]
+        with console.capture() as drawing:
+            console.print(drawn)
+        return [line.rstrip() for line in drawing.get().splitlines()]
+
+
+def _width(text: str) -> int:
+    """Return how many columns of a terminal a text takes: two for letters of East Asia, none for accents apart."""
+    return sum(0 if combining(one) else 1 + (east_asian_width(one) in "FW") for one in text)
 
 
 class Document(Record):

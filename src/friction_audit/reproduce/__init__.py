@@ -1,15 +1,15 @@
-"""The paper's simulated figures: simulated, drawn, and each of their claims held against a number."""
+"""The paper's figures in simulation: how each is simulated, drawn, and its claims checked."""
 
 from friction_audit.reporting.figures import paper
 from friction_audit.reporting.figures.comparison import draw_comparison
 from friction_audit.reproduce import checks
 from friction_audit.reproduce.checks import compare_methods, compensated, last_period
-from friction_audit.reproduce.claims import Claim, Reproduction, Simulations, make_course, simulate_figures
+from friction_audit.reproduce.claims import Claim, Reproduction, Simulations, make_course, simulate_figure
 from friction_audit.simulation.bench import PANDA_JOINTS
 
-__all__ = ["REPRODUCTIONS", "Claim", "Reproduction", "Simulations", "simulate_figures"]
+__all__ = ["REPRODUCTIONS", "Claim", "Reproduction", "Simulations", "simulate_figure"]
 
-MANY = 1000  # as many seeds as are asked for
+MANY = 1000  # no practical limit of the seeds
 FEW = 5  # of an arm; ``compare --arm panda`` takes more
 REPRODUCTIONS = (  # the figures, in the paper's order
     Reproduction(

@@ -1,4 +1,4 @@
-"""What is checked of the paper's figures: 3 and 6 to 11 of one joint, 12 to 14 of a Panda guided by a hand."""
+"""Checks of the paper's claims: Figs 3 and 6 to 11 for one joint, Figs 12 to 14 for a hand-guided Panda."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from friction_audit.compensation.comparison.experiment import compare
-from friction_audit.compensation.comparison.methods import FULL, METHODS, PAPER, SCENES
+from friction_audit.compensation.comparison.methods import FULL, METHODS, PAPER, SETUPS
 from friction_audit.compensation.comparison.result import Comparison, Row
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures.panels import smooth
@@ -26,12 +26,12 @@ from friction_audit.reproduce.claims import (
 from friction_audit.simulation.bench import Progress
 from friction_audit.simulation.settings import CONTROL_RATE_HZ, Simulation
 
-CLOSURE_BOUND, MINIMA_BOUND = 1e-5, 1e-4  # Fig. 3: shares of what was dissipated
+CLOSURE_BOUND, MINIMA_BOUND = 1e-5, 1e-4  # Fig. 3: shares of the dissipated energy
 ESTIMATE_BOUND, RETURN_BOUND = 1e-3, 1e-2  # Figs 6, 7: relative errors of the coefficient
 
 
 def check_3(simulations: Simulations) -> tuple[Claim, ...]:
-    """Check (3), that dissipation never falls, and what the minima of the net energy rise by."""
+    """Check the balance (3), the dissipated energy, which never falls, and the minima of the net energy."""
     course, kinetic, dissipated = energies(simulations)
     closure = float(np.abs(course.energy_j - kinetic - dissipated).max() / dissipated[-1])
     falls = float(np.diff(dissipated).min())
@@ -44,7 +44,7 @@ def check_3(simulations: Simulations) -> tuple[Claim, ...]:
 
 
 def energies(simulations: Simulations) -> tuple[Course, Float, Float]:
-    """Return the course and its kinetic and dissipated energy, shape (n,) each. [J]"""
+    """Return the course of Fig. 3 with its kinetic and dissipated energy, shape (n,) each. [J]"""
     (simulation,) = simulations["fig3"]
     truth = simulation.truth
     kinetic = 0.5 * truth.settings.joints[0].inertia_kg_m2 * truth.motion.dq[:, 0] ** 2
@@ -52,7 +52,7 @@ def energies(simulations: Simulations) -> tuple[Course, Float, Float]:
 
 
 def minima(energy: Float, dissipated: Float) -> tuple[int, float]:
-    """Return how many minima rise over the one before, the start included, and the largest relative difference."""
+    """Return the number of rises between minima of the net energy, from the start, and their largest relative error."""
     inner = energy[1:-1]
     places = np.append(0, np.flatnonzero((inner < energy[:-2]) & (inner <= energy[2:])) + 1)
     rise, lost = np.diff(energy[places]), np.diff(dissipated[places])
@@ -60,7 +60,7 @@ def minima(energy: Float, dissipated: Float) -> tuple[int, float]:
 
 
 def check_6(simulations: Simulations) -> tuple[Claim, ...]:
-    """Check the estimates after the first and the fourth cycle, and the energy between."""
+    """Check the estimates after the first and the fourth cycle, and the net energy between."""
     (simulation,) = simulations["fig6"]
     course, settings = make_course(simulation), simulation.truth.settings
     before = settings.joints[0].viscous_nms_per_rad
@@ -85,7 +85,7 @@ def draw_6(simulations: Simulations) -> Any:  # noqa: ANN401 - a figure of Matpl
 
 
 def check_7(simulations: Simulations) -> tuple[Claim, ...]:
-    """Check what over-compensation does without and with the passivity controller."""
+    """Check over-compensation without and with the passivity controller."""
     (bare,), (guarded,) = simulations["fig7-unprotected"], simulations["fig7"]
     alone, course = make_course(bare), make_course(guarded)
     fallen, lowest = float(alone.energy_j.min() / alone.ends_j[0]), float(course.energy_j.min())
@@ -108,18 +108,18 @@ def check_7(simulations: Simulations) -> tuple[Claim, ...]:
 
 
 def tolerance_j(simulation: Simulation) -> float:
-    """Return what the energy can fall below zero by although the controller acts. [J]"""
+    """Return the largest energy deficit that is possible although the passivity controller acts. [J]"""
     settings, motion = simulation.truth.settings, simulation.truth.motion
     hand, joint = settings.operator.inertia_kg_m2, settings.joints[0].inertia_kg_m2
     power = np.abs(motion.interaction_nm * motion.dq).max()
     return float(power / CONTROL_RATE_HZ * (hand + joint) / hand)
 
 
-PEAK_NM = (1.3, 1.7)  # what still is approximately 1.5 N m
+PEAK_NM = (1.3, 1.7)  # bounds of "approximately 1.5 N m"
 
 
 def check_8(simulations: Simulations) -> tuple[Claim, ...]:
-    """Check that every cycle takes energy, and the peak torque."""
+    """Check that every cycle dissipates energy, and the peak torque."""
     courses = [make_course(simulation) for simulation in simulations["fig8"]]
     rises = np.array([np.diff(course.ends_j, prepend=0.0).min() for course in courses])
     factor = np.median([course.ends_j[-1] / course.ends_j[1] for course in courses])
@@ -132,7 +132,7 @@ def check_8(simulations: Simulations) -> tuple[Claim, ...]:
 
 
 def peak_nm(course: Course) -> float:
-    """Return the largest interaction torque, low-passed as it is drawn. [N m]"""
+    """Return the largest interaction torque, low-passed as in the figure. [N m]"""
     return float(np.abs(smooth(course.t, course.interaction_nm)).max())
 
 
@@ -141,40 +141,40 @@ PLATEAU_BOUND = 0.02
 
 
 def last_period(simulation: Simulation) -> Course:
-    """Return the last period of the sinusoid, without what the start from rest leaves."""
+    """Return the last period of the sinusoid, in steady state."""
     course = make_course(simulation, zero_crossings=True)
     return course.part(course.t >= course.t[-1] - simulation.truth.settings.operator.motion.period_s)
 
 
 def plateau_nm(course: Course) -> float:
-    """Return half the distance of the plateaus at velocity zero: inertia has the same sign on both and cancels."""
+    """Return half the distance of the plateaus at velocity zero, where the inertial torque of both cancels. [N m]"""
     slow = np.abs(course.dq) < NEAR_ZERO * np.abs(course.dq).max()
     forth, back = (course.interaction_nm[slow & sign].mean() for sign in (course.dq > 0.0, course.dq < 0.0))
     return float(0.5 * (forth - back))
 
 
 def check_9(simulations: Simulations) -> tuple[Claim, ...]:
-    """Check the plateaus of friction, and that compensation leaves an ellipse."""
+    """Check the plateaus of friction, and the ellipse that remains with compensation."""
     (raw,), (aided,) = simulations["fig9-friction"], simulations["fig9-compensated"]
     joint, before, after = raw.truth.settings.joints[0], last_period(raw), last_period(aided)
     speed = np.abs(before.dq)
     slow = float(speed[speed < NEAR_ZERO * speed.max()].mean())
     plateau = plateau_nm(before)
-    # While the compensator is silent, friction holds the joint. It then moves slower than intended by a dt, to which
-    # the hand's damper b adds b a dt, of which the share B / (m + B) passes the sensor; the inertia's own is B a.
+    # For one tick at standstill the compensator has no torque and friction holds the joint. Its velocity is then a dt
+    # below the intended one, and the hand's damper b adds b a dt; B / (m + B) of it passes the sensor, relative to B a.
     hand, own = (one.inertia_kg_m2 for one in (aided.truth.settings.operator, aided.truth.settings.joints[0]))
-    silence = float(aided.truth.settings.operator.damping_nms_per_rad / CONTROL_RATE_HZ / (hand + own))
+    bound = float(aided.truth.settings.operator.damping_nms_per_rad / CONTROL_RATE_HZ / (hand + own))
     cost, alone = (float(course.energy_j[-1] - course.energy_j[0]) for course in (after, before))
     held = joint.coulomb_nm + joint.viscous_nms_per_rad * slow
     return (
         within("plateaus", abs(plateau / held - 1.0), PLATEAU_BOUND, plateau=plateau),
         within("no_plateau", abs(plateau_nm(after)) / plateau, PLATEAU_BOUND, cost=relative(cost / alone)),
-        within("ellipse", off_ellipse(after), silence),
+        within("ellipse", off_ellipse(after), bound),
     )
 
 
 def off_ellipse(course: Course) -> float:
-    """Return the largest distance of the moving joint from the ellipse with the same half axes, over these."""
+    """Return the largest relative distance of the moving joint from the ellipse with the same half axes."""
     direction = np.sign(course.dq)
     moving = (direction != 0.0) & (np.diff(direction, prepend=direction[0]) == 0.0)
     dq, torque = (signal[moving] / np.abs(signal[moving]).max() for signal in (course.dq, course.interaction_nm))
@@ -182,13 +182,13 @@ def off_ellipse(course: Course) -> float:
 
 
 FIG_10 = ("fig10", "fig10-published", "fig10-slow-noise")
-BAND = 0.25  # share of E_cyclic^2 that the net energy may leave it by at the later ends of cycles
-NEAR = 0.05  # the same, where the estimate of two cycles is good
-PERSONS = 0.95  # share of the persons with whom it must not: the paper shows one
+BAND = 0.25  # largest change of the net energy after the second cycle, at ends of cycles, over E_cyclic^2
+NEAR = 0.05  # the same for a good estimate of two cycles
+PERSONS = 0.95  # share of the persons for whom BAND must hold: the paper shows one
 
 
 def check_10(simulations: Simulations) -> tuple[Claim, ...]:
-    """Check that the energy rises for two cycles and then stays, also with (20) as printed."""
+    """Check that the net energy rises for two cycles and then stays, also with (20) as printed."""
     courses, as_printed, with_slow_noise = ([make_course(one) for one in simulations[name]] for name in FIG_10)
     rises = np.array([np.diff(course.ends_j[: SECOND + 1], prepend=0.0).min() for course in courses])
     last_s = np.median([course.ends_s[-1] - course.ends_s[SECOND] for course in courses])
@@ -210,12 +210,12 @@ def check_10(simulations: Simulations) -> tuple[Claim, ...]:
 
 
 LOW_PEAK_NM = 0.5
-FAST = 0.3  # speed above which friction is sliding and all of the compensation acts. [rad/s]
-REMAINS = 0.15  # share of the friction that may be left of an ellipse
+FAST = 0.3  # speed of sliding friction, above dead-band and ramp of the compensation. [rad/s]
+REMAINS = 0.15  # largest share of the friction that remains
 
 
 def check_11(simulations: Simulations) -> tuple[Claim, ...]:
-    """Check the peak torque and that little of friction is left in the curve."""
+    """Check the peak torque, and the friction that remains."""
     before = [make_course(simulation) for simulation in simulations["fig8"]]
     after = [compensated(make_course(simulation)) for simulation in simulations["fig10"]]
     peaks = np.array([peak_nm(course) for course in after])
@@ -234,18 +234,18 @@ def check_11(simulations: Simulations) -> tuple[Claim, ...]:
 
 
 def compensated(course: Course) -> Course:
-    """Return the part from the end of the second cycle on."""
+    """Return the part after the second cycle."""
     return course.part(course.t >= course.ends_s[SECOND])
 
 
-# An arm, whose hand's speed ends the cycles of all joints.
+# An arm: the hand speed ends the cycles of all joints.
 
-# Slope of the cyclic energies, over that of the first two cycles, up to which they count as no longer rising.
+# Slope of the cyclic energies over that of the first two cycles, below which they count as constant.
 SLOPE_BOUND = 0.1
 
 
 def check_12(simulations: Simulations) -> tuple[Claim, ...]:
-    """Check that the joints' cycles end together, and that the net energy then stays."""
+    """Check that the joints' cycles end together, and that the net energy stays after the second one."""
     arms = simulations["fig12"]
     ended = [np.diff(arm.truth.compensators["cycle"], axis=0) != 0 for arm in arms]
     alone = sum(int((one.any(axis=1) & ~one.all(axis=1)).sum()) for one in ended)
@@ -253,7 +253,7 @@ def check_12(simulations: Simulations) -> tuple[Claim, ...]:
     t = [arm.truth.motion.t[own] for arm, own in zip(arms, ends, strict=True)]
     energies = [arm.truth.compensators["energy_j"][own] for arm, own in zip(arms, ends, strict=True)]
     whole = [one.sum(axis=1, keepdims=True) for one in energies]
-    # Slopes from the second cycle on, over those up to it; in the last column that of the arm.
+    # Slopes after the second cycle over those before it; the last column is that of the arm.
     every = [(at, np.hstack(both)) for at, *both in zip(t, energies, whole, strict=True)]
     ratios = np.array([np.polyfit(at[SECOND:], e[SECOND:], 1)[0] / (e[SECOND] / at[SECOND]) for at, e in every])
     slopes, own_slopes = ratios[:, -1], ratios[:, :-1]
@@ -278,12 +278,12 @@ def check_12(simulations: Simulations) -> tuple[Claim, ...]:
 
 # The paper's methods, from the steepest to the flattest net energy.
 ORDER = ("none", "sigmoid", "disturbance_observer", "torque_regulation", "energy")
-KEPT = 0.1  # slope, over that without compensation, up to which the net energy counts as kept
+KEPT = 0.1  # slope over that without compensation, below which the net energy counts as constant
 
 
 def compare_methods(seeds: int, progress: Progress | None = None) -> Comparison:
-    """Try the paper's methods on the arm, without sweeps and margins."""
-    (arm,) = (scene for scene in SCENES if scene.name == "panda")
+    """Compare the paper's methods on the arm, without sweeps and margins."""
+    (arm,) = (setup for setup in SETUPS if setup.name == "panda")
     arm = replace(arm, tuning_seeds=0, margin_seeds=0)
     return compare(arm, seeds, [replace(method, sweeps=()) for method in METHODS if method.name in ORDER], progress)
 
@@ -295,19 +295,19 @@ def rows_of(comparison: Comparison, role: str) -> list[Row]:
 
 
 def in_words(rows: Sequence[Row], values: Sequence[float], factor: float, unit: str) -> str:
-    """Return the methods with their values, largest first, and how often a loop was lost."""
+    """Return the methods with their values, largest first, and the shares of unstable loops."""
     pairs = sorted(zip(values, rows, strict=True), key=lambda pair: -pair[0])
     order = " > ".join(f"{row.label} {factor * value:.3g}" for value, row in pairs)
     lost = [f"{row.label} lost in {1 - row.stable_share:.0%} of seeds" for row in rows if row.stable_share < 1.0]
     return "; ".join([f"{order} {unit}", *lost])
 
 
-# Before a claim, by role: the paper does not make the second.
+# Prefix of a claim by role; the second one is not a claim of the paper.
 OWN = {PAPER: "", FULL: "own experiment, the observer compensates all that it observes: "}
 
 
 def check_13(comparison: Comparison) -> tuple[Claim, ...]:
-    """Check the order of the methods by the slope of the net energy, and that the proposed method keeps it."""
+    """Check the order of the methods by the slope of the net energy, and that the proposed method keeps it constant."""
     none, *_, proposed = rows_of(comparison, PAPER)
     slope, alone = (row.interval("energy_slope_w").value for row in (proposed, none))
     kept, stable = slope / alone, proposed.stable_share
@@ -329,7 +329,7 @@ def order(comparison: Comparison, role: str) -> Claim:
 
 
 def check_14(comparison: Comparison) -> tuple[Claim, ...]:
-    """Check the order of the methods by the largest torque, and which leaves least of the plateaus."""
+    """Check the order of the methods by the largest torque, and which one leaves least Coulomb friction."""
     rows = rows_of(comparison, PAPER)[:-1]
     drawn, raw = ([row.interval(name).value for row in rows] for name in ("drawn_peak_nm", "peak_torque_nm"))
     falls = np.diff(drawn) < 0.0
@@ -341,7 +341,7 @@ def check_14(comparison: Comparison) -> tuple[Claim, ...]:
 
 
 def plateaus(comparison: Comparison, role: str) -> Claim:
-    """Check which method leaves least of the plateaus of Coulomb friction."""
+    """Check that the last method leaves least of the plateaus of Coulomb friction."""
     rows = rows_of(comparison, role)
     left = [abs(row.interval("coulomb_left").value) for row in rows]
     holds, words = left[-1] == min(left) and rows[-1].stable_share == 1.0, in_words(rows, left, 1.0, "of it left")

@@ -1,7 +1,7 @@
-"""What the paper says, and what we got."""
+"""Claims of the paper, the simulations that they are checked on, and the results."""
 
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -28,21 +28,21 @@ class Claim:
     figure: str  # figure of the paper
     claim: str  # the claim in a sentence
     paper: str  # what the paper says or shows, in its units
-    ours: str  # what we got, in words and with its unit
-    value: float  # the number that decides
+    ours: str  # our result, in words and with its unit
+    value: float  # the number that is compared with the bound
     holds: bool  # whether it holds
-    note: str = ""  # what a reader should know about it, or nothing
-    own: bool = False  # whether it is an experiment of this project that the paper does not make
+    note: str = ""  # a remark for the reader
+    own: bool = False  # whether it is an experiment of this project, not of the paper
 
 
 def spread(values: Float, unit: str) -> str:
-    """Return median and worst in words; of one seed only that."""
+    """Return median and worst value in words; of one seed its value."""
     worst = f"{np.max(values):.3f} {unit}".rstrip()
     return worst if len(values) == 1 else f"median {np.median(values):.3f}, worst {worst}"
 
 
 def share(holds: NDArray[np.bool_]) -> str:
-    """Return in how many seeds something holds, in words."""
+    """Return in words the number of seeds for which something holds."""
     return f"{int(holds.sum())} of {len(holds)} seeds"
 
 
@@ -62,7 +62,7 @@ TEXTS = tomllib.loads(Path(__file__).with_name("claims.toml").read_text(encoding
 
 
 def claim(name: str, value: float, holds: object, *, own: bool = False, **numbers: object) -> Claim:
-    """Return a claim by its name in the table, with the number that decides, and numbers for its texts."""
+    """Return a claim by its name in the table, with its value, and numbers for its texts."""
     words: dict[str, Any] = {field: text.format(**numbers) for field, text in TEXTS[name].items()}
     return Claim(**words, value=float(value), holds=bool(holds), own=own)
 
@@ -81,33 +81,26 @@ class Reproduction(NamedTuple):
 
     figure: str  # its number
     title: str  # what it shows
-    scenarios: tuple[str, ...]  # names of the scenarios that it needs
+    scenarios: tuple[str, ...]  # names of its scenarios
     check: Callable[[Simulations], tuple[Claim, ...]]  # simulations -> claims
     draw: Callable[[Simulations], Any]  # simulations -> figure, of the first seed
-    # most seeds that make sense: 1 where nothing is drawn at random, few where a simulation takes long
-    most_seeds: int = 1
-    # seeds -> the comparison that it shows in place of simulations, kept by its first scenario; or None
+    most_seeds: int = 1  # largest useful number of seeds: 1 without randomness, few where a simulation takes long
+    # seeds -> the comparison that it shows in place of simulations, or None
     compare: Callable[[int, Progress | None], Any] | None = None
 
 
-def simulate_figures(
-    reproductions: Sequence[Reproduction],
-    seeds: int,
-    progress: Progress | None = None,
-    known: Simulations | None = None,
+def simulate_figure(
+    figure: Reproduction, seeds: int, progress: Progress | None = None, known: Simulations | None = None
 ) -> Simulations:
-    """Simulate what the figures need, persons of the seeds 0, 1 and so on; what is known already is returned too."""
-    done: dict[str, Any] = dict(known or {})
-    for one in reproductions:
-        if one.compare is not None and one.scenarios[0] not in done:
-            done[one.scenarios[0]] = one.compare(min(seeds, one.most_seeds), progress)
-    most = {name: min(seeds, each.most_seeds) for each in reproductions for name in each.scenarios}
-    wanted = [scenario for scenario in PAPER_SCENARIOS if scenario.name in most.keys() - done.keys()]
-    todo = [(scenario, seed) for scenario in wanted for seed in range(most[scenario.name])]
-    effort = [len(scenario.settings.joints) ** 2 * scenario.settings.duration_s for scenario, _ in todo]
+    """Simulate the scenarios of a figure for the seeds 0, 1, ...; add them to the known simulations."""
+    done, seeds = dict[str, Any](known or {}), min(seeds, figure.most_seeds)
+    missing = set(figure.scenarios) - done.keys()
+    if figure.compare is not None:
+        return done | {name: figure.compare(seeds, progress) for name in missing}
+    todo = [(scenario, seed) for scenario in PAPER_SCENARIOS if scenario.name in missing for seed in range(seeds)]
     for row, (scenario, seed) in enumerate(todo):
         if progress is not None:
-            progress(sum(effort[:row]) / sum(effort))
+            progress(row / len(todo))
         done[scenario.name] = (*done.get(scenario.name, ()), simulate(scenario.settings, seed))
     return done
 
@@ -116,18 +109,18 @@ APPLIED = ("coulomb_nm", "viscous_nms_per_rad", "damping_nms_per_rad")
 
 
 def make_course(simulation: Simulation, joint: int = 0, *, zero_crossings: bool = False) -> Course:
-    """Return the course of a joint, counted from 0, as the log and the compensator in it know it.
+    """Return the course of a joint (0-based): signals of the log, and states of its compensator.
 
     Without a compensator in the loop, cycles end at ``zero_crossings`` of the velocity, or by the paper's thresholds.
     """
     log: Any = simulation.log
     interaction = log.gravity - log.tau_J if log.tau_interaction is None else log.tau_interaction
     dq, torque = log.dq[:, joint], interaction[:, joint]
-    if simulation.truth.compensators:  # what the compensator in the loop knew at the stamps of the log
+    if simulation.truth.compensators:  # states of the compensator in the loop at the stamps of the log
         ticks = np.rint(log.t * CONTROL_RATE_HZ).astype(np.intp)
         known = simulation.truth.compensators
         traces: Any = {name: known[name][ticks, joint] for name in ("cycle", "energy_j", *APPLIED)}
-    else:  # what a compensator that does nothing would have seen: energy and cycles
+    else:  # energy and cycles of a compensator without torque
         traces = run(EnergyCompensator(zero_crossings=zero_crossings, passivity=False, factor=0.0), log.t, dq, torque)
     ends = np.flatnonzero(np.diff(traces["cycle"])) + 1
     own = {name: traces[name] for name in ("energy_j", *APPLIED)}

@@ -16,7 +16,7 @@ from friction_audit.robot.arm import Arm
 PARAMETERS, MOMENTS = 10, 3  # and the last first moment
 SEED = 0
 POSES = 60
-SIGNIFICANT = 1e-7  # of the largest column's square: what a column must add to those before it
+SIGNIFICANT = 1e-7  # squared residual of an independent column, over the largest squared norm
 
 Index = NDArray[np.int64]
 Motion = tuple[Float, Float, Float]
@@ -27,7 +27,7 @@ _times = partial(np.einsum, "in,ikn->kn")
 def regressor_entries(arm: Arm, motion: Motion, joints: Index, links: Index, places: Index) -> Float:
     """Return entries of the regressor: a joint's torque per unit of one of the ten parameters of a link, shape (n, e).
 
-    Of each entry, shape (e,): column in the log of its joint, and of the joint that carries its link; the parameter.
+    For each entry, shape (e,): the log's column of its joint, that of the joint that carries its link, the parameter.
     """
     place = np.argsort(arm.columns)
     joints, links = place[joints], place[links]
@@ -37,7 +37,7 @@ def regressor_entries(arm: Arm, motion: Motion, joints: Index, links: Index, pla
     for link in np.unique(links):
         highest = int(places[links == link].max())
         force, moment = _wrench(*(_times(part[link], orientation[link]) for part in accelerations), highest=highest)
-        for joint in _chain(arm, int(link)):
+        for joint in _joints_to_base(arm, int(link)):
             entries = np.flatnonzero((links == link) & (joints == joint))
             if len(entries):
                 across = np.cross(axis[joint], origin[link] - origin[joint], axis=0)
@@ -48,12 +48,12 @@ def regressor_entries(arm: Arm, motion: Motion, joints: Index, links: Index, pla
 
 
 def _accelerations(arm: Arm, origin: Float, axis: Float, dq: Float, ddq: Float) -> tuple[Float, Float, Float]:
-    """Return of each link angular velocity and acceleration, and acceleration of its origin less gravity, (j, 3, n)."""
+    """Return angular velocity and acceleration of each link, and its origin's acceleration less gravity, (j, 3, n)."""
     spin, push = axis * dq.T[:, None], axis * ddq.T[:, None]
     turning, angular = spin.copy(), push
     linear = np.repeat(np.tile(-arm.model.opt.gravity, (len(axis), 1))[:, :, None], len(dq), axis=2)
     for link in range(len(axis)):
-        for parent in _chain(arm, link)[1:2]:
+        for parent in _joints_to_base(arm, link)[1:2]:
             before, lever = turning[parent], origin[link] - origin[parent]
             turning[link] += before
             angular[link] += angular[parent] + np.cross(before, spin[link], axis=0)
@@ -62,7 +62,7 @@ def _accelerations(arm: Arm, origin: Float, axis: Float, dq: Float, ddq: Float) 
     return turning, angular, linear
 
 
-def _chain(arm: Arm, link: int) -> list[int]:
+def _joints_to_base(arm: Arm, link: int) -> list[int]:
     """Return the joints of the model that move a link, from its own to the first."""
     found = []
     while link >= 0:
@@ -74,8 +74,8 @@ def _chain(arm: Arm, link: int) -> list[int]:
 def _wrench(turning: Float, angular: Float, linear: Float, *, highest: int) -> tuple[Float, Float]:
     """Return force and moment about a link's origin per unit of its parameters, in its frame, shape (3, 10, n) each.
 
-    They are zero for moments of inertia where no parameter after the first moments is asked for. Atkeson, An and
-    Hollerbach, equation (8); ``linear`` is the acceleration of the origin less gravity.
+    Those of the moments of inertia are computed only if ``highest`` is one of them. Atkeson, An and Hollerbach,
+    equation (8); ``linear`` is the acceleration of the origin less gravity.
     """
     force, moment = np.zeros((2, 3, PARAMETERS, linear.shape[1]))
     spin = _skew(turning)
@@ -94,14 +94,14 @@ def _skew(v: Float) -> Float:
 
 
 def _inertia_columns(v: Float) -> Float:
-    """Return what turns the six moments of inertia into inertia times v, shape (3, 6, n)."""
+    """Return the matrix that multiplies the six moments of inertia to inertia times v, shape (3, 6, n)."""
     x, y, z = v
     zero = np.zeros_like(x)
     return np.array([[x, y, zero, z, zero, zero], [zero, x, y, zero, z, zero], [zero, zero, zero, x, y, z]])
 
 
 def significant(columns: Float) -> NDArray[np.bool_]:
-    """Return which columns, from first to last, are no combination of those before them, shape (p,)."""
+    """Return which columns are linearly independent of those before them, shape (p,)."""
     size = float(np.max(np.sum(columns**2, axis=0), initial=0.0))
     kept = np.zeros(columns.shape[1], bool)
     if size == 0.0:
@@ -114,7 +114,7 @@ def significant(columns: Float) -> NDArray[np.bool_]:
 
 
 def random_motion(joints: int, *, moving: bool) -> Motion:
-    """Return random poses, with velocities and accelerations if moving, which show what can be identified at all."""
+    """Return random poses, with velocities and accelerations if moving, to find the identifiable parameters."""
     rng = np.random.default_rng(SEED)
     q = rng.uniform(-np.pi, np.pi, (POSES, joints))
     dq, ddq = rng.normal(size=(2, POSES, joints)) * float(moving)
@@ -122,6 +122,6 @@ def random_motion(joints: int, *, moving: bool) -> Motion:
 
 
 def tilt_torque(arm: Arm, q: Float) -> Float:
-    """Return the gravity torque per unit of gravity along two directions across the vertical, shape (n, j, 2)."""
+    """Return the gravity torque per unit of gravity along two horizontal directions, shape (n, j, 2)."""
     across = np.linalg.svd(arm.model.opt.gravity[None])[2][1:]
     return np.stack([arm.with_gravity(one).gravity(q) for one in across], axis=-1)

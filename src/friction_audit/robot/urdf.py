@@ -1,4 +1,4 @@
-"""Reading a URDF: which of its joints count, the inertias of its links, and whether it is enough for dynamics."""
+"""Read a URDF: its joints with a motor, the inertias of its links, and its faults."""
 
 from collections.abc import Iterator
 from graphlib import CycleError, TopologicalSorter
@@ -12,12 +12,12 @@ from friction_audit.presets import FINGER
 from friction_audit.robot.arm import Inertial
 
 TURNING = ("revolute", "continuous")
-# Joints with one position or none; a log has no place for that of a planar or floating one.
+# Joints with at most one position; a log has no column for those of a planar or floating joint.
 _KNOWN = ("revolute", "continuous", "prismatic", "fixed")
 _MOST_LINKS = 1000  # trees are walked by recursion, here and in MuJoCo
 _ABSURD = 1e6  # no arm is as heavy or as long, in SI units
-# MuJoCo refuses massless links and point masses, which URDFs have. It gets this in their place, with axes of its own
-# so that it keeps the general case, and the true values are written into the model.
+# MuJoCo refuses massless links and point masses, which URDFs have. It reads this inertia in place of each, rotated so
+# that no special case is compiled; the true values are then written into the model.
 _PLACEHOLDER = {
     "origin": {"xyz": "1 2 3", "rpy": "1 2 3"},
     "mass": {"value": "1"},
@@ -96,7 +96,7 @@ def _inertial(element: ET.Element) -> Inertial:
 
 
 def _faults(root: ET.Element) -> list[str]:
-    """Return what is wrong with links and joints; a URDF parser drops such a part, and its gravity, in silence."""
+    """Return the faults of links and joints; a URDF parser would drop such a part and its gravity in silence."""
     links, joints = root.findall("link"), root.findall("joint")
     if len(links) > _MOST_LINKS:
         return [f"{len(links)} links; expected at most {_MOST_LINKS}"]
@@ -129,7 +129,7 @@ def _wrong_inertial(inertial: ET.Element) -> Iterator[str]:
 
 
 def _wrong_numbers(parent: ET.Element, tag: str, count: int, lowest: float = -inf, **defaults: str) -> Iterator[str]:
-    """Name the attributes of an element, where it is there, that are not so many sound numbers."""
+    """Yield the faulty attributes of an element, if there is one: each must hold ``count`` valid numbers."""
     element = parent.find(tag)
     if element is None:
         return
@@ -147,7 +147,7 @@ def _wrong_numbers(parent: ET.Element, tag: str, count: int, lowest: float = -in
 
 
 def _wrong_tree(links: list[ET.Element], joints: list[ET.Element]) -> Iterator[str]:
-    """Name what keeps the links from being one tree."""
+    """Yield the faults because of which the links are not one tree."""
     names, ends = [link.get("name") for link in links], dict[str, list[str | None]]()
     for what, own in (("link", names), ("joint", [joint.get("name") for joint in joints])):
         yield from (f"{own.count(one)} {what}s of the name {one}" for one in dict.fromkeys(own) if own.count(one) > 1)

@@ -4,7 +4,7 @@ from dataclasses import field, replace
 
 import numpy as np
 
-from friction_audit.compensation.controller import CYCLE_STATE
+from friction_audit.compensation.controller import HAND_STATES
 from friction_audit.compensation.law import Checked, within
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
@@ -115,7 +115,7 @@ class ArmDynamics:
         self._known_data, self._data = mj.MjData(self._known), mj.MjData(self._model)
         self._flange = self._model.body(known.flange).id
         by_hand = settings.compensator is not None and settings.hand_cycles
-        self.cycle = np.zeros(CYCLE_STATE if by_hand else 0)
+        self.cycle = np.zeros(HAND_STATES if by_hand else 0)
         self._ticks, self._dt = len(mechanism.out) - 1, mechanism.dt
         self._joints = n = len(settings.joints)
         self._mass, self._bias, self._held, self.jacobian = (np.zeros(s) for s in ((n, n), n, n, (6, n)))

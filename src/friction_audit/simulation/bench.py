@@ -9,7 +9,7 @@ import numpy as np
 
 from friction_audit.compensation.competitors import Compensator
 from friction_audit.compensation.law import Checked, positive, within
-from friction_audit.compensation.records import FIELDS, TRACE, fresh_memory, pack as pack_compensators
+from friction_audit.compensation.records import FIELDS, TRACE, initial_states, settings_records
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.robot.arm import load_arm
@@ -162,9 +162,9 @@ def make_loop(settings: shared.SomeSettings, ticks: int, streams: shared.Streams
         noise, velocity[:, j], position[:, j] = draw_noise(ticks, shared.CONTROL_RATE_HZ, sensors, streams.sensors)
         drift = torque_drift_nm(inside.torque_drift, t, streams.drifts[j])
         torque[:, j] = noise + inside.torque_bias.torque_nm + drift
-    memory = fresh_memory(len(settings.joints))
+    memory = initial_states(len(settings.joints))
     return Loop(
-        settings=pack_compensators(shared.of_each_joint(settings.compensator, len(memory)), shared.CONTROL_RATE_HZ),
+        settings=settings_records(shared.of_each_joint(settings.compensator, len(memory)), shared.CONTROL_RATE_HZ),
         memory=memory,
         memory_fields=memory.view(np.int64).reshape(len(memory), -1),
         torque_noise=torque,

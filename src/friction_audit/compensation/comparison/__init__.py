@@ -1,1 +1,1 @@
-"""The compensation methods side by side: same operator, same arm, same noise, same seeds."""
+"""Comparison of the compensation methods with the same operator, arm, noise and seeds."""

@@ -1,4 +1,4 @@
-"""Compensation methods, their tunings and what is varied in them; and the joint, or the arm, that all are tried on."""
+"""Compensation methods with their tunings and sweeps, and the setups (a joint, an arm) on which they are compared."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -7,7 +7,7 @@ from itertools import count
 from typing import Any, NamedTuple
 
 from friction_audit.compensation import competitors
-from friction_audit.compensation.law import EnergyCompensator, Law, payback_s
+from friction_audit.compensation.law import CompensatorSettings, EnergyCompensator, payback_s
 from friction_audit.compensation.settings import limits_of
 from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.bench import PANDA_JOINTS, BenchSettings
@@ -15,27 +15,27 @@ from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.structure import JointElasticity
 from friction_audit.simulation.settings import JointParameters
 
-# Roles of a tuning: the setting in which the paper's order comes out, the same but for an observer that compensates all
-# that it observes, the best stable one of the sweeps, or another. The order model > disturbance observer > torque
-# regulation > proposed takes: error of the model > 1 - share of the observer + its lag > B_theta / B > 0.
+# Roles of a tuning: the one that reproduces the paper's order; the same with an observer that compensates all that it
+# observes; the best stable one of the sweeps; another. The order model > disturbance observer > torque regulation >
+# proposed requires: error of the model > 1 - share of the observer + its lag > B_theta / B > 0.
 PAPER, FULL, BEST, OTHER = "paper", "full", "best", "other"
 
 
 class Joint(NamedTuple):
-    """What a method may know of a joint."""
+    """Parameters of a joint that a tuning may use."""
 
-    column: int  # which joint of the arm, counted from 0
-    parameters: JointParameters  # motor and friction, as the link truly sees them
-    limits: dict[str, Any]  # settings of a compensator: torque that the joint can give, and how fast that can change
-    payback_s: float  # time over which a passivity controller may pay without driving its elastic mode [s]
+    column: int  # index of the joint in the arm, from 0
+    parameters: JointParameters  # true motor and friction parameters at the link
+    limits: dict[str, Any]  # settings of a compensator: limits of torque and torque rate
+    payback_s: float  # as in ``law.payback_s``, for the elastic mode of the joint [s]
 
 
 def panda_joint(column: int, motor: JointParameters, gear: JointElasticity) -> Joint:
-    """Return a joint with the limits of that joint of a Panda, as it is seen from the link.
+    """Return the parameters of a joint at the link, with the limits of that joint of a Panda.
 
-    Its mode is the lowest, of the link held fast; torque control is in it, its dead time to first order.
+    The elastic mode is that of a fixed link, with torque control and its dead time to first order.
     """
-    known, loop, limits = Law.payback_s, motor.torque_loop, limits_of("panda", column + 1)
+    known, loop, limits = CompensatorSettings.payback_s, motor.torque_loop, limits_of("panda", column + 1)
     if gear.compliance_rad_per_nm > 0.0:
         bare = (gear.compliance_rad_per_nm * motor.inertia_kg_m2) ** -0.5
         damping = gear.damping_ratio + 0.5 * bare * (loop.damping_s - loop.gain * loop.dead_time_s)
@@ -47,60 +47,60 @@ def panda_joint(column: int, motor: JointParameters, gear: JointElasticity) -> J
 
 
 class Tuning(NamedTuple):
-    """One way to set a method up."""
+    """One set of parameters of a method."""
 
     name: str  # short name
-    meaning: str  # what it means, in words
+    meaning: str  # explanation
     make: Callable[[Joint], Any]  # joint -> compensator
-    limited: bool = True  # whether the limits of the joint hold for it
+    limited: bool = True  # whether the limits of the joint apply
 
 
 class Sweep(NamedTuple):
-    """One setting of a method, varied."""
+    """A sweep of one parameter of a method."""
 
-    name: str  # what all of its tunings share
-    axis: str  # name of the setting with its unit
-    values: tuple[float, ...]  # from careful to bold
+    name: str  # name of what its tunings have in common
+    axis: str  # name of the parameter with its unit
+    values: tuple[float, ...]  # in the order of rising gain
     at: Callable[[float], Tuning]  # value -> tuning
 
 
 @dataclass(frozen=True, slots=True)
 class Method:
-    """A way to compensate friction."""
+    """A compensation method."""
 
     name: str  # as in options and documents
     label: str  # as in tables and figures
-    paper: Tuning  # that of the setting in which the paper's order comes out
-    full: Tuning | None = None  # that of the other named setting where it differs, or None
-    others: tuple[Tuning, ...] = ()  # further tunings that are reported
-    sweeps: tuple[Sweep, ...] = ()  # what is varied; the best stable tuning of all sweeps is reported
+    paper: Tuning  # with role PAPER
+    full: Tuning | None = None  # with role FULL where it differs, or None
+    others: tuple[Tuning, ...] = ()  # further reported tunings
+    sweeps: tuple[Sweep, ...] = ()  # the best stable tuning of all sweeps is reported
 
 
-NONE = "none"  # the method that everything is held against
-TOP_SPEED_RAD_S = 1.5  # up to this speed the sigmoid is fitted to the true friction
+NONE = "none"  # the reference method
+TOP_SPEED_RAD_S = 1.5  # the sigmoid is fitted to the true friction up to this speed
 SCALES = (0.4, 0.6, 0.8, 0.9, 1.0, 1.1, 1.2, 1.4)  # friction of a model, over the true one
 WINDOWS = (2.0, 3.0, 4.0, 6.0, 8.0)  # cycles per estimate
 OBSERVER_GAINS_PER_S = (2.0, 5.0, 10.0, 20.0, 40.0, 60.0, 80.0, 120.0, 200.0)
-# Motor inertia as assumed, over the true one; the first is the paper's kind, which knows it only about.
+# Assumed over true motor inertia; the first one is that of role PAPER, where it is known only roughly.
 INERTIA_RATIOS = (0.8, 1.0, 1.2, 0.5, 1.5)
 # Desired motor inertia B_theta over the true one.
 SHAPED_RATIOS = (0.7, 0.5, 0.4, 0.3, 0.2, 0.15, 0.1, 0.07, 0.05, 0.035)
-# The setting in which the paper's order comes out: a model identified on another specimen, an observer that compensates
-# a share of what it observes, as keeps a robot stable, and the lightest torque regulation that holds on the arm.
+# Role PAPER: a model identified on another arm, an observer that compensates a share of what it observes, as is common
+# for stability, and the torque regulation with the least desired inertia that is stable on the arm.
 MODELLED_SHARE, OBSERVED_SHARE, SHAPED_RATIO = 0.6, 0.7, 0.2
-OBSERVER = (0.8, 20.0)  # its motor inertia over the true one, and its gain [1/s]
-SHARES = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)  # of the observed friction, compensated
+OBSERVER = (0.8, 20.0)  # assumed over true motor inertia, and gain [1/s]
+SHARES = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)  # share of the observed friction that is compensated
 
 
-def _bristles(coulomb_nm: float, viscous: float = 0.0) -> Law:
+def _bristles(coulomb_nm: float, viscous: float = 0.0) -> CompensatorSettings:
     return competitors.LugreCompensation(coulomb_nm=coulomb_nm, breakaway_nm=coulomb_nm, viscous_nms_per_rad=viscous)
 
 
-Modelled = Callable[[float, float], Law]  # Coulomb and viscous friction -> compensator
+Modelled = Callable[[float, float], CompensatorSettings]  # Coulomb and viscous friction -> compensator
 
 
 def _model_based(name: str, label: str, law: Modelled, meaning: str, other: Callable[[Joint], Any]) -> Method:
-    """Return a law with the true Coulomb and viscous friction, each times a scale, or with those of another arm."""
+    """Return a method whose tunings have the true Coulomb and viscous friction times a scale, or another arm's."""
 
     def at(scale: float) -> Tuning:
         words = f"{100 * (scale - 1):+.0f} %", f"friction {scale:g} times the true one"
@@ -148,7 +148,7 @@ def _energy(window: float) -> Tuning:
     )
 
 
-# A compensator that does nothing, but counts the cycles.
+# A compensator without torque, which detects the cycles.
 IDLE = competitors.FixedCompensation(coulomb_nm=0.0, viscous_nms_per_rad=0.0)
 NO_COMPENSATION = Tuning("none", "no compensation", lambda _: IDLE, limited=False)
 OBSERVER_SWEEPS = (
@@ -165,11 +165,11 @@ METHODS: tuple[Method, ...] = (
     _model_based(
         "sigmoid", "model-based",
         lambda coulomb, viscous: competitors.fit_sigmoid(coulomb, viscous, TOP_SPEED_RAD_S),
-        "as published for another Panda", lambda joint: competitors.PUBLISHED[joint.column],
+        "as published for another Panda", lambda joint: competitors.PANDA_SIGMOIDS[joint.column],
     ),
     _model_based(
         "lugre", "LuGre", _bristles, "plateaus as published for another Panda",
-        lambda joint: _bristles(sum(competitors.PUBLISHED[joint.column].plateaus_nm) / 2),
+        lambda joint: _bristles(sum(competitors.PANDA_SIGMOIDS[joint.column].plateaus_nm) / 2),
     ),
     Method(
         "disturbance_observer", "disturbance observer", _observer(*OBSERVER, OBSERVED_SHARE),
@@ -195,25 +195,25 @@ METHODS: tuple[Method, ...] = (
     ),
 )  # fmt: skip
 
-# In a rigid joint nothing but the controller's tick would bound the gains of what feeds torque or motion back.
+# In a rigid joint only the controller's tick would limit the gains of torque and motion feedback.
 _ELASTIC = Hidden(joint_elasticity=JointElasticity(compliance_rad_per_nm=1e-4, damping_ratio=0.1))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Scene:
-    """What all methods are tried on, and how much is tried."""
+class Setup:
+    """Simulated joint or arm on which methods are compared, and the extent of the comparison."""
 
     name: str  # as in options and documents
-    settings: BenchSettings | ArmSettings  # of the simulation, without compensator
-    tuning_seeds: int  # persons for whom the sweeps are made; none of them is reported
-    most_values: int  # of the values of a sweep, at most so many are tried, evenly chosen
-    sweeps: int  # so many sweeps of a method are made
-    with_others: bool  # whether tunings other than the paper's kind and the best one are reported
-    margin_seeds: int  # of the persons who are reported, those whose stability margins are looked for
-    margin_share: float  # of the length of a trial, what looking for a stability margin takes
+    settings: BenchSettings | ArmSettings  # settings of the simulation, without a compensator
+    tuning_seeds: int  # number of persons in the sweeps; none of them is reported
+    most_values: int  # largest number of values of a sweep, evenly chosen
+    sweeps: int  # number of sweeps of a method
+    with_others: bool  # whether tunings of role OTHER are reported
+    margin_seeds: int  # number of reported persons with stability margins
+    margin_share: float  # duration of a trial for the stability margin, over that of a reported trial
 
     def compensated(self, tuning: Tuning, factor: float | None = None) -> BenchSettings | ArmSettings:
-        """Return the settings with a compensator in every joint, its gains times a factor if there is one."""
+        """Return the settings with a compensator in every joint, its gains times a factor if given."""
         gears = (hidden.joint_elasticity for hidden in self.settings.hidden)
         joints = list(map(panda_joint, count(), self.settings.joints, gears))
         made = tuple(replace(tuning.make(joint), **(joint.limits if tuning.limited else {})) for joint in joints)
@@ -223,13 +223,13 @@ class Scene:
         return replace(self.settings, compensator=made)
 
 
-SCENES: tuple[Scene, ...] = (
-    Scene(
+SETUPS: tuple[Setup, ...] = (
+    Setup(
         name="joint",  # joint 1 of a Panda, elastic, moved by a person
         settings=BenchSettings(joints=(PANDA_JOINTS[0],), hidden=(_ELASTIC,), duration_s=40.0),
         tuning_seeds=5, most_values=10, sweeps=5, with_others=True, margin_seeds=20, margin_share=0.5,
     ),
-    Scene(
+    Setup(
         name="panda",  # its joints elastic, guided by a hand
         settings=ArmSettings(hidden=(_ELASTIC,) * len(PANDA_JOINTS), duration_s=30.0),
         tuning_seeds=5, most_values=5, sweeps=2, with_others=False, margin_seeds=6, margin_share=0.6,

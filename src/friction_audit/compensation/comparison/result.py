@@ -1,4 +1,4 @@
-"""One method, one tuning, one person: what the person would have noticed; and means and medians over persons."""
+"""Measures of a trial (one method, one tuning, one person), and their means and medians over persons."""
 
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass
@@ -14,58 +14,57 @@ from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.simulation.settings import CONTROL_RATE_HZ, Simulation, TrueMotion
 
-VIBRATION_S = 0.1  # what is faster than a moving average over this time is no motion of a person. [s]
-RINGING_SHARE = 0.5  # share of a second
+VIBRATION_S = 0.1  # moving average over this time: the difference from it is vibration, too fast for a person. [s]
+RINGING_SHARE = 0.5  # share of a second with vibration at which a loop counts as unstable
 # Speed above which a joint counts as moving: the paper's threshold for the end of a cycle. [rad/s]
 MOVING_RAD_S = 0.05
-REST_S = 0.3
-# The last ``SETTLED_S`` of rests that last ``REST_S`` without compensation show what does not come to rest.
-SETTLED_S = 0.1
+# Standstill is measured in the last ``SETTLED_S`` of rests that last ``REST_S`` without compensation. [s]
+REST_S, SETTLED_S = 0.3, 0.1
 SECOND = 1  # row of the second cycle
-DRAWN_HZ = 10.0  # low-pass of torques as Figs 8, 11 and 14 draw them: above what a person moves. [Hz]
-FEWEST = 4  # cycles that it takes to see a slope after the second
+DRAWN_HZ = 10.0  # low-pass of torques as in Figs 8, 11 and 14, above the motion of a person. [Hz]
+FEWEST = 4  # cycles needed for a slope after the second one
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Reference:
-    """What all trials of a seed are held against: the trial without compensation."""
+    """The trial without compensation, the reference of all trials of a seed."""
 
-    ends: NDArray[np.intp]  # ticks at which its cycles end, shape (m,)
-    resting: NDArray[np.bool_]  # ticks at which its joints are about to have rested for long, shape (n + 1, j)
-    rms_torque_nm: Float  # its rms interaction torque after the second cycle, shape (j,) [N m]
+    ends: NDArray[np.intp]  # ticks at which cycles end, shape (m,)
+    resting: NDArray[np.bool_]  # ticks at the end of long rests of a joint, shape (n + 1, j)
+    rms_torque_nm: Float  # rms interaction torque after the second cycle, shape (j,) [N m]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Course:
-    """What figures show of a trial; n samples, j joints."""
+    """Signals of a trial for figures; n samples, j joints."""
 
     t: Float  # time, shape (n,) [s]
     dq: Float  # velocity, shape (n, j) [rad/s]
     interaction_nm: Float  # interaction torque, shape (n, j) [N m]
-    energy_j: Float  # net energy that the person has put in, of all joints, shape (n,) [J]
+    energy_j: Float  # net energy input of the person, all joints, shape (n,) [J]
     from_s: float  # end of the second cycle [s]
-    lost_s: float  # when the loop was lost, or infinity [s]
+    lost_s: float  # time at which the loop became unstable, or infinity [s]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Outcome:
-    """Measures of a trial, all but the slope after the second cycle; of an arm, sums or the worst of its joints."""
+    """Measures of a trial after its second cycle; of an arm, the sum or the worst of its joints."""
 
-    lost_s: float  # when the loop diverged or rang, infinity if it was stable [s]
+    lost_s: float  # time at which the loop diverged or vibrated, infinity if it was stable [s]
     energy_slope_w: float  # slope of the net energy at the ends of the cycles, from the second on; all joints [W]
     peak_torque_nm: float  # largest interaction torque of any joint [N m]
-    drawn_peak_nm: float  # the same as the paper draws it: low-passed, of the joint that takes most torque [N m]
+    drawn_peak_nm: float  # the same as in the paper's figures: low-passed, of the joint with most torque [N m]
     rms_torque_nm: float  # root of the mean square of the interaction torque, summed over joints [N m]
-    vibration_nm: float  # the same of its part that is faster than a person moves [N m]
-    standstill_rad_s: float  # rms speed where the joint would have rested without compensation [rad/s]
-    chatter_nm: float  # rms change of the compensator's torque from tick to tick there [N m]
-    coulomb_left: float  # Coulomb friction that the person feels, over the joint's; mean of the joints
-    viscous_left: float  # likewise viscous friction
-    inertia_left: float  # likewise the motor's inertia
+    vibration_nm: float  # the same of its vibration [N m]
+    standstill_rad_s: float  # rms speed at ticks where the joint rests without compensation [rad/s]
+    chatter_nm: float  # rms change of the compensator's torque per tick there [N m]
+    coulomb_left: float  # apparent over true Coulomb friction, mean of the joints
+    viscous_left: float  # the same of viscous friction
+    inertia_left: float  # the same of the motor's inertia
 
 
 def find_reference(simulation: Simulation) -> Reference:
-    """Return what the trials of a seed are held against, from one whose compensator does nothing but count cycles."""
+    """Return the reference of the trials of a seed, from a trial whose compensator only detects cycles."""
     from scipy.ndimage import find_objects, label
 
     motion, cycle = simulation.truth.motion, simulation.truth.compensators["cycle"][:, 0]
@@ -89,11 +88,11 @@ def measure(simulation: Simulation, reference: Reference) -> Outcome:
 
     low_pass = butter(2, DRAWN_HZ, fs=CONTROL_RATE_HZ, output="sos")
     motion, after, resting = simulation.truth.motion, reference.ends[SECOND], reference.resting
-    torque, lost, ends = motion.interaction_nm, find_loss(simulation, reference), reference.ends[SECOND:]
-    felt = np.array([feel(motion, joint, after) for joint in range(torque.shape[1])])
+    torque, lost, ends = motion.interaction_nm, find_instability(simulation, reference), reference.ends[SECOND:]
+    apparent = np.array([apparent_parameters(motion, joint, after) for joint in range(torque.shape[1])])
     true = np.array([astuple(one.at_link)[:3] for one in simulation.truth.settings.joints])
     changes = np.diff(motion.compensation_nm + motion.passivity_nm, axis=0, prepend=0.0)
-    left = dict(zip(("inertia_left", "coulomb_left", "viscous_left"), np.mean(felt / true, 0).tolist(), strict=True))
+    inertia_left, coulomb_left, viscous_left = np.mean(apparent / true, 0).tolist()
     return Outcome(
         lost_s=lost,
         energy_slope_w=float(np.polyfit(motion.t[ends], net_energy_j(motion)[ends], 1)[0]),
@@ -103,12 +102,14 @@ def measure(simulation: Simulation, reference: Reference) -> Outcome:
         vibration_nm=float(np.hypot.reduce(_rms(vibration_nm(torque)[after:]))),
         standstill_rad_s=float(_rms(motion.inner_dq[resting])),
         chatter_nm=float(_rms(changes[resting])),
-        **left,
+        inertia_left=inertia_left,
+        coulomb_left=coulomb_left,
+        viscous_left=viscous_left,
     )
 
 
 def net_energy_j(motion: TrueMotion) -> Float:
-    """Return the energy that the person has put into all joints, shape (n + 1,). [J]"""
+    """Return the net energy input of the person, all joints, shape (n + 1,). [J]"""
     from scipy.integrate import cumulative_trapezoid
 
     power = np.einsum("ij,ij->i", motion.interaction_nm, motion.dq)
@@ -116,14 +117,14 @@ def net_energy_j(motion: TrueMotion) -> Float:
 
 
 def vibration_nm(torque_nm: Float) -> Float:
-    """Return the part of a torque that is faster than a person moves, shape (n, j) as given. [N m]"""
+    """Return the vibration of a torque, its difference from a moving average, shape (n, j) as given. [N m]"""
     from scipy.ndimage import uniform_filter1d
 
     return np.asarray(torque_nm - uniform_filter1d(torque_nm, int(VIBRATION_S * CONTROL_RATE_HZ) + 1, axis=0))
 
 
-def feel(motion: TrueMotion, joint: int, after: int) -> Float:
-    """Return inertia, Coulomb and viscous friction that the interaction torque of a moving joint shows, shape (3,)."""
+def apparent_parameters(motion: TrueMotion, joint: int, after: int) -> Float:
+    """Return apparent inertia, Coulomb and viscous friction of a moving joint, shape (3,), by least squares."""
     dq = motion.inner_dq[after:, joint]
     rows = np.abs(dq) > MOVING_RAD_S
     dq, ddq, torque = dq[rows], motion.inner_ddq[after:, joint][rows], motion.interaction_nm[after:, joint][rows]
@@ -131,16 +132,16 @@ def feel(motion: TrueMotion, joint: int, after: int) -> Float:
     return np.asarray(np.linalg.lstsq(columns, torque, rcond=None)[0][:3])
 
 
-def find_loss(simulation: Simulation, reference: Reference) -> float:
-    """Return when a loop was lost, or infinity: when its compensator gives up, or when it rings. [s]
+def find_instability(simulation: Simulation, reference: Reference) -> float:
+    """Return when a loop became unstable, or infinity: its compensator switched off, or it vibrates. [s]
 
-    It rings when for half of a second a torque vibrates by more than the rms effort that the joint takes without any
-    compensation, a sinusoid by an rms of just that.
+    It vibrates where, for half of a second in total, the vibration of a torque is above the joint's rms torque without
+    compensation; this is the case for a sinusoid of this rms.
     """
     motion, second = simulation.truth.motion, int(CONTROL_RATE_HZ)
     unstable = simulation.truth.compensators["unstable"].any(axis=1)
-    loud = np.abs(vibration_nm(motion.interaction_nm)) > reference.rms_torque_nm
-    counts = np.cumsum(loud, axis=0, dtype=np.float64)
+    vibrating = np.abs(vibration_nm(motion.interaction_nm)) > reference.rms_torque_nm
+    counts = np.cumsum(vibrating, axis=0, dtype=np.float64)
     counts[second:] -= counts[:-second].copy()
     rings = (counts > RINGING_SHARE * second).any(axis=1)
     lost = np.flatnonzero(unstable | rings)
@@ -148,8 +149,8 @@ def find_loss(simulation: Simulation, reference: Reference) -> float:
 
 
 def make_course(simulation: Simulation, reference: Reference) -> Course:
-    """Return what figures show of a trial, up to where it was lost."""
-    motion, lost = simulation.truth.motion, find_loss(simulation, reference)
+    """Return the signals of a trial for figures, as long as it was stable."""
+    motion, lost = simulation.truth.motion, find_instability(simulation, reference)
     shown = motion.t <= lost
     return Course(
         t=motion.t[shown],
@@ -195,76 +196,74 @@ def median_interval(values: Sequence[float]) -> Coefficient:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Tried:
-    """A tuning that was tried by some persons."""
+class TuningResult:
+    """Outcomes of a tuning."""
 
     tuning: Tuning
     outcomes: tuple[Outcome, ...]  # one per seed
 
     @property
     def stable_share(self) -> float:
-        """Share of the seeds that did not lose it."""
+        """Share of the seeds with a stable loop."""
         return 1.0 - len(self.lost_s) / len(self.outcomes)
 
     @property
     def lost_s(self) -> tuple[float, ...]:
-        """When the loop was lost, of the seeds that lost it. [s]"""
+        """Times at which the loop became unstable, of the seeds where it did. [s]"""
         return tuple(one.lost_s for one in self.outcomes if isfinite(one.lost_s))
 
     def interval(self, measure: str) -> Coefficient:
-        """Return mean and interval of a measure, by its name, over the seeds in which the loop held."""
+        """Return mean and interval of a measure, by its name, over the seeds with a stable loop."""
         return mean_interval([getattr(outcome, measure) for outcome in self.outcomes if isinf(outcome.lost_s)])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Point(Tried):
-    """One value of a sweep, tried by the persons who are not reported."""
+class Point(TuningResult):
+    """One value of a sweep, with persons who are not reported."""
 
     value: float
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Curve:
-    """A sweep that was made."""
+    """Results of a sweep."""
 
     method: str  # name of the method
     label: str  # its label
     name: str  # name of the sweep
-    axis: str  # what was varied
-    points: tuple[Point, ...]  # from careful to bold
-    boldest_stable: float | None  # the last value before the first at which the loop was lost; None if lost at once
+    axis: str  # the parameter
+    points: tuple[Point, ...]  # in the order of rising gain
+    boldest_stable: float | None  # the last value before the first unstable one; None if the first is unstable
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Row(Tried):
-    """A method with a tuning, tried by all persons."""
+class Row(TuningResult):
+    """A method with a tuning, and its outcomes for the reported persons."""
 
     method: str  # name of the method
     label: str  # its label
     role: str  # ``"paper"``, ``"full"``, ``"best"`` or ``"other"``
-    # with how many of the persons of the sweeps the loop was lost at the setting that the tuning was chosen by; None if
-    # it was not chosen from a sweep
+    # number of persons of the sweeps with an unstable loop; None if the tuning was not chosen from a sweep
     tuning_losses: int | None
-    # factor by which the gain may grow, one per seed for which it was looked for; infinite if more than anybody asks
-    # for, 0 if the loop is lost as it is
+    # largest stable factor of the gain, one per seed with a margin; 0 if unstable at 1, infinite beyond the search
     margins: tuple[float, ...]
-    margin: Coefficient  # median of the stability margins; NaN if none was looked for
-    course: Course  # what figures show of the first seed
+    margin: Coefficient  # median of the stability margins; NaN without any
+    course: Course  # signals of the first seed
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Comparison:
-    """All methods side by side."""
+    """Comparison of methods on one setup."""
 
-    scene: str  # name of what they were tried on
+    setup: str  # its name
     duration_s: float  # length of a trial [s]
     seeds: tuple[int, ...]  # seeds that are reported
     tuning_seeds: tuple[int, ...]  # seeds of the sweeps
-    margin_seeds: tuple[int, ...]  # seeds for which stability margins were looked for
+    margin_seeds: tuple[int, ...]  # seeds with stability margins
     rows: tuple[Row, ...]  # methods and tunings, in the order of the methods
     curves: tuple[Curve, ...]  # the sweeps
 
     def row(self, method: str, role: str) -> Row | None:
-        """Return the row of a method and a role; a method without sweep is at its best as it is."""
+        """Return the row of a method with a role; a method with one row has it for every role."""
         mine = [row for row in self.rows if row.method == method]
         return next((row for row in mine if row.role == role), mine[0] if len(mine) == 1 else None)

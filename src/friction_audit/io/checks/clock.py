@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from friction_audit.errors import InputError
-from friction_audit.io.checks.columns import Picked, Thinned
+from friction_audit.io.checks.columns import Picked, Thinned, sample_rows
 from friction_audit.io.recording import LONGEST_BACKWARDS_S, Block, Marks, Recording, WholeLogError, take_rows
 from friction_audit.joint_log import Finding, Float, check_window, step_places
 
@@ -28,7 +28,7 @@ class Clock:
         self.late_s, self.latest, self.repeated, self.first_s = 0.0, 0, Marks(rows), np.nan
         reach, every = min(_LONGEST_BATCH, rows - 1), max(rows // _MOST_PLACES, 1)
         near, far = step_places(rows), np.arange(reach, rows, every)
-        picked = [Picked(one) for one in (near, near + 1, far - reach, far)]
+        picked = [Picked(one) for one in (near, near + 1, far - reach, far, sample_rows(rows))]
         every_step, self.first_s, self.last_s = Thinned(), np.nan, np.nan
         last = latest = -np.inf
         for first, t, _ in recording.read(()):
@@ -44,7 +44,7 @@ class Clock:
                 self._take_disorder(first, t, steps, latest)
             last, latest = float(t[-1]), max(latest, float(t.max()))
         self.last_s = last
-        before, after, begin, end = (one.values for one in picked)
+        before, after, begin, end, self.sample = (one.values for one in picked)  # the last one of the rows of a Column
         self.step_s = float(np.median(after - before))  # as that of a JointLog
         self.median = float(np.median(every_step.values))
         # The median of mean steps over more than a batch: holes do not count.
@@ -111,6 +111,12 @@ def drop_repeats(recording: Recording, clock: Clock) -> Recording:
                 "or the joint of each row in a column called 'joint'; rename it"
             )
     if repeats >= _LEAST_SHARE * (clock.rows - 1) and _differ(recording):
+        if clock.rough <= 0.0:
+            raise InputError(
+                f"{recording.path}: time ({recording.mapping.get('t', recording.clock)}) takes {clock.rows - repeats} "
+                f"values in {clock.rows} rows, too few to show when each was sampled; expected a stamp per sample; "
+                "write it with more digits, or name another clock with --map t=<column>"
+            )
         return _spread(recording, clock.rough)
     text = (
         f"{repeats} of {clock.rows} rows ({repeats / clock.rows:.1%}) carry the stamp of the row before them; "

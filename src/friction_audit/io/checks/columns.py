@@ -8,6 +8,11 @@ MOST_SAMPLES = 1 << 16  # from which quantiles are taken, for speed
 LAG = 3  # changes are taken over three rows: neighbouring rows of a slow or coarse channel are often equal
 
 
+def sample_rows(rows: int, first: int = 0) -> Int:
+    """Return the rows, from this one on, that are taken of a recording with so many, spread evenly, shape (m,)."""
+    return np.arange(first, rows, max(rows // MOST_SAMPLES, 1))
+
+
 class Picked:
     """Values at some rows of a recording, gathered piece by piece."""
 
@@ -48,9 +53,8 @@ class Column:
 
     def __init__(self, rows: int, joints: int, to_zero: float) -> None:
         """Take the least jump to or from zero that is to be noticed."""
-        every = max(rows // MOST_SAMPLES, 1)
         # Values of rows spread evenly over the recording, and values after changes over LAG rows, shape (m, j).
-        self._picked = [Picked(np.arange(first, rows, every), joints) for first in (0, LAG)]
+        self._picked = [Picked(sample_rows(rows, first), joints) for first in (0, LAG)]
         self.sample, self.changed = (one.values for one in self._picked)
         self.lowest, self.highest = np.full(joints, np.inf), np.full(joints, -np.inf)  # range, shape (j,)
         self.jump = np.zeros(joints)  # largest change between neighbouring rows, shape (j,)

@@ -157,7 +157,12 @@ def _ratio(change: Float, integral: Float, dq_change: Float) -> tuple[float, flo
 
 
 _DEGREES_PER_RADIAN = 180.0 / np.pi
-_RPM_PER_RAD_S = 30.0 / np.pi
+# Channel, its unit, the ratio of the change of q to the integral of dq that says so, what makes rad or rad/s of it.
+_OF_TURNS = (
+    ("dq", "rpm", np.pi / 30.0, np.pi / 30.0),
+    ("dq", "turns per second", 2.0 * np.pi, 2.0 * np.pi),
+    ("q", "turns", 0.5 / np.pi, 2.0 * np.pi),
+)
 _LARGEST_Q_RAD = 4.0 * np.pi
 _LARGEST_DQ_RAD_S = 12.0
 _LARGEST_Q_DEG = 720.0  # beyond, a joint turns without end, in any unit: a bench rig, where magnitudes prove nothing
@@ -166,6 +171,7 @@ _STRETCHED = 0.02
 _STRETCHED_TOO_FAR = 1.5
 _TINY = 1e-3  # no clock is wrong by more than units are: with a smaller ratio q does not follow dq at all
 _UNIT_FACTORS = (1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9)
+_STEPS_S = (5e-5, 0.5)  # between samples of a log of 2 Hz to 20 kHz
 _TURNS, _OF_A_TURN = (2.0 * np.pi, 360.0), 0.08  # by which q jumps at the end of a turn, to this share
 
 
@@ -232,17 +238,12 @@ def check_motion(recording: Recording, ratios: MotionRatio, *, scaled: bool) -> 
 
 
 def turn_degrees(recording: Recording, columns: Mapping[str, Column], ratio: float) -> Recording:
-    """Turn q, dq or both into radians where their ratio and their magnitudes say degrees, and rpm into rad/s."""
+    """Turn q, dq or both into radians where their ratio and their magnitudes say degrees, or their ratio says turns."""
     every_q, every_dq = (np.fmax(-column.lowest, column.highest) for column in (columns["q"], columns["dq"]))
     largest_q, largest_dq = float(every_q.max()), float(every_dq.max())
     degrees = list[str]()
-    if _near(ratio, 1.0 / _RPM_PER_RAD_S, 0.05):
-        message = (
-            f"dq is in rpm: it reaches {largest_dq:.4g}, and q changes {ratio:.3g} times its integral, as pi/30; it "
-            "was turned into rad/s"
-        )
-        finding = Finding("velocity_unit", message, amount=_RPM_PER_RAD_S)
-        return recording.scaled("dq", 1.0 / _RPM_PER_RAD_S).with_findings(finding)
+    if turns := next((one for one in _OF_TURNS if _near(ratio, one[2], 0.05)), None):
+        return _mend_turns(recording, *turns, largest_q if turns[0] == "q" else largest_dq)
     if _near(ratio, _DEGREES_PER_RADIAN) or (np.isnan(ratio) and largest_q > _LARGEST_Q_RAD):
         degrees = ["q"]
     elif _near(ratio, 1.0 / _DEGREES_PER_RADIAN):
@@ -272,6 +273,17 @@ def turn_degrees(recording: Recording, columns: Mapping[str, Column], ratio: flo
     return recording
 
 
+def _mend_turns(
+    recording: Recording, channel: str, unit: str, ratio: float, factor: float, largest: float
+) -> Recording:
+    message = (
+        f"{channel} is in {unit}: it reaches {largest:.4g}, and q changes {ratio:.3g} times the integral of dq; it was "
+        f"multiplied by {factor:.4g}"
+    )
+    position, velocity = Finding("position_unit", message), Finding("velocity_unit", message, amount=1.0 / factor)
+    return recording.scaled(channel, factor).with_findings(position if channel == "q" else velocity)
+
+
 def _refuse_degrees(recording: Recording, forwards: float, largest_q: float, largest_dq: float) -> None:
     """Refuse a table whose joints go to and fro by many radians, if it is radians; a bag has no names to say it."""
     is_arm = len(recording.joint_names) > 1
@@ -290,10 +302,13 @@ def _near(value: float, target: float, tolerance: float = 0.1) -> bool:
     return abs(value / target - 1.0) < tolerance
 
 
-def mend_unit(recording: Recording, ratio: float) -> Recording:
-    """A factor of a thousand between motion and clock is a unit misjudged from the time step, and mended."""
+def mend_unit(recording: Recording, ratio: float, step_s: float) -> Recording:
+    """A factor of a thousand between motion and clock is a unit misjudged from the time step, and mended.
+
+    Where that would give a sampling rate of no log, it is a unit of q or dq.
+    """
     factor = next((factor for factor in _UNIT_FACTORS if _near(ratio, factor, 0.3)), None)
-    if factor is None:
+    if factor is None or not _STEPS_S[0] <= factor * step_s <= _STEPS_S[1]:
         return recording
     message = (
         f"the motion runs {ratio:.4g} times too fast for the clock ({recording.mapping.get('t', recording.clock)}): "

@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 
 from friction_audit.errors import InputError
-from friction_audit.io.checks.clock import Clock
+from friction_audit.io.checks.clock import Clock, gap_threshold_s
 from friction_audit.io.checks.columns import Column
 from friction_audit.io.recording import Marks, Recording
 from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Float, Int
@@ -77,7 +77,8 @@ def _leave_out_channels(recording: Recording, missing: Counts) -> Recording:
     findings = [Finding("empty_channel", text.format(names[c], samples), amount=float(samples)) for c in empty]
     for channel in sparse:
         few = int(missing[channel].max())
-        text = f"{channel} lacks {few} of {samples} rows; the channel is left out, the rows are kept"
+        name = recording.name_of(channel, int(missing[channel].argmax()))
+        text = f"{name} lacks {few} of {samples} rows; the channel is left out, the rows are kept"
         findings.append(Finding("sparse_channel", text, amount=float(few)))
     kept = {name: array for name, array in recording.channels.items() if name not in (*empty, *sparse)}
     mapping = {name: own for name, own in recording.mapping.items() if name not in (*empty, *sparse)}
@@ -93,10 +94,15 @@ def _leave_out_joints(recording: Recording, missing: Counts) -> Recording:
         raise InputError(
             f"{recording.path}: no joint has q, dq and torque together; each lacks one of them in all {samples} rows"
         )
-    names, text = recording.joint_names, "{} holds no {} in all {} rows: it is left out, joints are numbered without it"
+    names, text = (
+        recording.joint_names,
+        "{} holds no {} in all {} rows: it is left out, joints are numbered without it{}",
+    )
     lost, kept = (np.flatnonzero(one).tolist() for one in (empty, ~empty))
     lacks = {j: " and ".join(c for c, counts in missing.items() if counts[j] == samples) for j in lost}
-    findings = [Finding("empty_joint", text.format(names[j], lacks[j], samples), amount=float(samples)) for j in lost]
+    now = {j: next((f" ({n} is {names[k]})" for n, k in enumerate(kept, start=1) if k > j), "") for j in lost}
+    texts = (text.format(names[j], lacks[j], samples, now[j]) for j in lost)
+    findings = [Finding("empty_joint", text, amount=float(samples)) for text in texts]
     left = recording.changed(lambda t, every: (t, {name: np.asfortranarray(a[:, kept]) for name, a in every.items()}))
     return replace(left, joint_names=tuple(names[joint] for joint in kept)).with_findings(*findings)
 
@@ -109,7 +115,9 @@ _DEVIATES_RAD = 0.1  # of q from the integral of dq, that no noise of a joint at
 def find_frozen(recording: Recording, columns: Mapping[str, Column], clock: Clock) -> Recording:
     """Notice channels that keep one value for a part of the log although the joint moves there."""
     q, dq, found = columns["q"].sample, columns["dq"].sample, list[Finding]()
-    step_s = (clock.last_s - clock.first_s) / len(q)
+    t, usual_s = clock.sample - clock.first_s, clock.step_s * clock.rows / len(q)
+    steps = np.diff(t, append=t[-1] + usual_s)
+    steps[steps > usual_s + gap_threshold_s(clock.step_s)] = usual_s  # over a hole nothing is known
     names = [name for name in ("q", "dq", *TORQUE_CHANNELS) if name in columns]
     dead = {one.joint for one in recording.findings if one.code in ("torque_dead", "torque_coarse")}
     for name, joint in product(names, range(q.shape[1])):
@@ -117,17 +125,17 @@ def find_frozen(recording: Recording, columns: Mapping[str, Column], clock: Cloc
         edges = np.concatenate([[0], np.flatnonzero(np.diff(values)) + 1, [len(values)]])
         longest = int(np.argmax(np.diff(edges)))
         part = slice(edges[longest], edges[longest + 1])
-        lasts_s, speed = (part.stop - part.start) * step_s, dq[part, joint]
+        lasts_s, speed = float(steps[part].sum()), dq[part, joint]
         if lasts_s < _FROZEN_S or len(edges) == 2 or (is_torque and joint + 1 in dead):  # noqa: PLR2004
             continue  # or in all of the log, which is reported elsewhere
-        apart = np.ptp(q[part, joint] - step_s * np.cumsum(speed)) > _DEVIATES_RAD
+        apart = np.ptp(q[part, joint] - np.cumsum(steps[part] * speed)) > _DEVIATES_RAD
         is_wrong = apart and (name == "dq" or np.abs(speed).max() > _REVERSED_RAD_S)
         if is_torque:
             is_wrong = speed.min() < -_REVERSED_RAD_S and speed.max() > _REVERSED_RAD_S
         if is_wrong:
             text = (
                 f"{recording.name_of(name, joint)} keeps the value {values[part.start]:.4g} from about "
-                f"{part.start * step_s:.3g} to {part.stop * step_s:.3g} s while the joint moves: it was not recorded "
+                f"{t[part.start]:.3g} to {t[part.stop - 1]:.3g} s while the joint moves: it was not recorded "
                 "there; leave that part out with --t-start and --t-end"
             )
             found.append(Finding("channel_frozen", text, joint + 1, lasts_s))

@@ -195,7 +195,7 @@ def choose_reader(path: Path) -> Reader:
     # Without metadata.yaml, storage files are one recording if their names differ in the number at the end alone.
     stored, parts = [name.lower().endswith(STORAGE_NAMES) for name in logs], {_PART.sub("", name) for name in logs}
     if not (METADATA in names or (path / DATA_SET).is_file() or (all(stored) and len(parts) <= 1)):
-        what = f"a directory of logs ({', '.join(few(logs))}); expected one, or its parts run_0.db3, run_1.db3"
+        what = f"a directory of logs ({', '.join(few(logs))}); expected one log, or parts of one (run_0.db3, run_1.db3)"
         raise InputError(f"{path}: {what}; give one of them, or the directory to batch-report")
     for reader in (*by_suffix, *READERS):
         if starts_with(path, reader.magic) if reader.magic else reader.loaded.recognises(path):

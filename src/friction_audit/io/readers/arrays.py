@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import InputError, UsageError
 from friction_audit.io.readers.columns import MOST_JOINTS, ColumnMap
-from friction_audit.io.readers.reader import BY_NUMBER, ReadOptions, Topic
+from friction_audit.io.readers.reader import ReadOptions, Topic, by_number
 from friction_audit.io.readers.table import ALL, ColumnTable, Piece, Rows, read_table
 from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Finding
@@ -103,7 +103,7 @@ def read(path: Path, options: ReadOptions) -> Recording:
     if array.dtype.names:
         return read_table(ArrayTable(path, {name: array[name] for name in array.dtype.names}), options)
     if not options.mapping:
-        raise InputError(f"{path}: an array of {array.shape[1]} columns without names; {BY_NUMBER}")
+        raise InputError(f"{path}: an array of {array.shape[1]} columns without names; {by_number(array.shape[1])}")
     return read_table(ArrayTable(path, {f"#{number}": column for number, column in enumerate(array.T, 1)}), options)
 
 

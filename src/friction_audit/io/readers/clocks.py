@@ -20,7 +20,7 @@ _NAMES: tuple[tuple[str, str | None, str], ...] = (
     (r"stamp", None, "header_stamp"),
     (r"%time", "ns", "log_time"),
     (r"log_?time|publish_?time|receive_?time", None, "log_time"),
-    (r"duration|time|t|timestamps?|times|__time|elapsed|elapsed_time|seconds|clock", None, "column"),
+    (r"duration|time|t|timestamps?|times|__time|elapsed(?:_time)?|time_since_[a-z_]+?|seconds|clock", None, "column"),
     (r"date_?time|(?:joint|robot|ros|unix|epoch|host|system|experiment)_?(?:time|stamp|timestamp)", None, "column"),
 )
 _UNITS_SPELLED = "milliseconds|msec|ms|nanoseconds|nsec|ns|microseconds|usec|us|µs|seconds|sec|s"

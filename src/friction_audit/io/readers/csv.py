@@ -14,7 +14,7 @@ from friction_audit.io.readers.channel_names import is_label, labels_of
 from friction_audit.io.readers.clocks import Stamps, TimeColumn
 from friction_audit.io.readers.columns import ColumnMap
 from friction_audit.io.readers.csv_lines import Dialect, is_row, recognises, sniff_csv, split_line, value_of
-from friction_audit.io.readers.reader import BY_NUMBER, ReadOptions, Topic
+from friction_audit.io.readers.reader import ReadOptions, Topic, by_number
 from friction_audit.io.readers.table import ROBOT_COLUMN, Cells, Part, Pieces, Table, read_table
 from friction_audit.io.recording import Recording, Samples, WholeLogError
 from friction_audit.joint_log import Finding, find_window
@@ -35,7 +35,7 @@ def read(path: Path, options: ReadOptions) -> Recording:
     """Read a text table."""
     dialect = sniff_csv(path)
     if not dialect.has_header and not options.mapping:
-        raise InputError(f"{path}: no header: line 1 holds {dialect.width} numbers; {BY_NUMBER}")
+        raise InputError(f"{path}: no header: line 1 holds {dialect.width} numbers; {by_number(dialect.width)}")
     table = CsvTable(dialect)
     recording = read_table(table, options)
     return _check_libfranka(recording, path, options) if table.is_libfranka else recording

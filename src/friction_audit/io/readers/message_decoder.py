@@ -56,7 +56,8 @@ class Layout:
         buffer, start, steps = block.buffer, int(block.start[0]), np.diff(block.start)
         stride = int(steps[0]) if count > 1 else size
         if stride < size or not (steps == stride).all():  # the payloads are not at a constant distance
-            buffer, start, stride = b"".join(block.payloads()), 0, size
+            anywhere = np.ndarray((len(buffer) - size + 1,), f"V{size}", buffer, strides=(1,))
+            buffer, start, stride = anywhere[block.start], 0, size
         rows = np.ndarray((count, size), np.uint8, buffer, offset=start, strides=(stride, 1))
         for span in self.spans:
             differs = rows[:, span] ^ self.content[span]

@@ -95,7 +95,7 @@ class Block:
 
     key: int  # key of the connection
     log_time: Int  # time at which each message was recorded, shape (n,) [ns]
-    buffer: bytes  # bytes that hold all payloads
+    buffer: Any  # bytes that hold all payloads, or a map of a file
     start: Int  # offset of each payload in the buffer, shape (n,)
     size: Int  # length of each payload, shape (n,) [byte]
 

@@ -22,8 +22,15 @@ OF_THE_COMMAND = ("partial", "hashed", "in_blocks", "largest_whole")  # of ReadO
 _BOMB_BYTES, _BOMB_RATIO = 1 << 30, 100  # noise does not shrink to a hundredth when it is compressed
 _GIGABYTE = 1e9
 _GIT_LFS = b"version https://git-lfs.github.com/spec/"
-BY_NUMBER = "expected names; give numbers, e.g. --map t=#1 --map q=#2-#8 --map dq=#9-#15 --map tau_J=#16-#22"
 TAKE_A_PART = "read a part of it with --t-start and --t-end, for example --t-start 0 --t-end 600"
+
+
+def by_number(columns: int) -> str:
+    """Return what to do about so many columns without names; as if they were time, q, dq and torque of some joints."""
+    joints = max((columns - 1) // 3, 1)
+    ends = ((name, 2 + k * joints, 1 + (k + 1) * joints) for k, name in enumerate(("q", "dq", "tau_J")))
+    stated = " ".join(f"--map {name}=#{first}-#{last}" for name, first, last in ends)
+    return f"expected names; give numbers, e.g. --map t=#1 {stated}"
 
 
 def refuse_too_large(path: Path, needed: int, packed: int) -> None:

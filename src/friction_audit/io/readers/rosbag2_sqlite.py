@@ -1,18 +1,18 @@
-"""The sqlite3 storage of a ROS 2 bag; where pages are broken or cut off, without SQLite from the leaf pages.
+"""The sqlite3 storage of a ROS 2 bag: SQLite reads the list of topics, the messages come from the pages of their table.
 
 For the layout of pages and records see https://www.sqlite.org/fileformat2.html.
 """
 
-import re
+import mmap
 import sqlite3
-import struct
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import closing, suppress
-from functools import cached_property, partial
-from itertools import islice, pairwise
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import ExitStack, closing, suppress
+from functools import cached_property
 from pathlib import Path
+from shutil import copyfile
+from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 
@@ -25,103 +25,149 @@ from friction_audit.io.readers.message_stream import (
     MessageStream,
     Window,
 )
+from friction_audit.joint_log import Bool, Int
 
-_HEADER_BYTES, _LARGEST_PAGE = 100, 65_536
-_VARINT = rb"[\x80-\xff]{0,7}[\0-\x7f]"
-# Length and id of a message, length of its header, type of the id, of topic_id and timestamp, and of the data.
-_MESSAGE = re.compile(
-    b"(%b)(%b)([\x05-\x0c])\\0([\1-\6\x08\x09])([\1-\6\x08\x09])(%b)" % (_VARINT, _VARINT, _VARINT), re.DOTALL
+_INTERIOR, _LEAF = (5, 12), (13, 8)  # pages of a table: their first byte, length of their header
+_LOT_BYTES = 1 << 20  # of pages that are looked at together
+_COLUMNS = ("topic_id", "timestamp", "data")
+# What is known of rows of the table of messages: the record, how much of it is on its page, the content.
+_PAGE, _ID, _BEGIN, _SIZE, _LOCAL, _TOPIC, _TIME, _START, _WIDTH, _IS_MESSAGE = range(10)
+# Types of a value: nothing, integers, a float, 0 and 1 without a byte, two without use; then bytes and texts in turn.
+_WIDTHS = np.array([0, 1, 2, 3, 4, 6, 8, 8, 0, 0, 0, 0])
+_ARE_INTEGERS = np.isin(np.arange(12), (1, 2, 3, 4, 5, 6, 8, 9))
+_ZERO, _BYTES = 8, 12
+_ZSTD = int.from_bytes(ZSTD_MAGIC, "big")
+_LARGEST_ID = 2**63 - 1
+# The nearest message before and after a part of the log.
+_OUTSIDE = (
+    "SELECT (SELECT MAX(timestamp) FROM messages WHERE timestamp < ?1), "
+    "(SELECT MIN(timestamp) FROM messages WHERE timestamp > ?2)"
 )
-_INTEGERS = {1: 1, 2: 2, 3: 3, 4: 4, 5: 6, 6: 8, 8: 0, 9: 0}  # type of an integer -> its bytes; 8 means 0, 9 means 1
+_DATABASE_ERRORS = (sqlite3.Error, UnicodeDecodeError)  # of a broken database; the second if the message names a part
 
 
-class _Leaves:
-    """The messages on the leaf pages of a database."""
+class _Pages:
+    """The pages of a database on a map of its file; many places are looked at at once."""
 
-    def __init__(self, path: Path, header: bytes, page_bytes: int) -> None:
-        self._pages = np.memmap(path, np.uint8, "r", shape=(path.stat().st_size // page_bytes, page_bytes))
-        self._usable = page_bytes - header[20]
-        self._numbers = list(self._in_order(int.from_bytes(header[32:36], "big")))
+    def __init__(self, content: mmap.mmap, page_bytes: int, columns: Sequence[str]) -> None:
+        self.content, self._page_bytes, self._columns = content, page_bytes, columns
+        self._usable, self._count = page_bytes - content[20], len(content) // page_bytes
+        self._bytes = np.frombuffer(content, np.uint8)
+        self._words = np.ndarray((len(content) - 7,), ">i8", content, strides=(1,))
 
-    def messages(self) -> Iterator[tuple[int, int, int, bytes]]:
-        """Yield id, topic, time stamp and content."""
-        for page in map(self._page, self._numbers):
-            for cell in _messages_on(page):
-                record, first = self._record(page, cell), cell[3][0]
-                second = first + _INTEGERS[cell[4][0]]
-                third = second + _INTEGERS[cell[5][0]]
-                if len(record) == _number(cell[1]) == third + (_number(cell[6]) - 12) // 2:
-                    topic = int.from_bytes(record[first:second], "big", signed=True) + (cell[4] == b"\x09")
-                    time = int.from_bytes(record[second:third], "big", signed=True)
-                    yield _number(cell[2]), topic, time, record[third:]
+    def in_tree(self, root: int) -> tuple[Int, Int] | None:
+        """Return the leaf pages of a table in the order of ids, and bounds of their last ids, shape (n,) each.
 
-    def _page(self, number: int) -> bytes:
-        return self._pages[number - 1].tobytes() if 0 < number <= len(self._pages) else b""
+        None if a page above them is broken.
+        """
+        level, bounds = np.array([root]), np.array([_LARGEST_ID])
+        for _ in range(20):  # levels, as in SQLite
+            if ((level < 1) | (level > self._count)).any() or np.bincount(level).max() > 1:
+                break
+            start = (level - 1) * self._page_bytes
+            if (self._bytes[start[[0, -1]]] == _LEAF[0]).all():
+                return level, bounds
+            page, at, is_interior = self._cells(level, *_INTERIOR)
+            if not is_interior.all():
+                break
+            last = np.cumsum(np.bincount(page, minlength=len(level)))
+            level = np.insert(self.integers(at, 4), last, self.integers(start + 8, 4))
+            bounds = np.insert(self._varints(at + 4)[0], last, bounds)
+        return None
 
-    def _in_order(self, trunk: int) -> Iterator[int]:
-        """Yield the leaf pages of the table of messages in the order of ids, without free pages: deleted messages."""
-        free, count = set[int](), len(self._pages)
-        while 0 < trunk <= count and trunk not in free:
+    def found(self) -> tuple[Int, Int]:
+        """Return all leaf pages of messages and their last ids in order, without free pages: deleted messages."""
+        free, trunk = set[int](), int.from_bytes(self.content[32:36], "big")
+        while 0 < trunk <= self._count and trunk not in free:
             free.add(trunk)
-            trunk, listed, *numbers = struct.unpack(f">{self._pages.shape[1] // 4}I", self._page(trunk))
-            free.update(numbers[:listed])
-        pages = ((number, _messages_on(self._page(number))) for number in range(1, count + 1) if number not in free)
-        ids = (([_number(cell[2]) for cell in cells], number) for number, cells in pages)
-        sound = [(own[-1], own[0], n) for own, n in ids if own and all(one < other for one, other in pairwise(own))]
-        before = -1
-        for last, first, number in sorted(sound):  # by last ids, so that a page with wrong ids displaces one at most
-            if first > before:
+            words = np.frombuffer(self.content, ">u4", self._page_bytes // 4, (trunk - 1) * self._page_bytes).tolist()
+            trunk = words[0]
+            free.update(words[2 : 2 + words[1]])
+        ranges = list[tuple[int, ...]]()
+        for rows, broken in self.lots(np.setdiff1d(np.arange(2, self._count + 1), np.fromiter(free, np.int64))):
+            page, first, count = np.unique(rows[_PAGE], return_index=True, return_counts=True)
+            ends = np.array([rows[_ID][first + count - 1], rows[_ID][first], page])
+            others = np.append(broken, rows[_PAGE][rows[_IS_MESSAGE] == 0])
+            ranges += map(tuple, ends[:, ~np.isin(page, others)].T.tolist())
+        before, pages = -1, list[tuple[int, int]]()
+        for last, earliest, number in sorted(ranges):  # by last ids: a page with wrong ids displaces one at most
+            if earliest > before:
                 before = last
-                yield number
+                pages.append((number, last))
+        numbers, bounds = np.array(pages, np.int64).reshape(-1, 2).T
+        return numbers, bounds
 
-    def _record(self, page: bytes, cell: re.Match[bytes]) -> bytes:
-        """Return a record, of which a page may hold the beginning; what is cut off is missing."""
-        size, start, most, room = _number(cell[1]), cell.end(2), self._usable - 35, self._usable - 4
-        least = (self._usable - 12) * 32 // 255 - 23
-        local = least + (size - least) % room if size > most else size
-        local = local if local <= most else least
-        record, following = page[start : start + local], page[start + local : start + local + 4]
-        for _ in range(-(-(min(size, LARGEST_MESSAGE) - local) // room)):
-            more = self._page(int.from_bytes(following, "big"))
-            record, following = record + more[4 : self._usable], more[:4]
+    def lots(self, pages: Int) -> Iterator[tuple[Int, Int]]:
+        """Yield the rows on leaf pages that are sound, many pages at a time, and the pages where something is not."""
+        many = max(_LOT_BYTES // self._page_bytes, 1)
+        for lot in (pages[first : first + many] for first in range(0, len(pages), many)):
+            page, at, is_sound = self._cells(lot, *_LEAF)
+            size, at = self._varints(at)
+            ids, begin = self._varints(at)
+            size = np.minimum(size, len(self.content))
+            most, least = self._usable - 35, (self._usable - 12) * 32 // 255 - 23
+            local = least + (size - least) % (self._usable - 4)
+            local = np.where(size <= most, size, np.where(local <= most, local, least))
+            *values, adds_up = self._values(begin, size, local)
+            rows = np.array([lot[page], ids, begin, size, local, *values])
+            wrong = ~adds_up | (begin + local > (lot[page] - 1) * self._page_bytes + self._usable - 4 * (local < size))
+            wrong[1:] |= (page[1:] == page[:-1]) & (ids[1:] <= ids[:-1])
+            is_sound[page[wrong]] = False
+            yield rows[:, ~wrong] if wrong.any() else rows, lot[~is_sound]
+            if hasattr(self.content, "madvise"):  # what was looked at would count as memory of the process
+                self.content.madvise(mmap.MADV_DONTNEED)
+
+    def record(self, begin: int, size: int, local: int) -> bytes:
+        """Return a record, which may go on on other pages; what is cut off or too much is missing."""
+        record, at = self.content[begin : begin + local], begin + local
+        for _ in range(-(-(min(size, LARGEST_MESSAGE) - local) // (self._usable - 4))):
+            number = int.from_bytes(self.content[at : at + 4], "big") or self._count + 2  # 0 is no page
+            at = (number - 1) * self._page_bytes
+            record += self.content[at + 4 : at + self._usable]
         return record[:size]
 
+    def integers(self, at: Int, width: Int | int) -> Int:
+        """Return signed big-endian numbers of up to eight bytes; any number where the file has ended."""
+        word: Int = self._words[np.minimum(at + width - 8, len(self._words) - 1)]
+        return word << 64 - 8 * width >> 64 - 8 * width
 
-def _number(varint: bytes) -> int:
-    number = 0
-    for byte in varint:
-        number = number << 7 | byte & 0x7F
-    return number
+    def _varints(self, at: Int) -> tuple[Int, Int]:
+        """Return numbers of up to eight bytes with seven bits each, and where they end."""
+        value, end, more = np.zeros_like(at), at, np.ones(len(at), np.bool_)
+        for _ in range(8):
+            byte = self._bytes.take(end, mode="clip")
+            value, end = np.where(more, value << 7 | byte & 0x7F, value), end + more
+            more &= byte & 0x80 != 0
+            if not more.any():
+                break
+        return value, end
 
+    def _cells(self, pages: Int, kind: int, header: int) -> tuple[Int, Int, Bool]:
+        """Return which page each cell is on and where it begins, and for each page whether it is of a kind."""
+        start = (pages - 1) * self._page_bytes
+        count = self.integers(start + 3, 2) & 0xFFFF
+        is_sound = (self._bytes[start] == kind) & (header + 2 * count <= self._page_bytes)
+        count[~is_sound] = 0
+        page = np.repeat(np.arange(len(pages)), count)
+        place = start[page] + header + 2 * (np.arange(len(page)) - np.repeat(np.cumsum(count) - count, count))
+        return page, start[page] + (self.integers(place, 2) & 0xFFFF), is_sound
 
-def _messages_on(page: bytes) -> list[re.Match[bytes]]:
-    """Return the cells of a leaf page of messages; none if it is another, or a cell is no message."""
-    places = page[8 : 8 + 2 * int.from_bytes(page[3:5], "big")] if page.startswith(b"\x0d") else b""
-    cells = [_MESSAGE.match(page, place) for (place,) in struct.iter_unpack(">H", places)]
-    return [cell for cell in cells if cell] if all(cells) else []
-
-
-# What sqlite3 raises on a broken database; the second where the name of a broken thing is part of the message.
-_DATABASE_ERRORS = (sqlite3.Error, UnicodeDecodeError)
-_UTF_8 = 1  # of the encodings of texts: in another one, a blob is not the same as a text
-_MESSAGES_PER_BLOCK = 1024  # from leaf pages; larger ones wake the garbage collector, which doubles the time
-_FEWEST = 16  # messages that are read at a time
-_MOST_RANGES = 4096  # of ids: where these are far apart, a range holds many of them
-_LAST_ID = 2**63 - 1
-
-# The next messages of a topic: one by one; and, which leaves the interpreter to the thread that decodes, joined to one
-# result. The size is 0 where a message has no bytes (which SQLite sorts after texts and numbers) or no time.
-_ONE_BY_ONE = (
-    "SELECT rowid, timestamp, data FROM messages WHERE topic_id = ? AND rowid BETWEEN ? AND ? ORDER BY rowid LIMIT ?"
-)
-_JOINED = """
-SELECT MAX(id), COUNT(*), MIN(size), CAST(GROUP_CONCAT(data, '') AS BLOB), GROUP_CONCAT(timestamp) FROM (
-    SELECT rowid AS id, timestamp, data,
-           LENGTH(data) * (data >= x'' AND CAST(timestamp AS INTEGER) = timestamp) AS size
-    FROM messages WHERE topic_id = ? AND rowid BETWEEN ? AND ? ORDER BY id LIMIT ?
-)"""
-
-Row = tuple[int, int, bytes]  # id, time stamp and content of a message
+    def _values(self, begin: Int, size: Int, local: Int) -> tuple[Any, ...]:
+        """Return topic, time, place and length of content of records, whether they are messages and add up."""
+        header, at = self._varints(begin)
+        end = place = begin + header
+        values = dict[str, tuple[Int, Int, Int]]()
+        for name in self._columns:
+            kind, after = self._varints(at)
+            kind, at = np.where(at < end, kind, 0), np.where(at < end, after, at)  # an added column may be missing
+            width = np.minimum(np.where(kind < _BYTES, _WIDTHS.take(kind, mode="clip"), kind - _BYTES >> 1), size + 1)
+            values[name], place = (kind, place, width), place + width
+        *integers, (kind, start, width) = (values[name] for name in _COLUMNS)
+        topic, time = (np.where(of < _ZERO, self.integers(at, wide), of - _ZERO) for of, at, wide in integers)
+        is_topic, is_time = (_ARE_INTEGERS.take(of, mode="clip") for of, *_ in integers)
+        are_local = np.all([at + wide <= begin + local for _, at, wide in integers], axis=0)
+        is_message = is_topic & is_time & (kind >= _BYTES) & (kind % 2 == 0)
+        return topic, time, start, width, is_message, (at == end) & (place - begin == size) & are_local
 
 
 class Sqlite3Stream(MessageStream):
@@ -131,143 +177,120 @@ class Sqlite3Stream(MessageStream):
 
     def __init__(self, path: Path) -> None:
         super().__init__(path)
-        with self._open() as file:
-            self._header = self.magic + file.read(_HEADER_BYTES - len(self.magic))
-        is_stated = len(self._header) == _HEADER_BYTES and self._header[24:28] == self._header[92:96]
-        page = int.from_bytes(self._header[16:18], "big")
-        self._page_bytes = _LARGEST_PAGE if page == 1 else page
-        whole = self._page_bytes * int.from_bytes(self._header[28:32], "big") if is_stated else 0
-        self._is_cut = self._bytes < whole
-        if self._is_cut:
-            self._note(self._bytes, "the file is cut off there", whole)
-        try:
-            with closing(self._connect()) as opened:
-                self.connections = self._read_connections(opened)
-        except _DATABASE_ERRORS as error:
-            raise self._broken(error) from error
-
-    @cached_property
-    def _leaves(self) -> _Leaves:
-        return _Leaves(self._path, self._header, self._page_bytes)
+        self._merged: mmap.mmap | None = None
+        with self._open() as file, ExitStack() as stack:
+            header, log = (self.magic + file.read(84)).ljust(100, b"\0"), Path(f"{path}-wal")
+            self._page_bytes = header[16] << 8 | header[17] << 16  # 1 stands for the largest
+            pages = int.from_bytes(header[28:32], "big") if header[24:28] == header[92:96] else 0  # 0: not stated
+            self._is_cut = self._bytes < pages * self._page_bytes
+            if self._is_cut:
+                self._note(self._bytes, "the file is cut off there", pages * self._page_bytes)
+            elif log.is_file() and log.stat().st_size:  # SQLite would write next to the user's file
+                folder = stack.enter_context(TemporaryDirectory(ignore_cleanup_errors=True))
+                path = Path(copyfile(path, Path(folder, path.name)))
+                copyfile(log, f"{path}-wal")
+            try:
+                with closing(self._connect(path)) as opened, path.open("rb") as merged:
+                    if path != self._path:
+                        self._merged = mmap.mmap(merged.fileno(), 0, access=mmap.ACCESS_READ)
+                    self.connections = self._read_connections(opened)
+            except _DATABASE_ERRORS as error:
+                raise InputError(
+                    f"{self._path}: the sqlite3 database cannot be read: {error}; nothing of it can be saved, since "
+                    "the list of its topics is broken or cut off; copy it again from where it was recorded"
+                ) from error
 
     def blocks(self, keys: Collection[int], window: Window | None = None) -> Iterator[Block]:
-        """Yield the messages of some topics, one topic after the other."""
-        try:
-            with closing(self._connect()) as database:
-                # Where a file is cut off, its index is broken too.
-                ids = (0, _LAST_ID) if window is None or self._is_cut else _ids_in(database, window)
-                for key in keys:
-                    yield from self._on_leaves(key, *ids) if self._is_cut else self._in_tree(database, key, *ids)
-        except _DATABASE_ERRORS as error:
-            raise self._broken(error) from error
+        pages = self._pages()
+        leaves, bounds = self._leaves
+        ids = (0, _LARGEST_ID) if window is None or self._is_cut or self._merged else self._ids_in(window)
+        begin, end = np.searchsorted(bounds, ids)
+        for rows, broken in pages.lots(leaves[begin : end + 1]):
+            if len(broken):
+                self._note_malformed()
+            for key in keys:
+                own = rows[:, rows[_TOPIC] == key]
+                if own.size and (window is None or window.keeps(own[_TIME].min(), own[_TIME].max()).any()):
+                    yield from self._blocks_of(key, pages, own)
 
-    def _in_tree(self, database: sqlite3.Connection, key: int, first: int, last: int) -> Iterator[Block]:
-        """Yield the messages of a topic; those on broken pages are left out.
-
-        SQLite gives the interpreter away: every other range of ids is read in a thread, by a connection of its own.
-        """
-        many = _FEWEST
-        try:
-            with closing(self._connect()) as other, ThreadPoolExecutor(max_workers=1) as pool:
-                last = min(database.execute("SELECT MAX(rowid) FROM messages").fetchone()[0] or 0, last)
-                while first <= last:
-                    middle = first + max(many, (last - first) // _MOST_RANGES)
-                    end = min(2 * middle - first - 1, last)
-                    coming = pool.submit(list, self._lots(other, key, middle, end, many))
-                    for lots in (partial(self._lots, database, key, first, min(middle - 1, last), many), coming.result):
-                        for latest, block in lots():
-                            first = latest + 1
-                            if block is not None:
-                                many = max(LARGEST_MESSAGE // int(block.size.max() + 1), _FEWEST)
-                                yield block
-        except _DATABASE_ERRORS as error:
-            self._note(None, f"{error}; the messages on whole pages were read")
-            yield from self._on_leaves(key, first, last)
-
-    def _lots(
-        self, database: sqlite3.Connection, key: int, first: int, last: int, many: int
-    ) -> Iterator[tuple[int, Block | None]]:
-        """Yield the messages of a topic, so many at a time, with the last id that was looked at."""
-        while first <= last:
-            lot = (key, first, last, many)
-            latest, block = _joined(database, lot) if self._header[59] == _UTF_8 else (last, None)
-            if block is None:
-                rows = database.execute(_ONE_BY_ONE, lot).fetchall()
-                latest, block = (rows[-1][0], self._block(key, rows)) if rows else (last, None)
-            yield latest, block
-            first = latest + 1
-
-    def _on_leaves(self, key: int, first: int, last: int) -> Iterator[Block]:
-        found = (one for one in self._leaves.messages() if one[1] == key and first <= one[0] <= last)
-        while rows := [(row, time, data) for row, _, time, data in islice(found, _MESSAGES_PER_BLOCK)]:
-            if block := self._block(key, rows):
+    def _blocks_of(self, key: int, pages: _Pages, rows: Int) -> Iterator[Block]:
+        """Yield messages where they lie; one by one if some are on several pages, are compressed or are no messages."""
+        is_plain = rows[_IS_MESSAGE] & (rows[_LOCAL] == rows[_SIZE]) & (pages.integers(rows[_START], 4) != _ZSTD)
+        if is_plain.all():
+            yield Block(key, rows[_TIME], pages.content, rows[_START], rows[_WIDTH])
+            return
+        many = max(LARGEST_MESSAGE // int(rows[_SIZE].max()), 1)
+        for first in range(0, rows.shape[1], many):
+            lot = rows[_BEGIN:, first : first + many].T.tolist()
+            whole = [
+                (time if is_message else None, record[start - begin :][:width])
+                for begin, size, local, _, time, start, width, is_message in lot
+                if len(record := pages.record(begin, size, local)) == size
+            ]
+            if len(whole) < len(lot):
+                self._note_malformed()
+            if block := self._block(key, whole):
                 yield block
 
-    def _connect(self) -> sqlite3.Connection:
-        """Open without writing any file next to it, unless a journal of its own must be taken into account."""
-        journal = self._path.with_name(f"{self._path.name}-wal")
-        immutable = "" if journal.exists() and journal.stat().st_size else "&immutable=1"
-        file = f"{self._path.resolve().as_uri()}?mode=ro{immutable}"
-        database = sqlite3.connect(file, uri=True, check_same_thread=False)  # one thread after the other reads a block
+    @cached_property
+    def _leaves(self) -> tuple[Int, Int]:
+        """Pages with messages and bounds of their last ids; those that look so where the table is broken or cut."""
+        pages = self._pages()
+        if self._is_cut or (leaves := pages.in_tree(self._root)) is None:
+            self._note_malformed()
+            return pages.found()
+        return leaves
+
+    def _ids_in(self, window: Window) -> tuple[int, int]:
+        """Return the first and the last id of the messages in a window, by the index of time stamps."""
+        with suppress(*_DATABASE_ERRORS), closing(self._connect(self._path)) as database:
+            query = f"{_OUTSIDE}, MIN(rowid), MAX(rowid) FROM messages WHERE timestamp BETWEEN ?1 AND ?2"
+            *others, first, last = database.execute(query, (window.first, window.last)).fetchone()
+            outside = [one for one in others if one is not None]
+            window.keeps(outside, outside)
+            return (first, last) if first is not None else (_LARGEST_ID, 0)
+        return 0, _LARGEST_ID
+
+    def _pages(self) -> _Pages:
+        with self._open() as file:
+            content = self._merged or mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+        return _Pages(content, self._page_bytes, self._columns)
+
+    def _note_malformed(self) -> None:
+        if not self._is_cut:  # which has been noted
+            self._note(None, "database disk image is malformed; the messages on whole pages were read")
+
+    def _connect(self, path: Path) -> sqlite3.Connection:
+        """Open without writing any file next to the user's; put a write-ahead log into a copy."""
+        how = "?mode=ro&immutable=1" if path == self._path else ""
+        database = sqlite3.connect(f"{path.resolve().as_uri()}{how}", uri=True)
         if self._is_cut:
             database.execute("PRAGMA writable_schema = ON")  # else SQLite refuses it
+        database.execute("PRAGMA wal_checkpoint")
         database.text_factory = lambda text: text.decode(errors="replace")
-        # No message is larger than its file, unless an expression in the table's definition makes it.
-        database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, min(max(self._bytes, _LARGEST_PAGE), LARGEST_MESSAGE))
+        database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_MESSAGE)  # a table's definition can make larger texts
         return database
 
-    def _broken(self, error: Exception | str) -> InputError:
-        return InputError(
-            f"{self._path}: the sqlite3 database cannot be read: {error}; nothing of it can be saved, since the list "
-            "of its topics is broken or cut off; copy it again from where it was recorded"
-        )
-
     def _read_connections(self, database: sqlite3.Connection) -> tuple[Connection, ...]:
-        tables = {name for (name,) in database.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
-        if missing := {"topics", "messages"} - tables:
+        tables = dict(database.execute("SELECT name, rootpage FROM sqlite_master WHERE type = 'table'"))
+        if missing := {"topics", "messages"} - tables.keys():
             there = ", ".join(sorted(tables)) or "none"
             what = f"no table {' and no table '.join(sorted(missing))}; tables are {there}"
             raise InputError(f"{self._path}: {what}; expected the sqlite3 storage of a ROS 2 bag; choose another file")
+        database.execute("SELECT topic_id, timestamp, data FROM messages LIMIT 0")  # says which one is missing
+        self._columns = [name.lower() for _, name, *_ in database.execute("PRAGMA table_xinfo(messages)")]
+        self._root = tables["messages"]
         query = "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions"
         known = database.execute(query) if "message_definitions" in tables else ()
         definitions = {name: (str(language), str(text).encode()) for name, language, text in known}
         topics = database.execute("SELECT id, name, type, serialization_format FROM topics ORDER BY id").fetchall()
-        counts = self._count_messages(database, [key for key, *_ in topics])
+        count, counts = "SELECT topic_id, COUNT(*) FROM messages GROUP BY topic_id", dict[int, int]()
+        if len(topics) == 1:  # by the index of time stamps, without reading them
+            count = "SELECT id, (SELECT COUNT(*) FROM messages) FROM topics"
+        with suppress(*_DATABASE_ERRORS):
+            counts = {} if self._is_cut else dict(database.execute(count).fetchall())
+        counts = counts or Counter(one.key for one in self.blocks([key for key, *_ in topics]) for _ in one.log_time)
         return tuple(
             Connection(key, str(topic), str(kind), str(how), definitions.get(kind, ("", b"")), counts.get(key, 0))
             for key, topic, kind, how in topics
         )
-
-    def _count_messages(self, database: sqlite3.Connection, keys: Sequence[int]) -> Mapping[int, int]:
-        """Count the messages of each topic; of a single one by the index of time stamps, without reading them."""
-        with suppress(*_DATABASE_ERRORS):
-            if len(keys) == 1 and not self._is_cut:
-                return {keys[0]: database.execute("SELECT COUNT(*) FROM messages").fetchone()[0]}
-            if not self._is_cut:
-                return dict(database.execute("SELECT topic_id, COUNT(*) FROM messages GROUP BY topic_id").fetchall())
-        return Counter(topic for _, topic, *_ in self._leaves.messages())
-
-
-def _joined(database: sqlite3.Connection, lot: tuple[int, ...]) -> tuple[int, Block | None]:
-    """Return the last id of the next messages, and these, joined within SQLite; None where not all are equally long."""
-    with suppress(sqlite3.DataError):  # together they are larger than a message may be
-        last, count, size, data, times = database.execute(_JOINED, lot).fetchone()
-        if size and len(data) == count * size and not data.startswith(ZSTD_MAGIC):
-            log_time = np.fromstring(times, np.int64, sep=",")
-            if len(log_time) == count:  # else some have none
-                return last, Block(lot[0], log_time, data, size * np.arange(count), np.full(count, size))
-    return 0, None
-
-
-def _ids_in(database: sqlite3.Connection, window: Window) -> tuple[int, int]:
-    """Return the first and the last id of the messages in a window, by the index of time stamps."""
-    earliest, latest, first, last = database.execute(
-        "SELECT (SELECT MIN(timestamp) FROM messages), (SELECT MAX(timestamp) FROM messages), MIN(rowid), MAX(rowid) "
-        "FROM messages WHERE timestamp BETWEEN ? AND ?",
-        (window.first, window.last),
-    ).fetchone()
-    if earliest is not None:
-        window.before |= earliest < window.first
-        window.after |= latest > window.last
-        window.latest = max(window.latest, latest)
-    return (1, 0) if first is None else (first, last)

@@ -1,6 +1,5 @@
 """The look of all figures: colours, fonts, file formats."""
 
-import logging
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -44,7 +43,7 @@ def load_style(name: str) -> Mapping[str, Any]:
     """Return the rcParams of a style on that of all figures: by its name here or in matplotlib, or of a style sheet."""
     if name == "sans":
         return {}
-    from logging.handlers import BufferingHandler
+    import logging.handlers
 
     from matplotlib import rc_params_from_file, style
 
@@ -54,7 +53,7 @@ def load_style(name: str) -> Mapping[str, Any]:
     if not path.is_file():
         known = f"{', '.join(STYLES)}, or one of matplotlib, e.g. ggplot"
         raise UsageError(f"{where}: neither a file nor a style; give a style sheet (.mplstyle), or a name: {known}")
-    logger, heard = logging.getLogger("matplotlib"), BufferingHandler(capacity=10**6)
+    logger, heard = logging.getLogger("matplotlib"), logging.handlers.BufferingHandler(capacity=10**6)
     logger.addHandler(heard)  # matplotlib warns of a line that it does not understand, and leaves it out
     try:
         found = rc_params_from_file(path, use_default_template=False)

@@ -154,7 +154,7 @@ def hand_ends_cycle(body: Record, loop: Record, jacobian: Float, cycle: Float, k
     moved = True
     for j in range(body.joints):
         moved = moved and loop.memory[j].path_rad >= loop.settings[j].minimum_path_rad
-    return 1 if controller.hand_ends(cycle, math.sqrt(square), dt, controller.THRESHOLDS_M_S, moved) else 0
+    return 1 if controller.hand_cycle_ends(cycle, math.sqrt(square), dt, controller.HAND_THRESHOLDS_M_S, moved) else 0
 
 
 @compiled(inline=True)
@@ -189,7 +189,7 @@ def run(mechanism: Record, push: Float, gravity: Float, jacobian: Float, cycle: 
             integrate(joints, states, events, body, dt, substeps, t - 0.5 * dt, -0.5 * dt)
         evaluate(joints, states, events, body, t)
         write_truth(states, body, out[k])
-        ends = hand_ends_cycle(body, loop, jacobian, cycle, k, dt) if len(cycle) > 0 else controller.FIND
+        ends = hand_ends_cycle(body, loop, jacobian, cycle, k, dt) if len(cycle) > 0 else controller.DETECT
         run_controllers(joints, states, body, loop, dt, k, ends)
         for j in range(len(joints)):
             for field in range(traced.shape[2]):
