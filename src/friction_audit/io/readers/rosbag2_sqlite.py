@@ -28,7 +28,7 @@ from friction_audit.io.readers.message_stream import (
 from friction_audit.joint_log import Bool, Int
 
 _INTERIOR, _LEAF = (5, 12), (13, 8)  # pages of a table: their first byte, length of their header
-_LOT_BYTES = 1 << 20  # of pages that are looked at together
+_LOT_BYTES = 2 << 20  # of pages that are looked at together; with half of that it takes 1.4 times as long
 _COLUMNS = ("topic_id", "timestamp", "data")
 # What is known of rows of the table of messages: the record, how much of it is on its page, the content.
 _PAGE, _ID, _BEGIN, _SIZE, _LOCAL, _TOPIC, _TIME, _START, _WIDTH, _IS_MESSAGE = range(10)
