@@ -6,7 +6,6 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, is_dataclass
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
-from unicodedata import combining, east_asian_width
 
 import numpy as np
 
@@ -217,46 +216,31 @@ class Table(NamedTuple):
         return self._replace(columns=[one for one in named if any(one.text(row) != NOTHING for row in self.rows)])
 
     def lines(self, marked: Collection[int] = ()) -> list[str]:
-        """Return its lines, as wide as numbers need, with phrases as the terminal has room; mark ``marked`` rows."""
-        rows = [[column.text(row) for column in self.columns] for row in self.rows]
-        for number in marked:
-            rows[number][0] += f" {MARK}"
-        heads = [column.head(self.unit, narrow=True).split("\n") for column in self.columns]
-        most = max(map(len, heads))
-        every = [*zip(*([""] * (most - len(head)) + head for head in heads), strict=True), *rows]
-        widths = [max(map(_width, texts)) for texts in zip(*every, strict=True)]
-        if any(one.words for one in self.columns):
-            return self._with_phrases(rows, widths)
-        lines = []
-        for texts in every:  # not by rich: to load it takes a twentieth of `estimate`, again (bench_start)
-            gaps = (" " * (width - _width(text)) for text, width in zip(texts, widths, strict=True))
-            cells = zip(self.columns, gaps, texts, strict=True)
-            lines.append("  ".join(gap + text if one.number else text + gap for one, gap, text in cells).rstrip())
-        return [*lines[:most], "\N{BOX DRAWINGS LIGHT HORIZONTAL}" * (sum(widths) + 2 * len(widths) - 2), *lines[most:]]
+        """Return it as text as wide as the terminal, and wider where numbers would be cut; ``marked`` rows get a mark.
 
-    def _with_phrases(self, rows: Sequence[Sequence[str]], widths: Sequence[int]) -> list[str]:
-        """Return its lines with phrases broken: a terminal breaks any long line, and half a number is worse."""
+        A terminal breaks long lines, and half a number is worse. Columns of phrases give way.
+        """
         from rich.box import SIMPLE_HEAD
         from rich.console import Console
         from rich.table import Table as RichTable
+        from rich.text import Text
 
         drawn = RichTable(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False, collapse_padding=True)
-        for column, width in zip(self.columns, widths, strict=True):
-            how: dict[str, Any] = {} if column.words else {"no_wrap": True, "min_width": width}
-            drawn.add_column(column.head(self.unit, narrow=True), justify="right" if column.number else "left", **how)
-        for texts in rows:
-            drawn.add_row(*texts)
-        console = Console(file=io.StringIO(), highlight=False, markup=False, emoji=False, color_system=None)
+        for column in self.columns:
+            head = Text(column.short or column.title or column.name.replace("_", " "))
+            head.append(f"\n[{in_unit(column.unit, self.unit)}]" if column.unit else "")
+            drawn.add_column(head, justify="right" if column.number else "left", no_wrap=not column.words)
+        for number, row in enumerate(self.rows):
+            first, *others = (column.text(row) for column in self.columns)
+            drawn.add_row(*map(Text, (f"{first} {MARK}" if number in marked else first, *others)))
+        stream = io.StringIO()
+        console = Console(file=stream, highlight=False, markup=False, color_system=None)
         roomy = console.options.update(max_width=1000)
+        for part in (one for one in drawn.columns if one.no_wrap):
+            part.min_width = max(console.measure(cell, options=roomy).maximum for cell in (part.header, *part.cells))
         console.width = max(console.width, console.measure(drawn, options=roomy).minimum)
-        with console.capture() as drawing:
-            console.print(drawn)
-        return [line.rstrip() for line in drawing.get().splitlines()]
-
-
-def _width(text: str) -> int:
-    """Return how many columns of a terminal a text takes: two for letters of East Asia, none for accents apart."""
-    return sum(0 if combining(one) else 1 + (east_asian_width(one) in "FW") for one in text)
+        console.print(drawn)
+        return [line.rstrip() for line in stream.getvalue().splitlines()]
 
 
 class Document(Record):
