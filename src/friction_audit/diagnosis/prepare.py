@@ -331,7 +331,7 @@ def subjects_of(
 ) -> tuple[Subject, ...]:
     """Prepare every joint of a log in the window of its interaction; of its samples nothing is needed afterwards."""
     inertias, subjects = known_inertias(arm, interaction.choice, log.q), []
-    prepared, clock = [*prepare(interaction, cycles, log, arm)], audit_clock(log)
+    clock, prepared = audit_clock(log), [*prepare(interaction, cycles, log, arm)]
     joined: dict[str, Any] = {}
     for findings in per_joint(lambda k: audit_data(log, interaction, prepared[k], clock), len(prepared)):
         # The audit alone has looked at the logged velocity; of a long log, the rest is freed at once.
