@@ -49,7 +49,8 @@ def diagnose_subjects(
         # The last of an odd number of joints has a second core to itself, for the columns of its effects.
         last = k == joints - 1 and joints % (workers if workers > 1 else parallel.WORKERS) == 1
         try:
-            with nullcontext() if last else parallel.one_joint_at_a_time():
+            joints_side_by_side = nullcontext() if last else parallel.one_joint_at_a_time()
+            with joints_side_by_side, parallel.sparing_memory() if is_long else nullcontext():
                 return diagnose_joint(subject, candidates, settings)
         except AnalysisError as error:
             return _answer(subject, "not_testable", reason_of(error))
@@ -58,13 +59,10 @@ def diagnose_subjects(
         except Exception as error:  # noqa: BLE001 - reported as a bug: verdict, traceback and exit code 1
             sentence, traceback = bug("the diagnosis", error)
             return replace(_answer(subject, "failed", quoted(sentence)), findings=(), traceback=traceback)
-        finally:
-            # To map less of it anew would take longer than it frees.
-            if WORKING_BYTES * len(subject.data.t) > parallel.KEPT:
-                parallel.release_memory()
 
-    joints = len(subjects)
-    workers = parallel.workers_for(joints, WORKING_BYTES * max(len(subject.data.t) for subject in subjects))
+    joints, working_bytes = len(subjects), WORKING_BYTES * max(len(subject.data.t) for subject in subjects)
+    is_long = working_bytes > parallel.KEPT  # to map less of it anew would take longer than it frees
+    workers = parallel.workers_for(joints, working_bytes)
     # Half of the work is in the interpreter, for which threads would wait.
     found = parallel.in_processes(one, joints, workers) if workers > 1 else parallel.per_joint(one, joints)
     diagnosed: list[JointDiagnosis] = []
