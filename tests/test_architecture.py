@@ -56,7 +56,7 @@ SIZE = {
     "files": 234,
     "code lines of the longest function": 59,  # dynamics/transmission.py: one compiled loop, split it is 13 % slower
     "per cent of functions of at most 3 code lines": 21,
-    "lines of tests": 23_564,
+    "lines of tests": 23_565,
 }
 
 

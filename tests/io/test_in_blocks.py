@@ -322,6 +322,7 @@ def cut_into(rows: int, patch: pytest.MonkeyPatch) -> None:
     for module in ("npz", "messages"):
         patch.setattr(f"friction_audit.io.readers.{module}._BLOCK_ROWS", rows)
     patch.setattr("friction_audit.io.readers.csv_lines._BLOCK_BYTES", 400 * rows)
+    patch.setattr("friction_audit.io.readers.rosbag2_sqlite._LOT_BYTES", 400 * rows)
 
 
 def assert_in_blocks(path: Path, blocks: int) -> None:
