@@ -27,7 +27,7 @@ TAKE_A_PART = "read a part of it with --t-start and --t-end, for example --t-sta
 
 def by_number(columns: int) -> str:
     """Return what to do about so many columns without names; as if they were time, q, dq and torque of some joints."""
-    joints = max((columns - 1) // 3, 1)
+    joints = min(max((columns - 1) // 3, 1), 7)  # of an arm; further columns are something else
     ends = ((name, 2 + k * joints, 1 + (k + 1) * joints) for k, name in enumerate(("q", "dq", "tau_J")))
     stated = " ".join(f"--map {name}=#{first}-#{last}" for name, first, last in ends)
     return f"expected names; give numbers, e.g. --map t=#1 {stated}"
