@@ -18,7 +18,8 @@ import pytest
 from numba.core import caching
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from friction_audit.compiled import compiled
+from friction_audit.cli.diagnose import LOADED
+from friction_audit.compiled import compiled, load
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float, read_only
 from friction_audit.parallel import (
@@ -226,6 +227,10 @@ def test_numbers_for_a_loop_are_of_one_kind(numbers: Float) -> None:
 def test_a_loop_compiles_where_no_cache_can_be_written(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(caching.CacheImpl, "_locator_classes", [])
     assert compiled()(lambda x: 2 * x)(21) == 42
+
+
+def test_a_diagnosis_loads_loops_while_it_reads_the_log() -> None:
+    assert any(map(load, LOADED))
 
 
 LOOP = "from friction_audit.compiled import compiled\n\n@compiled()\ndef {}:\n    return {}\n"

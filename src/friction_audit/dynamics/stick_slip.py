@@ -35,7 +35,7 @@ class Step(NamedTuple):
     h: float  # length [s]
     drive0: float  # torque at the start [N m]
     drive1: float  # torque at the end [N m]
-    begin: float  # start, in samples of the recording behind the tables
+    begin: float  # start, in samples of the recording that the tables were made from
     end: float  # end, in such samples
 
 

@@ -81,7 +81,7 @@ def _disagree(a: Coefficient, b: Coefficient) -> bool:
 
 
 class SignalRange:
-    """SignalRange and some samples of one joint's signals, gathered from parts of a log that follow each other."""
+    """Extremes and some samples of one joint's signals, gathered from parts of a log that follow each other."""
 
     def __init__(self, column: int, samples: int) -> None:
         """Take the joint (0-based) and the number of samples of the log."""

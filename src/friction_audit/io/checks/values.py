@@ -94,14 +94,11 @@ def _leave_out_joints(recording: Recording, missing: Counts) -> Recording:
         raise InputError(
             f"{recording.path}: no joint has q, dq and torque together; each lacks one of them in all {samples} rows"
         )
-    names, text = (
-        recording.joint_names,
-        "{} holds no {} in all {} rows: it is left out, joints are numbered without it{}",
-    )
+    names, why = recording.joint_names, f"in all {samples} rows: it is left out, joints are numbered without it"
     lost, kept = (np.flatnonzero(one).tolist() for one in (empty, ~empty))
     lacks = {j: " and ".join(c for c, counts in missing.items() if counts[j] == samples) for j in lost}
     now = {j: next((f" ({n} is {names[k]})" for n, k in enumerate(kept, start=1) if k > j), "") for j in lost}
-    texts = (text.format(names[j], lacks[j], samples, now[j]) for j in lost)
+    texts = (f"{names[j]} holds no {lacks[j]} {why}{now[j]}" for j in lost)
     findings = [Finding("empty_joint", text, amount=float(samples)) for text in texts]
     left = recording.changed(lambda t, every: (t, {name: np.asfortranarray(a[:, kept]) for name, a in every.items()}))
     return replace(left, joint_names=tuple(names[joint] for joint in kept)).with_findings(*findings)
