@@ -222,8 +222,8 @@ def read_only(numbers: Float) -> Float:
     return whole
 
 
-# A longer log is judged by means of stretches that are spread evenly over it: an hour at 50 Hz, in pieces of 20 s.
-MOST_MEANS, STRETCH = 180_000, 1 << 10
+# A longer log is judged by means of stretches that are spread evenly over it: 20 min at 50 Hz, in pieces of 20 s.
+MOST_MEANS, STRETCH = 60_000, 1 << 10
 COARSE_HZ = 50.0  # of the means by which the sign of a torque is proved: above the motion, and cheap for hours of log
 
 
@@ -299,9 +299,13 @@ class Means:
         own, left = self._is_kept[done : self._seen // size], self._seen % size
         places = slice(self._kept, self._kept + int(np.count_nonzero(own)))
         self._kept = places.stop
+        # The mean that was begun, and those of the piece from the first that is kept to the last.
+        begun_too, inside = own[: min(first, 1)], np.trim_zeros(own[min(first, 1) :])
+        before = np.argmax(own[min(first, 1) :]) if len(inside) else 0
+        rows = slice(first + before * size, first + (before + len(inside)) * size)
         for name, piece in (("t", t[:, None]), *channels.items()):
-            begun = np.concatenate([self._rest[name], piece[:first]])  # of the mean that was begun
+            begun = np.concatenate([self._rest[name], piece[:first]])
             if own.any():
-                found = np.concatenate([block_means(begun, size), block_means(piece[first:], size)])[: len(own)]
-                (self.t if name == "t" else self.channels[name])[places] = found if own.all() else found[own]
+                found = block_means(begun, size)[begun_too], block_means(piece[rows], size)[inside]
+                (self.t if name == "t" else self.channels[name])[places] = np.concatenate(found)
             self._rest[name] = begun if left > len(t) else piece[len(t) - left :].copy()

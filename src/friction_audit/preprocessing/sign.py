@@ -41,6 +41,7 @@ class CoarseLog(NamedTuple):
     dq: Float  # velocity, shape (m, j) [rad/s]
     whole: Bool  # False where a block holds or touches a hole in the log, shape (m,)
     of_means: bool = False  # True where the log itself holds nothing but the means
+    share: float = 1.0  # of the log that has means
 
     def mean(self, signal: Float) -> Float:
         """Return the block means of another signal of the log, shape (n, j) -> (m, j)."""
@@ -57,8 +58,8 @@ def coarse_log(log: JointLog) -> CoarseLog:
     # Means of two stretches that are far apart are no neighbours.
     ends = np.flatnonzero(np.diff(numbers) > 1)
     cut = np.append(holes, holes + 1) // samples, numbers[np.append(ends, ends + 1)]
-    whole = ~np.isin(numbers, np.concatenate(cut))
-    return CoarseLog(samples=samples, t=t[:, 0], q=q, dq=dq, whole=whole, of_means=means is not None)
+    whole, share = ~np.isin(numbers, np.concatenate(cut)), len(t) / (means.samples // samples) if means else 1.0
+    return CoarseLog(samples, t[:, 0], q, dq, whole, of_means=means is not None, share=share)
 
 
 def prove_sign(log: CoarseLog, torque: Float, dead_torque: frozenset[int] = frozenset()) -> tuple[SignEvidence, ...]:
@@ -94,7 +95,7 @@ def strokes_of(log: CoarseLog, joint: int) -> tuple[Bool, Float, Int]:
 
 
 def _judge(log: CoarseLog, joint: int, torque: Float) -> SignEvidence:
-    step, speed = median_step(log.t), np.abs(log.dq[:, joint])
+    step, speed = median_step(log.t) / log.share, np.abs(log.dq[:, joint])
     moving, direction, stroke = strokes_of(log, joint)
     moves = speed.max() >= STILL_RAD_S or np.ptp(log.q[:, joint]) >= STILL_RAD
     verdict: Verdict = "undecided" if moves else "still"
