@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 # How flange links end; where a URDF has none of them, the last link that the last joint moves is taken.
 FLANGE_NAMES = ("link8", "flange", "tool0")
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)
-CHUNK = 4096
+CHUNK = 1 << 13
 ZERO = 1e-15  # rounding of the cosine of a right angle
 
 Payload = tuple[float, float, float, float]  # mass [kg] and place x, y, z [m] of a point mass in the flange frame
