@@ -4,6 +4,7 @@ import json
 from bisect import bisect
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -32,9 +33,16 @@ _LOOK_ROWS = 1000  # the first list that is not empty is among them: the first m
 
 def read(path: Path, options: ReadOptions) -> Recording:
     """Read a Parquet file."""
+    with opened(path) as file:
+        return read_table(ParquetTable(path, file), options)
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[ParquetFile]:
+    """Open a Parquet file; InputError if it is damaged, or what is read of it meanwhile."""
     try:
         with _open(path) as file:
-            return read_table(ParquetTable(path, file), options)
+            yield file
     except MemoryError:  # Arrow's own is an ArrowException too
         raise
     except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
@@ -223,9 +231,6 @@ def _first_rows(file: ParquetFile, columns: Sequence[str]) -> dict[str, list[Any
 
 def topics(path: Path) -> tuple[Topic, ...]:
     """List the table of a Parquet file."""
-    try:
-        with _open(path) as file:
-            rows, columns = file.metadata.num_rows, file.metadata.num_columns
-    except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: a damaged or unfinished Parquet file: {error}; copy or record it again") from error
+    with opened(path) as file:
+        rows, columns = file.metadata.num_rows, file.metadata.num_columns
     return (Topic(name=path.name, type=f"table of {columns} columns", messages=rows, readable=True),)
