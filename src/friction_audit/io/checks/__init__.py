@@ -154,7 +154,7 @@ def examine(recording: Recording, options: "ReadOptions", listen: Listen = lambd
     look = look.after(leave_out_wild(look.recording, look.survey.columns, step_s, first_s=first_s, numbered=numbered))
     look = look.after(with_velocity(look.recording, step_s, asked=asked))  # anew from what is left, here and below
     look = look.after(motion.refuse_dead_velocity(look.recording, look.survey.columns, look.clock))
-    look = look.after(motion.turn_degrees(look.recording, look.survey.columns, look.survey.ratios.common))
+    look = look.after(motion.turn_to_radians(look.recording, look.survey.columns, look.survey.ratios.common))
     look = look.after(motion.mend_unit(look.recording, look.survey.ratios.common, look.clock.step_s))
     look = look.after(look.recording.with_findings(*look.survey.steps.findings()))
     look = look.after(drop_stale_samples(look.recording, look.survey.stale, look.survey.columns))
