@@ -87,7 +87,7 @@ def _column_of(table: Any, name: str) -> NDArray[Any]:  # noqa: ANN401 - a table
     """Return a column, shape (n,), or (n, k) of lists of k elements; ValueError if they differ in length."""
     from pyarrow import compute
 
-    from friction_audit.io.readers.arrow import is_of, whole
+    from friction_audit.io.readers.parquet import is_of, whole
 
     column = whole(table[name])
     if not is_of(column.type, "list"):

@@ -117,8 +117,7 @@ def _columns(file: Path, episode: str) -> dict[str, NDArray[Any]]:
     """Return the columns of numbers of an episode, by the names of their features."""
     from pyarrow import compute
 
-    from friction_audit.io.readers.arrow import is_of
-    from friction_audit.io.readers.parquet import opened
+    from friction_audit.io.readers.parquet import is_of, opened
 
     with opened(file) as parquet:
         kinds = {one.name: one.type.value_type if is_of(one.type, "list") else one.type for one in parquet.schema_arrow}
