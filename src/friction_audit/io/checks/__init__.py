@@ -1,4 +1,4 @@
-"""The faults of a recording: each is noticed, named with its amount, and handled or refused, in a file of its own.
+"""The faults of a recording: each is noticed, named with its amount, and handled or refused.
 
 A recording is looked through in passes, piece by piece: one over the clock, one over all columns. The checks judge by
 what these have found, in the order of ``examine``. Where one mends something, the next ones need new passes, over the
@@ -16,9 +16,8 @@ from friction_audit.errors import InputError
 from friction_audit.io.checks import motion
 from friction_audit.io.checks.clock import Clock, Steps, drop_repeats, sort_rows, spread_batches, take_window
 from friction_audit.io.checks.columns import Column
-from friction_audit.io.checks.held import Stretches, interpolate_held, noisy_velocity
-from friction_audit.io.checks.torque import Stale, check_torque, drop_stale_samples
-from friction_audit.io.checks.values import Missing, find_frozen, leave_out_columns, leave_out_rows
+from friction_audit.io.checks.held import Stale, Stretches, drop_stale_samples, interpolate_held, noisy_velocity
+from friction_audit.io.checks.values import Missing, check_torque, find_frozen, leave_out_columns, leave_out_rows
 from friction_audit.io.checks.wild import TO_ZERO, leave_out_wild
 from friction_audit.io.recording import Recording, WholeLogError, with_velocity
 from friction_audit.joint_log import DERIVATIVE, MINIMUM_SAMPLES, Float, Means

@@ -1,4 +1,4 @@
-"""What was not recorded: channels, joints and rows without numbers, channels that keep one value."""
+"""What was not recorded: channels, joints and rows without numbers, channels of one value or of a few steps."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -9,8 +9,10 @@ import numpy as np
 from friction_audit.errors import InputError
 from friction_audit.io.checks.clock import Clock, gap_threshold_s
 from friction_audit.io.checks.columns import Column
+from friction_audit.io.checks.held import MOVING_RAD_S
 from friction_audit.io.recording import Marks, Recording
 from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Float, Int
+from friction_audit.parallel import per_joint
 
 _ESSENTIAL = ("q", "dq", *TORQUE_CHANNELS)
 _ABSURD = 1e9  # no position, velocity, torque or temperature is as large, in any unit: a damaged number
@@ -137,3 +139,70 @@ def find_frozen(recording: Recording, columns: Mapping[str, Column], clock: Cloc
             )
             found.append(Finding("channel_frozen", text, joint + 1, lasts_s))
     return recording.with_findings(*found)
+
+
+# What a joint of an arm for tens of kilograms never holds, and what is left of it without gravity. [N m]
+_LARGEST_NM = {"tau_J": 1000.0, "tau_interaction": 300.0, "tau_ext_hat_filtered": 300.0}
+_SHARE = 0.95  # of the samples that may be below what is tested: a few wild ones prove nothing
+_FEWEST_MOVING = 20  # samples in either direction that show what reverses with the motion
+_FEW_STEPS = 5.0
+_LEAST_NM = 0.01  # no joint of an arm turns with less: a channel of a few steps below it carries no torque [N m]
+# Steps of more than what reverses make the estimate depend on their rounding. Panda sensors have half of that.
+_COARSE = 1.0
+_MOST_VALUES = 64
+_UNEVEN = 0.01
+
+
+def check_torque(recording: Recording, columns: Mapping[str, Column]) -> Recording:
+    """Notice torques that are dead, coarse or may be in mN m; nothing is changed."""
+    findings = []
+    for name in (name for name in _LARGEST_NM if name in columns):
+        usual = np.quantile(np.abs(columns[name].sample), _SHARE, axis=0)
+        joint = int(np.argmax(usual))
+        if usual[joint] > _LARGEST_NM[name]:
+            text = (
+                f"{name} exceeds {usual[joint]:.4g} in 5 % of the samples: a very large arm, or mN m; read as N m; if "
+                "it is mN m, divide the column by 1000"
+            )
+            findings.append(Finding("torque_unit_suspected", text, joint + 1, float(usual[joint])))
+    used = next(name for name in TORQUE_CHANNELS if name in columns)
+    poor = per_joint(lambda joint: _poor(recording, columns, used, joint), len(recording.joint_names))
+    return recording.with_findings(*findings, *poor)
+
+
+def _poor(recording: Recording, columns: Mapping[str, Column], channel: str, joint: int) -> Finding | None:
+    """Say of a moving joint that its torque is constant, or a few steps of a sensor, or rounded to coarse steps."""
+    torque, dq = columns[channel].sample[:, joint], columns["dq"].sample[:, joint]
+    forwards, backwards = torque[dq > MOVING_RAD_S], torque[dq < -MOVING_RAD_S]
+    if len(forwards) + len(backwards) < _FEWEST_MOVING:
+        return None
+    name, step, rms = f"{channel} ({recording.mapping.get(channel, channel)})", _step(torque), float(np.std(torque))
+    dead = ""
+    if columns[channel].highest[joint] == columns[channel].lowest[joint]:
+        dead = f"constant: {name} is {torque[0] + 0.0:g} in all rows while the joint moves"
+    elif 0.0 < rms < min(_FEW_STEPS * step, _LEAST_NM):
+        dead = f"dead: {name} varies by {rms:.2g} rms, a few steps of {step:.2g}"
+    if dead:
+        advice = "no friction is estimated from it; check the sensor, or exclude the joint with --joints"
+        return Finding("torque_dead", f"torque channel is {dead}; {advice}", joint + 1)
+    if min(len(forwards), len(backwards)) < _FEWEST_MOVING:
+        return None
+    reverses = 0.5 * abs(float(np.mean(forwards) - np.mean(backwards)))
+    if step <= _COARSE * reverses:
+        return None
+    message = (
+        f"{name} is quantised to {step:.3g}, the part that reverses with the motion is {reverses:.2g}: quantisation "
+        "limits the estimate; log the torque with more digits"
+    )
+    return Finding("torque_coarse", message, joint + 1, step)
+
+
+def _step(torque: Float) -> float:
+    """Return the step to which a torque is rounded, 0 if it takes too many values or is no multiple of any."""
+    values = np.unique(torque)
+    steps = np.diff(values)
+    steps = steps[steps > 1e-6 * (values[-1] - values[0])]
+    if not 0 < len(steps) <= _MOST_VALUES:
+        return 0.0
+    step = float(steps.min())  # Coulomb friction alone takes two values, no multiples of their distance
+    return step if np.abs(values / step - np.round(values / step)).max() < _UNEVEN else 0.0
