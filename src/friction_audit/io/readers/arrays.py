@@ -87,9 +87,9 @@ def _column_of(table: Any, name: str) -> NDArray[Any]:  # noqa: ANN401 - a table
     """Return a column, shape (n,), or (n, k) of lists of k elements; ValueError if they differ in length."""
     from pyarrow import compute
 
-    from friction_audit.io.readers.parquet import is_of, whole
+    from friction_audit.io.readers.parquet import is_of
 
-    column = whole(table[name])
+    column = table[name].combine_chunks()
     if not is_of(column.type, "list"):
         return np.asarray(column.to_numpy(zero_copy_only=False))
     if len(lengths := compute.unique(compute.list_value_length(column))) > 1:

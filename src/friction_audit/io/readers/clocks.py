@@ -164,10 +164,13 @@ def choose_clock(times: Times) -> Clock:
     # Differences are taken in integers: 1.7e18 ns has no room for nanoseconds in a float64.
     first = {name: times[name].min() for name in units if name in times}
     clocks: dict[str, Float] = {name: (times[name] - low) / UNITS[units[name]] for name, low in first.items()}
-    # A single message cannot show that a clock runs.
-    running = [n for n, t in clocks.items() if np.isfinite(t).all() and (len(t) == 1 or t.max() > 0.0)]
-    chosen = next((n for n in running if _late_s(clocks[n]) <= LONGEST_BACKWARDS_S), next(iter(running), "log_time"))
-    texts = {n: f"goes back by {_late_s(clocks[n]):.4g} s" for n in running[: [*running, chosen].index(chosen)]}
+    # How far each goes back; a single message cannot show that a clock runs.
+    is_running = (n for n, t in clocks.items() if np.isfinite(t).all() and (len(t) == 1 or t.max() > 0.0))
+    running = {n: float((np.maximum.accumulate(clocks[n]) - clocks[n]).max()) for n in is_running}
+    chosen = next(
+        (n for n, late_s in running.items() if late_s <= LONGEST_BACKWARDS_S), next(iter(running), "log_time")
+    )
+    texts = {n: f"goes back by {running[n]:.4g} s" for n in [*running][: [*running, chosen].index(chosen)]}
     texts |= {n: "is the same (or not a number) in all messages" for n in clocks if n not in (*running, chosen)}
     used = f"{_TITLES[chosen]} was used"
     findings += [Finding("clock_stopped", f"{_TITLES[n]} {text}; {used}") for n, text in texts.items()]
@@ -177,10 +180,6 @@ def choose_clock(times: Times) -> Clock:
     start_s = float(first["log_time" if chosen == "robot_time" else chosen]) / _NANOSECONDS
     unix_s = start_s if start_s > _FIRST_UNIX_TIME_S else None
     return Clock(clocks[chosen], unix_s, units[chosen], start_s, chosen, first[chosen], tuple(findings))
-
-
-def _late_s(t: Float) -> float:
-    return float((np.maximum.accumulate(t) - t).max())
 
 
 def _disagreement(t: Float, log_t: Float, chosen: str) -> list[Finding]:

@@ -188,7 +188,7 @@ class ParquetTable(ColumnTable):
         """Return an array of a batch that begins at a row, (m, k)."""
         if columns.joint is not None and name == self.arrays[columns.joint][0]:
             return np.asarray(table[name].to_numpy().astype(str), object)[:, None]
-        values = self._values(whole(table[name]), name, start)
+        values = self._values(table[name].chunk(0), name, start)
         if name in {self.arrays[cell][0] for cell in columns.time.cells}:
             self._refuse_missing_stamps(name, values, columns.time)
         return values.reshape(len(values), -1)
@@ -242,11 +242,6 @@ def _flat(table: pa.Table | pa.RecordBatch) -> pa.Table:
     while any(pa.types.is_struct(field.type) for field in found.schema):
         found = found.flatten()
     return found
-
-
-def whole(column: pa.ChunkedArray) -> pa.Array:
-    """Return a column of a batch in one piece; Arrow's own function copies one that is."""
-    return column.chunk(0) if column.num_chunks == 1 else column.combine_chunks()
 
 
 def _integers_or_floats(array: pa.Array) -> NDArray[Any]:
