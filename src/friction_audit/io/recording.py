@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.joint_log import DERIVATIVE, Bool, Finding, Float, Int
+from friction_audit.joint_log import DERIVATIVE, Bool, Finding, Float
 from friction_audit.parallel import ahead
 
 Block = tuple[Float, dict[str, Float]]  # clock and channels of samples that follow each other
@@ -27,17 +27,13 @@ class WholeLogError(Exception):
 
 
 class Blocks(NamedTuple):
-    """A recording that is read block by block, anew for every pass; what the checks found is as in ``LogInBlocks``."""
+    """A recording that is read block by block, anew for every pass."""
 
     rows: int  # number of samples
     # Yields the clock and the channels that are asked for, where there are several groups of rows from a group on.
     read: Callable[..., Iterator[Block]]
     groups: Sequence[int] = (0,)  # first rows of groups
-    clock: tuple[int, float, float] = (0, 0.0, 0.0)
-    gaps: Float = np.zeros((0, 3))
-    mean_of: int = 1
-    numbers: Int = np.zeros(0, np.int64)
-    listener: Any = None
+    found: Mapping[str, Any] = {}  # by the checks, of what ``LogInBlocks`` has
 
 
 class Marks:

@@ -94,14 +94,15 @@ class _Look:
         assert blocks is not None
         assert means is not None
         read, (t, channels) = blocks.read, means.found
-        blocks = blocks._replace(
-            read=read if first_s == 0.0 else lambda names: ((t - first_s, channels) for t, channels in read(names)),
-            clock=(clock.rows, clock.last_s - first_s, clock.step_s),
-            gaps=np.array(self.steps.holes).reshape(-1, 3) - (0.0, first_s, first_s),
-            mean_of=means.of,
-            numbers=means.numbers[: len(t)],
-            listener=self.listener,
-        )
+        found = {
+            "clock": (clock.rows, clock.last_s - first_s, clock.step_s),
+            "gaps": np.array(self.steps.holes).reshape(-1, 3) - (0.0, first_s, first_s),
+            "mean_of": means.of,
+            "numbers": means.numbers[: len(t)],
+            "listener": self.listener,
+        }
+        own = read if first_s == 0.0 else lambda names: ((t - first_s, channels) for t, channels in read(names))
+        blocks = blocks._replace(read=own, found=found)
         return replace(self.recording, t=t - first_s, channels=channels, blocks=blocks, first_s=first_s)
 
     @cached_property

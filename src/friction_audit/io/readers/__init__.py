@@ -171,9 +171,8 @@ def to_joint_log(
     held: dict[str, Any] = {**recording.channels, "joint_names": recording.joint_names, "source": source}
     if blocks is None:
         return JointLog(t=recording.t if first == 0.0 else recording.t - first, **held)
-    held |= {name: getattr(blocks, name) for name in ("mean_of", "numbers", "listener", "clock", "gaps", "read")}
     again = partial(read_log, recording.path, replace(options, in_blocks=False, hashed=True))
-    return LogInBlocks(t=recording.t, **held, first=0, read_whole=again)
+    return LogInBlocks(t=recording.t, **held, **blocks.found, read=blocks.read, first=0, read_whole=again)
 
 
 def list_topics(path: str | Path) -> tuple[str, tuple[Topic, ...]]:
