@@ -1,27 +1,36 @@
-"""Bags made to take all memory, all time or the stack: refused in words, or read without what is hostile in them."""
+"""Whatever the bytes of a file are, reading it gives a log or an error in words, never anything else.
+
+Bags made to take all memory, all time or the stack are refused, or read without what is hostile in them.
+"""
 
 import bz2
+import io
 import json
 import struct
 import time
 from collections.abc import Callable
+from contextlib import suppress
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import lz4.frame  # type: ignore[import-untyped]
+import numpy as np
 import pytest
 import zstandard
+from hypothesis import HealthCheck, given, settings, strategies as st
 from mcap.writer import CompressionType
 
-from friction_audit.io.readers import read_log
+from friction_audit.errors import FrictionAuditError
+from friction_audit.io.readers import list_topics, read_log
 from tests.io import bag_writing as bags
-from tests.io.synthetic_recordings import refused
+from tests.io.synthetic_recordings import motion, refused, tidy_frame
 from tests.io.test_rosbag2 import edited, execute
 
 BOMB_BYTES = 40 << 20  # in some kB
 ZSTD_BOMB = zstandard.ZstdCompressor(level=1).compress(bytes(BOMB_BYTES))
 LZ4_BOMB = lz4.frame.compress(bytes(BOMB_BYTES), store_size=False)
-BZ2_BOMB = bz2.compress(bytes(24 << 20))
 KIND = "foxglove.JointStates"
 
 
@@ -49,7 +58,7 @@ CHUNKS: dict[str, Callable[[Path], Path]] = {
     "mcap that claims 100 bytes": lambda f: mcap_chunk(f / "a.mcap", b"zstd", ZSTD_BOMB, 100),
     "mcap that tells the truth": lambda f: mcap_chunk(f / "a.mcap", b"zstd", ZSTD_BOMB, BOMB_BYTES),
     "mcap lz4": lambda f: mcap_chunk(f / "a.mcap", b"lz4", LZ4_BOMB, 1 << 60),
-    "bag bz2": lambda f: bag_chunk(f / "a.bag", b"bz2", BZ2_BOMB, 24 << 20),
+    "bag bz2": lambda f: bag_chunk(f / "a.bag", b"bz2", bz2.compress(bytes(24 << 20)), 24 << 20),
     "bag lz4": lambda f: bag_chunk(f / "a.bag", b"lz4", LZ4_BOMB, 1000),
 }
 
@@ -182,3 +191,47 @@ def test_messages_that_the_index_of_a_bag_counts_are_missed(tmp_path: Path) -> N
     recording = bags.read(path, topic="/joint_states")
     assert len(recording.t) == 59
     assert [(f.code, f.amount) for f in bags.damage(recording)] == [("missing_messages", 1.0)]
+
+
+SAMPLES = 50
+
+
+def npz() -> bytes:
+    np.savez_compressed(stream := io.BytesIO(), **motion(SAMPLES))  # type: ignore[arg-type]
+    return stream.getvalue()
+
+
+def bag(name: str, **options: Any) -> bytes:
+    with TemporaryDirectory() as folder:
+        path = bags.write(Path(folder) / name, bags.samples(20), **options)
+        return (next(path.glob("*.db3")) if path.is_dir() else path).read_bytes()
+
+
+FILES: dict[str, Callable[[], bytes]] = {
+    "run.csv": lambda: tidy_frame(SAMPLES).to_csv(index=False).encode(),
+    "run.parquet": lambda: tidy_frame(SAMPLES).to_parquet(),
+    "run.npz": npz,
+    "run.bag": lambda: bag("run.bag"),
+    "chunks.mcap": lambda: bag("run.mcap", enable_crcs=False, chunk_size=2048),
+    "loose.mcap": lambda: bag("run.mcap", use_chunking=False),
+    "run.db3": lambda: bag("bag"),
+}
+whole = cache(lambda name: FILES[name]())
+
+
+@pytest.mark.parametrize("name", FILES)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(data=st.data())
+def test_damage_is_an_error_in_words(tmp_path: Path, name: str, data: st.DataObject) -> None:
+    content = bytearray(whole(name))
+    place = data.draw(st.integers(0, len(content) - 1))
+    damage = data.draw(st.one_of(st.just(None), st.binary(min_size=1, max_size=50)))
+    if damage is None:
+        del content[place:]
+    else:
+        content[place : place + len(damage)] = damage
+    (tmp_path / name).write_bytes(content)
+    with suppress(FrictionAuditError):
+        assert len(read_log(tmp_path / name).t) <= SAMPLES
+    with suppress(FrictionAuditError):
+        list_topics(tmp_path / name)
