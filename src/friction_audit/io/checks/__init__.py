@@ -15,11 +15,10 @@ import numpy as np
 from friction_audit.errors import InputError
 from friction_audit.io.checks import motion
 from friction_audit.io.checks.clock import Clock, Steps, drop_repeats, sort_rows, spread_batches, take_window
-from friction_audit.io.checks.columns import Column
 from friction_audit.io.checks.held import Stale, Stretches, drop_stale_samples, interpolate_held, noisy_velocity
 from friction_audit.io.checks.values import Missing, check_torque, find_frozen, leave_out_columns, leave_out_rows
 from friction_audit.io.checks.wild import TO_ZERO, leave_out_wild
-from friction_audit.io.recording import Recording, WholeLogError, with_velocity
+from friction_audit.io.recording import Column, Recording, WholeLogError, with_velocity
 from friction_audit.joint_log import DERIVATIVE, MINIMUM_SAMPLES, Float, Means
 
 if TYPE_CHECKING:

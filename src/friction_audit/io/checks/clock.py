@@ -8,8 +8,8 @@ from functools import partial
 import numpy as np
 
 from friction_audit.errors import InputError
-from friction_audit.io.checks.columns import Picked, Thinned, sample_rows
-from friction_audit.io.recording import LONGEST_BACKWARDS_S, Block, Marks, Recording, WholeLogError, take_rows
+from friction_audit.io.readers.clocks import LONGEST_BACKWARDS_S
+from friction_audit.io.recording import Block, Marks, Picked, Recording, Thinned, WholeLogError, sample_rows, take_rows
 from friction_audit.joint_log import Finding, Float, check_window, step_places
 
 Window = tuple[float | None, float | None]  # start and end of the part asked for, None for those of the log [s]

@@ -11,8 +11,7 @@ from functools import partial
 import numpy as np
 
 from friction_audit.io.checks.clock import GAP_S
-from friction_audit.io.checks.columns import Column, Picked, Thinned
-from friction_audit.io.recording import Block, Marks, Recording, WholeLogError
+from friction_audit.io.recording import Block, Column, Marks, Picked, Recording, Thinned, WholeLogError
 from friction_audit.joint_log import DERIVATIVE, TORQUE_CHANNELS, Bool, Finding, Float
 
 MOVING_RAD_S = 0.02

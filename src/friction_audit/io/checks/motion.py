@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
 from friction_audit.io.checks.clock import Clock, gap_threshold_s
-from friction_audit.io.checks.columns import Column
-from friction_audit.io.recording import Block, Recording
+from friction_audit.io.recording import Block, Column, Recording
 from friction_audit.joint_log import DERIVATIVE, Finding, Float
 
 _TRAVELLED = 0.1  # range of q that no noise of a joint at rest makes [rad]

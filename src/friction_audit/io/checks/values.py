@@ -8,9 +8,8 @@ import numpy as np
 
 from friction_audit.errors import InputError
 from friction_audit.io.checks.clock import Clock, gap_threshold_s
-from friction_audit.io.checks.columns import Column
 from friction_audit.io.checks.held import MOVING_RAD_S
-from friction_audit.io.recording import Marks, Recording
+from friction_audit.io.recording import Column, Marks, Recording
 from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Float, Int
 from friction_audit.parallel import per_joint
 

@@ -11,8 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.io.checks.columns import LAG, Column
-from friction_audit.io.recording import Marks, Recording
+from friction_audit.io.recording import LAG, Column, Marks, Recording
 from friction_audit.joint_log import Bool, Finding, Float, Int
 from friction_audit.parallel import per_joint
 

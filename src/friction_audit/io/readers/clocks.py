@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
-from friction_audit.io.recording import LONGEST_BACKWARDS_S
 from friction_audit.joint_log import Finding, Float
 
 UNITS = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}  # units per second
@@ -29,6 +28,7 @@ _SPELLED = {"mil": "ms", "mse": "ms", "ms": "ms", "nan": "ns", "nse": "ns", "ns"
             "us": "us", "µs": "us"}  # fmt: skip
 _SECONDS = re.compile(r"(?P<head>(?:.*[._/]|ZeitIn)?)secs?", re.IGNORECASE)
 _EPOCH_S = (1.1e9, 4.1e9)  # Unix time between the years 2004 and 2099
+LONGEST_BACKWARDS_S = 1.0  # a clock that goes back further was set anew
 _LONGEST_S = 1e10  # three centuries: from no stamp to the last one in nanoseconds
 
 
