@@ -129,10 +129,6 @@ class Column:
         for picked in self._picked:
             picked.take(first, piece)
 
-    def changes(self, joint: int) -> Float:
-        """Changes over LAG rows that are spread evenly over the recording, shape (m,)."""
-        return np.asarray(self.changed[:, joint] - self.sample[: len(self.changed), joint])
-
 
 class Samples:
     """Pieces one after the other in arrays, channels of shape (n, j) in Fortran order."""

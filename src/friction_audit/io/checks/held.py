@@ -75,7 +75,20 @@ def drop_stale_samples(recording: Recording, stale: Stale, columns: Mapping[str,
     if marks.count and _HELD_PERIODS * period > GAP_S and stale.repeats >= _HELD_SHARE * moves:
         if recording.blocks is not None:
             raise WholeLogError
-        recording, marks = _keep_slow_state(recording, stale, period)
+        # Rows of a state that is new less often than a hole is long are kept: its steps would pass for holes.
+        lost = marks.of(0, stale.rows)
+        rows = np.flatnonzero(~lost)
+        steps, repeats = np.diff(recording.t[rows]), np.diff(rows) - 1
+        held = (repeats > 0) & (steps <= _HELD_PERIODS * period)
+        for row in np.flatnonzero(held):
+            lost[rows[row] : rows[row + 1]] = False
+        message = (
+            f"q, dq and torque are updated only every {period:.3g} s (a bus that polls the motors in turn?); "
+            f"{repeats[held].sum()} repeated rows are kept"
+        )
+        recording = recording.with_findings(Finding("slow_state", message, amount=period))
+        marks = Marks(stale.rows)
+        marks.add(0, lost)
     if not marks.count:
         return recording
     message = (
@@ -83,23 +96,6 @@ def drop_stale_samples(recording: Recording, stale: Stale, columns: Mapping[str,
         "than the robot updates); they are removed"
     )
     return recording.without(marks).with_findings(Finding("stale_samples", message, amount=float(marks.count)))
-
-
-def _keep_slow_state(recording: Recording, stale: Stale, period: float) -> tuple[Recording, Marks]:
-    """Unmark the rows of a state that is new less often than a hole is long: its steps would pass for holes."""
-    lost = stale.marks.of(0, stale.rows)
-    rows = np.flatnonzero(~lost)
-    steps, repeats = np.diff(recording.t[rows]), np.diff(rows) - 1
-    held = (repeats > 0) & (steps <= _HELD_PERIODS * period)
-    for row in np.flatnonzero(held):
-        lost[rows[row] : rows[row + 1]] = False
-    message = (
-        f"q, dq and torque are updated only every {period:.3g} s (a bus that polls the motors in turn?); "
-        f"{repeats[held].sum()} repeated rows are kept"
-    )
-    marks = Marks(stale.rows)
-    marks.add(0, lost)
-    return recording.with_findings(Finding("slow_state", message, amount=period)), marks
 
 
 class Stretches:

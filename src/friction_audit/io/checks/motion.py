@@ -236,7 +236,22 @@ def check_motion(recording: Recording, ratios: MotionRatio, *, scaled: bool) -> 
             f"{recording.path}: {found[0].message}{'; so it is on all joints that move' if len(found) > 1 else ''}; or "
             "the rows are of several joints: name the joint of each row in a column called 'joint'"
         )
-    return recording.with_findings(*found, _stretch(recording, ratios.common, scaled=scaled))
+    ratio = ratios.common
+    if np.isfinite(ratio) and abs(ratio - 1.0) > _STRETCHED:  # the clock runs at another speed than the motion
+        if not 1.0 / _STRETCHED_TOO_FAR < ratio < _STRETCHED_TOO_FAR and not scaled:
+            clock = f"the clock is wrong (--time-scale {ratio:.4g}), dq has another scale or unit (multiply it by "
+            raise InputError(
+                f"{recording.path}: the change of q is {ratio:.3g} times the integral of dq over time; expected 1: "
+                f"{f'{clock}{ratio:.4g}), or ' * (ratio > _TINY)}q and dq are of different joints, or of opposite sign "
+                "(--map)"
+            )
+        message = (
+            f"the change of q is {ratio:.4g} times the integral of dq: either the clock is wrong by that factor "
+            f"(correct it with --time-scale {ratio:.4g}), or dq is (multiply it by {ratio:.4g}); compare the duration "
+            "with a watch"
+        )
+        found.append(Finding("clock_stretched", message, amount=ratio))
+    return recording.with_findings(*found)
 
 
 def turn_to_radians(recording: Recording, columns: Mapping[str, Column], ratio: float) -> Recording:
@@ -325,21 +340,3 @@ def _mismatch(recording: Recording, ratios: MotionRatio, joint: int) -> Finding:
         return Finding("velocity_scale", message, joint + 1, factor)
     message += "check that both columns are of this joint"
     return Finding("position_mismatch", message, joint + 1, ratio)
-
-
-def _stretch(recording: Recording, ratio: float, *, scaled: bool) -> Finding | None:
-    """Notice a clock that runs at another speed than the motion."""
-    if not np.isfinite(ratio) or abs(ratio - 1.0) <= _STRETCHED:
-        return None
-    if not 1.0 / _STRETCHED_TOO_FAR < ratio < _STRETCHED_TOO_FAR and not scaled:
-        clock = f"the clock is wrong (--time-scale {ratio:.4g}), dq has another scale or unit (multiply it by "
-        raise InputError(
-            f"{recording.path}: the change of q is {ratio:.3g} times the integral of dq over time; expected 1: "
-            f"{f'{clock}{ratio:.4g}), or ' * (ratio > _TINY)}q and dq are of different joints, or of opposite sign "
-            "(--map)"
-        )
-    message = (
-        f"the change of q is {ratio:.4g} times the integral of dq: either the clock is wrong by that factor (correct "
-        f"it with --time-scale {ratio:.4g}), or dq is (multiply it by {ratio:.4g}); compare the duration with a watch"
-    )
-    return Finding("clock_stretched", message, amount=ratio)

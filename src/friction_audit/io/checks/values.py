@@ -46,24 +46,9 @@ def leave_out_columns(recording: Recording, missing: Missing) -> Recording:
     """Leave out channels and joints that were never recorded; InputError if nothing usable is left."""
     if not missing.marks.count:
         return recording
-    recording = _leave_out_channels(recording, missing.counts)
-    return _leave_out_joints(recording, {name: missing.counts[name] for name in recording.channels})
-
-
-def leave_out_rows(recording: Recording, missing: Missing) -> Recording:
-    """Leave out rows with anything missing."""
-    if not (lost := missing.marks.count):
-        return recording
-    places = [recording.name_of(c, j) for c, counts in missing.counts.items() for j, one in enumerate(counts) if one]
-    where = f" ({', '.join(places[:3])}{', ...' * (len(places) > 3)})" if places else ""  # noqa: PLR2004
-    text = f"{lost} of {missing.rows} rows hold NaN, infinity or numbers beyond {_ABSURD:g}{where}; they are left out"
-    return recording.without(missing.marks).with_findings(Finding("non_finite", text, amount=float(lost), damaged=True))
-
-
-def _leave_out_channels(recording: Recording, missing: Counts) -> Recording:
-    samples = recording.rows
-    empty = [channel for channel, counts in missing.items() if (counts == samples).all()]
-    sparse = [c for c, counts in missing.items() if c not in (*_ESSENTIAL, *empty) and counts.max() > _SPARSE * samples]
+    samples, counted = recording.rows, missing.counts
+    empty = [channel for channel, counts in counted.items() if (counts == samples).all()]
+    sparse = [c for c, counts in counted.items() if c not in (*_ESSENTIAL, *empty) and counts.max() > _SPARSE * samples]
     names = {channel: f"{channel} ({recording.mapping.get(channel, channel)})" for channel in empty}
     torques = [channel for channel in TORQUE_CHANNELS if channel in recording.channels]
     lost = ["q"] if "q" in empty else []  # a velocity can be made from it
@@ -77,13 +62,24 @@ def _leave_out_channels(recording: Recording, missing: Counts) -> Recording:
     text = "{} holds no number in {} rows; the channel is left out"
     findings = [Finding("empty_channel", text.format(names[c], samples), amount=float(samples)) for c in empty]
     for channel in sparse:
-        few = int(missing[channel].max())
-        name = recording.name_of(channel, int(missing[channel].argmax()))
+        few = int(counted[channel].max())
+        name = recording.name_of(channel, int(counted[channel].argmax()))
         text = f"{name} lacks {few} of {samples} rows; the channel is left out, the rows are kept"
         findings.append(Finding("sparse_channel", text, amount=float(few)))
     kept = {name: array for name, array in recording.channels.items() if name not in (*empty, *sparse)}
     mapping = {name: own for name, own in recording.mapping.items() if name not in (*empty, *sparse)}
-    return replace(recording, channels=kept, mapping=mapping).with_findings(*findings)
+    recording = replace(recording, channels=kept, mapping=mapping).with_findings(*findings)
+    return _leave_out_joints(recording, {name: counted[name] for name in kept})
+
+
+def leave_out_rows(recording: Recording, missing: Missing) -> Recording:
+    """Leave out rows with anything missing."""
+    if not (lost := missing.marks.count):
+        return recording
+    places = [recording.name_of(c, j) for c, counts in missing.counts.items() for j, one in enumerate(counts) if one]
+    where = f" ({', '.join(places[:3])}{', ...' * (len(places) > 3)})" if places else ""  # noqa: PLR2004
+    text = f"{lost} of {missing.rows} rows hold NaN, infinity or numbers beyond {_ABSURD:g}{where}; they are left out"
+    return recording.without(missing.marks).with_findings(Finding("non_finite", text, amount=float(lost), damaged=True))
 
 
 def _leave_out_joints(recording: Recording, missing: Counts) -> Recording:

@@ -92,8 +92,18 @@ class Stamps:
         return np.full(len(raw), np.nan) if self.origin is None else (raw - self.origin).astype(np.float64, copy=False)
 
     def unit_of(self, elapsed: Float) -> float:
-        """Return the units per second, which the first stamps decide."""
-        self.unit = self.unit or _unit_from_values(float(self.origin), elapsed)
+        """Return the units per second; the first stamps decide: a Unix time, or steps of a log of 5 Hz to 5 kHz."""
+        origin = float(self.origin)
+        self.unit = self.unit or next((u for u, n in UNITS.items() if _EPOCH_S[0] < origin / n < _EPOCH_S[1]), None)
+        if self.unit is None:
+            # The median is of stamps that differ: joints, or two recordings, may share theirs.
+            in_order = not (elapsed[1:] < elapsed[:-1]).any()
+            lots = (elapsed[: 1 << 16], elapsed) if in_order else (elapsed,)
+            found = (steps for lot in lots if len(steps := np.diff(np.unique(lot[np.isfinite(lot)]))))
+            step = float(np.median(next(found, np.zeros(1))))
+            self.unit = next(
+                (unit for unit, longest in (("s", 0.2), ("ms", 200.0), ("us", 2e5)) if step < longest), "ns"
+            )
         return UNITS[self.unit]
 
     def clock(self, elapsed: Float, path: str) -> Clock:
@@ -124,19 +134,6 @@ def _split_stamp(names: Sequence[str]) -> TimeColumn | None:
             both = f"{names[cell]} + {names[partner]}"
             return TimeColumn(cells=(cell, partner), name=both, unit="ns", clock="header_stamp")
     return None
-
-
-def _unit_from_values(origin: float, elapsed: Float) -> str:
-    """Judge the unit: by the size of a Unix time, else by the median step of a log of 5 Hz to 5 kHz."""
-    for unit, per_second in UNITS.items():
-        if _EPOCH_S[0] < origin / per_second < _EPOCH_S[1]:
-            return unit
-    # The median is of stamps that differ: joints, or two recordings, may share theirs.
-    in_order = not (elapsed[1:] < elapsed[:-1]).any()
-    lots = (elapsed[: 1 << 16], elapsed) if in_order else (elapsed,)
-    steps = next((steps for lot in lots if len(steps := np.diff(np.unique(lot[np.isfinite(lot)])))), np.zeros(1))
-    step = float(np.median(steps))
-    return next((unit for unit, longest in (("s", 0.2), ("ms", 200.0), ("us", 2e5)) if step < longest), "ns")
 
 
 _NANOSECONDS = 10**9

@@ -66,7 +66,15 @@ class CsvTable(Table):
         self._cut: Finding | None = None
 
     def size(self, columns: ColumnMap) -> tuple[int, int, str | None]:
-        words, kind = [*self._labels] if columns.joint is None else [columns.joint], self._time_kind(columns.time)
+        words = [*self._labels] if columns.joint is None else [columns.joint]
+        kind: Any = float  # of stamps; integers where a float would lose digits, text where they are dates
+        texts = [row[c].strip() for row in self._dialect.rows for c in columns.time.cells if c < len(row)]
+        whole = [text for text in texts if text.lstrip("-").isdigit()]
+        is_split = len(columns.time.cells) > 1 and len(whole) == len(texts)
+        if texts and all(value_of(text, float, self._dialect.decimal) is None for text in texts):
+            kind = str
+        elif is_split or any(len(text) >= _LONG_INTEGER for text in whole):
+            kind = np.int64
         self._kinds = dict.fromkeys(words, str) | dict.fromkeys(columns.cells, float)
         self._kinds |= dict.fromkeys(columns.time.cells, kind)
         lines, size = self._dialect.rows, self._dialect.size
@@ -137,15 +145,6 @@ class CsvTable(Table):
                     what = f"where the first line has {label!r}; expected one order of the joints"
                     raise InputError(f"{where} {what}; sort the columns by joint")
             yield columns if time is None or kinds[time.cells[0]] is not str else self._dated(columns, time)
-
-    def _time_kind(self, time: TimeColumn) -> type:
-        """Return how stamps are read: as integers where a float would lose digits, as text where they are dates."""
-        texts = [row[cell].strip() for row in self._dialect.rows for cell in time.cells if cell < len(row)]
-        if texts and all(value_of(text, float, self._dialect.decimal) is None for text in texts):
-            return str
-        whole = [text for text in texts if text.lstrip("-").isdigit()]
-        is_split = len(time.cells) > 1 and len(whole) == len(texts)
-        return np.int64 if is_split or any(len(text) >= _LONG_INTEGER for text in whole) else float
 
     def _by_line(self, block: bytes, line: int) -> Cells:
         """Read line by line; a few cells that are no number are missing values, or cost their line as a stamp."""

@@ -15,7 +15,6 @@ from pyarrow.parquet import FileMetaData, ParquetFile
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers.channel_names import is_label, labels_of
-from friction_audit.io.readers.clocks import TimeColumn
 from friction_audit.io.readers.columns import ColumnMap
 from friction_audit.io.readers.reader import ReadOptions, Topic, serial_in
 from friction_audit.io.readers.table import ROBOT_COLUMN, Cells, ColumnTable, Piece, Pieces, Rows, read_table
@@ -174,34 +173,27 @@ class ParquetTable(ColumnTable):
                     raise
                 except (pa.ArrowException, OSError) as error:
                     self._damage[name, group] = size - done, " ".join(str(error).split())
-                    self._refuse_lost_stamps(columns.time)
+                    stamps = {self.arrays[cell][0] for cell in columns.time.cells}
+                    if {*range(len(self._sizes))} <= {number for name, number in self._damage if name in stamps}:
+                        damage = "; ".join(finding.message for finding in self.findings())
+                        what = f"a damaged Parquet file: {damage}; copy or record it again"
+                        raise InputError(f"{self.path}: {what}") from error
                     yield 0, np.full((size - done, max(self._widths[name], 1)), np.nan)
-
-    def _refuse_lost_stamps(self, time: TimeColumn) -> None:
-        """Refuse a table with a damaged clock in all row groups."""
-        names, groups = {self.arrays[cell][0] for cell in time.cells}, {*range(len(self._sizes))}
-        if groups <= {group for name, group in self._damage if name in names}:
-            damage = "; ".join(finding.message for finding in self.findings())
-            raise InputError(f"{self.path}: a damaged Parquet file: {damage}; copy or record it again")
 
     def _array(self, table: pa.Table, name: str, columns: ColumnMap, start: int) -> NDArray[Any]:
         """Return an array of a batch that begins at a row, (m, k)."""
         if columns.joint is not None and name == self.arrays[columns.joint][0]:
             return np.asarray(table[name].to_numpy().astype(str), object)[:, None]
         values = self._values(table[name].chunk(0), name, start)
-        if name in {self.arrays[cell][0] for cell in columns.time.cells}:
-            self._refuse_missing_stamps(name, values, columns.time)
-        return values.reshape(len(values), -1)
-
-    def _refuse_missing_stamps(self, column: str, values: NDArray[Any], time: TimeColumn) -> None:
-        """Refuse integer stamps with nulls among them: an integer has no value for a missing one."""
-        kind = self._types[column]
+        kind, time = self._types[name], columns.time
         is_integer = len(time.cells) > 1 or is_of(kind, "stamp") or pa.types.is_integer(kind)
-        if is_integer and values.dtype.kind == "f" and np.isnan(values).any():
-            raise InputError(
-                f"{self.path}: {column} lacks {np.count_nonzero(np.isnan(values))} stamps; expected one in every row; "
-                "remove the rows without, or name another clock with --map t=<column>"
+        is_time = is_integer and name in {self.arrays[cell][0] for cell in time.cells}
+        if is_time and values.dtype.kind == "f" and (lost := np.count_nonzero(np.isnan(values))):
+            raise InputError(  # an integer has no value for a missing one
+                f"{self.path}: {name} lacks {lost} stamps; expected one in every row; remove the rows without, or name "
+                "another clock with --map t=<column>"
             )
+        return values.reshape(len(values), -1)
 
     def findings(self) -> tuple[Finding, ...]:
         text, many = "{}: row group {} of {} is damaged, and its last {} rows are left out ({})", len(self._sizes)
