@@ -24,8 +24,8 @@ class Clock:
 
     def __init__(self, recording: Recording) -> None:
         self.rows = rows = recording.rows
-        self.finite, self.backwards, self.places = True, 0, list[int]()
-        self.late_s, self.latest, self.repeated, self.first_s = 0.0, 0, Marks(rows), np.nan
+        self.increases, self.backwards, self.places = False, 0, list[int]()
+        self.late_s, self.latest, self.repeated = 0.0, 0, Marks(rows)
         reach, every = min(_LONGEST_BATCH, rows - 1), max(rows // _MOST_PLACES, 1)
         near, far = step_places(rows), np.arange(reach, rows, every)
         picked = [Picked(one) for one in (near, near + 1, far - reach, far, sample_rows(rows))]
@@ -33,7 +33,6 @@ class Clock:
         last = latest = -np.inf
         for first, t, _ in recording.read(()):
             if not np.isfinite(t).all():
-                self.finite = False
                 return
             self.first_s = float(t[0]) if first == 0 else self.first_s
             for one in picked:
@@ -41,28 +40,20 @@ class Clock:
             steps = np.diff(t, prepend=last)
             every_step.take(steps if first else steps[1:])
             if steps.min() <= 0.0:
-                self._take_disorder(first, t, steps, latest)
+                back = np.flatnonzero(steps < 0.0)
+                self.backwards += len(back)
+                self.places += (first + 1 + back[: _SHOWN - len(self.places)]).tolist()
+                late_s = np.maximum.accumulate(np.maximum(t, latest)) - t
+                if late_s.max() > self.late_s:
+                    self.late_s, self.latest = float(late_s.max()), first + int(late_s.argmax())
+                self.repeated.add(first, steps == 0.0)
             last, latest = float(t[-1]), max(latest, float(t.max()))
-        self.last_s = last
+        self.last_s, self.increases = last, not self.backwards and not self.repeated.count
         before, after, begin, end, self.sample = (one.values for one in picked)  # the last one of the rows of a Column
         self.step_s = float(np.median(after - before))  # as that of a JointLog
         self.median = float(np.median(every_step.values))
         # The median of mean steps over more than a batch: holes do not count.
         self.rough = float(np.median(end - begin)) / reach
-
-    def _take_disorder(self, first: int, t: Float, steps: Float, latest: float) -> None:
-        back = np.flatnonzero(steps < 0.0)
-        self.backwards += len(back)
-        self.places += (first + 1 + back[: _SHOWN - len(self.places)]).tolist()
-        late_s = np.maximum.accumulate(np.maximum(t, latest)) - t
-        if late_s.max() > self.late_s:
-            self.late_s, self.latest = float(late_s.max()), first + int(late_s.argmax())
-        self.repeated.add(first, steps == 0.0)
-
-    @property
-    def increases(self) -> bool:
-        """True if every stamp is later than the one before."""
-        return self.finite and not self.backwards and not self.repeated.count
 
 
 def sort_rows(recording: Recording, clock: Clock) -> Recording:

@@ -38,7 +38,20 @@ def read(path: Path, options: ReadOptions) -> Recording:
         raise InputError(f"{path}: no header: line 1 holds {dialect.width} numbers; {by_number(dialect.width)}")
     table = CsvTable(dialect)
     recording = read_table(table, options)
-    return _check_libfranka(recording, path, options) if table.is_libfranka else recording
+    if not table.is_libfranka:
+        return recording
+    rows, duration_s = len(recording.t), float(recording.t[-1])
+    if rows <= _EXCEPTION_LOG_ROWS and duration_s < _EXCEPTION_LOG_S and not options.allow_short:
+        what = f"{rows} rows, {duration_s:.2f} s: looks like a libfranka exception log; expected several movements"
+        raise InputError(f"{path}: {what}; log the state continuously, or read it with --allow-short")
+    if recording.mapping["q"] == "q[{i}]" and recording.robot == "unknown":  # the header of libfranka <= 0.9.0
+        recording = replace(recording, robot="panda")
+    is_start = rows > 1 and recording.first_s is None
+    if not is_start or not any(np.isnan(array[0]).any() for array in recording.channels.values()):
+        return recording
+    finding = Finding("first_row", "the first row holds no numbers yet; it is left out", amount=1.0)
+    channels = {channel: array[1:] for channel, array in recording.channels.items()}
+    return replace(recording, t=recording.t[1:], channels=channels).with_findings(finding)
 
 
 class CsvTable(Table):
@@ -235,22 +248,6 @@ def _parse(dialect: Dialect, block: bytes, kinds: Mapping[int, Any]) -> Cells | 
             return None
         found[cell] = np.from_dlpack(compute.fill_null(own, np.nan) if own.null_count else own)
     return found if table.num_columns and table.num_rows else None
-
-
-def _check_libfranka(recording: Recording, path: Path, options: ReadOptions) -> Recording:
-    """Apply what is known of libfranka's logToCSV: its ring buffer, its first row, the robot of the old header."""
-    rows, duration_s = len(recording.t), float(recording.t[-1])
-    if rows <= _EXCEPTION_LOG_ROWS and duration_s < _EXCEPTION_LOG_S and not options.allow_short:
-        what = f"{rows} rows, {duration_s:.2f} s: looks like a libfranka exception log; expected several movements"
-        raise InputError(f"{path}: {what}; log the state continuously, or read it with --allow-short")
-    if recording.mapping["q"] == "q[{i}]" and recording.robot == "unknown":  # the header of libfranka <= 0.9.0
-        recording = replace(recording, robot="panda")
-    is_start = rows > 1 and recording.first_s is None
-    if not is_start or not any(np.isnan(array[0]).any() for array in recording.channels.values()):
-        return recording
-    finding = Finding("first_row", "the first row holds no numbers yet; it is left out", amount=1.0)
-    channels = {channel: array[1:] for channel, array in recording.channels.items()}
-    return replace(recording, t=recording.t[1:], channels=channels).with_findings(finding)
 
 
 def topics(path: Path) -> tuple[Topic, ...]:
