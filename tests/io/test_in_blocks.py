@@ -325,19 +325,15 @@ def cut_into(rows: int, patch: pytest.MonkeyPatch) -> None:
     patch.setattr("friction_audit.io.readers.rosbag2_sqlite._LOT_BYTES", 400 * rows)
 
 
-def assert_in_blocks(path: Path, blocks: int) -> None:
-    settings = AuditSettings(torque=TorqueSettings(gravity="removed"), cycles=CycleSettings(thresholds="auto"))
-    # The clock is compared with the motion on means of the samples, which may begin or end a window otherwise.
-    assert len(list(assert_same_log(path, {}, settings, clock_windows=0).blocks())) >= blocks
-
-
 @pytest.mark.parametrize("dialect", [*FORMS, *thorough(MORE_FORMS)])
 def test_blocks_are_the_whole(log: JointLog, tmp_path: Path, dialect: str, monkeypatch: pytest.MonkeyPatch) -> None:
     cut_into(333, monkeypatch)
     shorter = log.take_window(1.0, 3.0) if dialect == "mcap-json" else log  # decoded one by one
     path = tmp_path / f"run{next(one.suffix for one in WRITERS if one.name == dialect)}"
     write_log(shorter, path, dialect=dialect)
-    assert_in_blocks(path, blocks=2)
+    settings = AuditSettings(torque=TorqueSettings(gravity="removed"), cycles=CycleSettings(thresholds="auto"))
+    # The clock is compared with the motion on means of the samples, which may begin or end a window otherwise.
+    assert len(list(assert_same_log(path, {}, settings, clock_windows=0).blocks())) > 1
 
 
 @pytest.mark.parametrize("fault", ["word", "blank line", "cut", "libfranka"])
