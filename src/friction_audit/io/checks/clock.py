@@ -60,11 +60,30 @@ def sort_rows(recording: Recording, clock: Clock) -> Recording:
     """Return the recording with its rows in order of time; InputError if time stands still or runs backwards by far."""
     if clock.increases:
         return recording
-    _refuse_no_clock(recording, clock)
-    if not clock.backwards:
+    name, rows, backwards = recording.mapping.get("t", recording.clock), clock.rows, clock.backwards
+    if clock.repeated.count == rows - 1:
+        raise InputError(
+            f"{recording.path}: time ({name}) is the same in all {rows} rows; expected strictly increasing stamps; "
+            "name another clock with --map t=<column>, or another topic"
+        )
+    is_few = backwards <= max(_MOST_BACKWARDS * (rows - 1), 1.0)
+    if clock.late_s > LONGEST_BACKWARDS_S or not is_few:
+        advice = "bring the rows into order"
+        if is_few:
+            starts = ", ".join(map(str, clock.places))
+            advice = (
+                f"these look like {backwards + 1} recordings in one file: cut it before row {starts}"
+                f"{'...' if backwards > _SHOWN else ''} and read each part"
+            )
+        raise InputError(
+            f"{recording.path}: time ({name}) goes back at {backwards} of {rows - 1} rows, by up to "
+            f"{clock.late_s:.4g} s at row {clock.latest + 1}; expected increasing stamps; {advice}, or name another "
+            "clock with --map t=<column>"
+        )
+    if not backwards:
         return recording
-    text = f"{clock.backwards} rows of {recording.path} are older than the row before them; they are sorted"
-    finding = Finding("unordered", text, amount=float(clock.backwards))
+    text = f"{backwards} rows of {recording.path} are older than the row before them; they are sorted"
+    finding = Finding("unordered", text, amount=float(backwards))
     return recording.mended(partial(_sorted, late_s=clock.late_s)).with_findings(finding)
 
 
@@ -126,29 +145,6 @@ def _differ(recording: Recording) -> bool:
         changes += np.bincount(within, np.any(np.diff(state, axis=0) != 0.0, axis=1), minlength=2)
     between, inside = changes / np.maximum(steps, 1.0)
     return bool(inside >= 0.5 * between > 0.0)
-
-
-def _refuse_no_clock(recording: Recording, clock: Clock) -> None:
-    name, rows, backwards = recording.mapping.get("t", recording.clock), clock.rows, clock.backwards
-    if clock.repeated.count == rows - 1:
-        raise InputError(
-            f"{recording.path}: time ({name}) is the same in all {rows} rows; expected strictly increasing stamps; "
-            "name another clock with --map t=<column>, or another topic"
-        )
-    is_few = backwards <= max(_MOST_BACKWARDS * (rows - 1), 1.0)
-    if clock.late_s <= LONGEST_BACKWARDS_S and is_few:
-        return
-    advice = "bring the rows into order"
-    if is_few:
-        starts = ", ".join(map(str, clock.places))
-        advice = (
-            f"these look like {backwards + 1} recordings in one file: cut it before row {starts}"
-            f"{'...' if backwards > _SHOWN else ''} and read each part"
-        )
-    raise InputError(
-        f"{recording.path}: time ({name}) goes back at {backwards} of {rows - 1} rows, by up to {clock.late_s:.4g} s "
-        f"at row {clock.latest + 1}; expected increasing stamps; {advice}, or name another clock with --map t=<column>"
-    )
 
 
 _SHORT = 0.5  # steps below so much of a period lie within a batch
