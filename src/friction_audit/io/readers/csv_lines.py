@@ -5,12 +5,11 @@ import io
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from itertools import chain, pairwise
 from pathlib import Path
 from statistics import median_low
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -66,8 +65,7 @@ _MISSING = {"", "na", "n/a", "null", "none", "nan", "-nan", "-nan(ind)", "nan(in
             "1.#qnan", "-1.#qnan", "1.#ind"}  # fmt: skip
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Dialect:
+class Dialect(NamedTuple):
     """A text table, and how it is written."""
 
     path: Path

@@ -52,7 +52,7 @@ ROBOT_STATE |= {"tau_J_d": "desired_joint_state.effort", "tau_ext_hat_filtered":
 RANKS = {"q": 0, ROBOT_STATE["q"]: 0, JOINT_STATE["q"]: 1, f"joints[].{JOINT_STATE['q']}": 1}
 
 
-def match_kind(paths: Sequence[str]) -> MessageKind | None:
+def kind_of(paths: Sequence[str]) -> MessageKind | None:
     """Take a message whose fields have names of a position and of a torque, as columns of tables have them."""
     named = {path: name for path in paths if (name := parse_name(path)) and name.index is None and name.joint is None}
     rank_of, found = ranks(named.values()), dict[str, str]()

@@ -17,7 +17,7 @@ from friction_audit.errors import InputError
 from friction_audit.io.files import DATA_SET
 from friction_audit.io.readers.arrays import ArrayTable, arrays_of_frame
 from friction_audit.io.readers.channel_names import parse_name
-from friction_audit.io.readers.reader import ReadOptions, SeveralLogsError, Topic, refuse_lfs_pointer
+from friction_audit.io.readers.reader import ReadOptions, SeveralLogsError, Topic, refuse_pointer
 from friction_audit.io.readers.table import read_table
 from friction_audit.io.recording import Recording
 
@@ -103,7 +103,7 @@ def _episodes(path: Path) -> dict[str, tuple[Path, int]]:
 
     found: dict[int, tuple[Path, int]] = {}
     for file in sorted((path / "data").glob("**/*.parquet")):
-        refuse_lfs_pointer(file)
+        refuse_pointer(file)
         with opened(file) as parquet:
             if "episode_index" in parquet.schema_arrow.names:
                 counts = parquet.read(["episode_index"])["episode_index"].value_counts().to_pylist()

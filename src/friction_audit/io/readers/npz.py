@@ -6,10 +6,9 @@ import zipfile
 import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from math import prod
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, NamedTuple
 
 import numpy as np
 from numpy.lib import format as npy
@@ -34,8 +33,7 @@ _DAMAGED = (zipfile.BadZipFile, zlib.error, struct.error, tokenize.TokenError, S
             LookupError, OverflowError, ValueError, RuntimeError)  # fmt: skip
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Entry:
+class Entry(NamedTuple):
     """An array in the archive, by what its header says: ``offset`` is the header's length in bytes."""
 
     info: zipfile.ZipInfo
