@@ -101,9 +101,7 @@ class Stamps:
             lots = (elapsed[: 1 << 16], elapsed) if in_order else (elapsed,)
             found = (steps for lot in lots if len(steps := np.diff(np.unique(lot[np.isfinite(lot)]))))
             step = float(np.median(next(found, np.zeros(1))))
-            self.unit = next(
-                (unit for unit, longest in (("s", 0.2), ("ms", 200.0), ("us", 2e5)) if step < longest), "ns"
-            )
+            self.unit = next((unit for unit, most in (("s", 0.2), ("ms", 200.0), ("us", 2e5)) if step < most), "ns")
         return UNITS[self.unit]
 
     def clock(self, elapsed: Float, path: str) -> Clock:
@@ -164,9 +162,7 @@ def choose_clock(times: Times) -> Clock:
     # How far each goes back; a single message cannot show that a clock runs.
     is_running = (n for n, t in clocks.items() if np.isfinite(t).all() and (len(t) == 1 or t.max() > 0.0))
     running = {n: float((np.maximum.accumulate(clocks[n]) - clocks[n]).max()) for n in is_running}
-    chosen = next(
-        (n for n, late_s in running.items() if late_s <= LONGEST_BACKWARDS_S), next(iter(running), "log_time")
-    )
+    chosen = next((n for n, s in running.items() if s <= LONGEST_BACKWARDS_S), next(iter(running), "log_time"))
     texts = {n: f"goes back by {running[n]:.4g} s" for n in [*running][: [*running, chosen].index(chosen)]}
     texts |= {n: "is the same (or not a number) in all messages" for n in clocks if n not in (*running, chosen)}
     used = f"{_TITLES[chosen]} was used"

@@ -184,9 +184,7 @@ class MessageStream(AbstractContextManager["MessageStream"]):
 
     def _block(self, key: int, rows: Sequence[tuple[Any, ...]]) -> Block | None:
         """Join messages; what is no time stamp with bytes, or cannot be decompressed, is left out."""
-        sound = [
-            (time, own) for *_, time, data in rows if isinstance(time, int) and (own := _message(data)) is not None
-        ]
+        sound = [(time, own) for *_, time, raw in rows if isinstance(time, int) and (own := _message(raw)) is not None]
         if len(sound) < len(rows):
             self._note(None, "messages without time stamp or bytes, or with broken compression, were left out")
         return one_block(key, *zip(*sound, strict=True)) if sound else None
