@@ -87,9 +87,7 @@ ALL_AND_SOME = [*((case, None) for case in CASES), ("model", (2, 5)), ("compensa
 
 
 @pytest.mark.parametrize(("case", "joints"), with_thorough(ALL_AND_SOME, CASES, (None, (2, 5))))
-def test_the_estimate_is_the_same(
-    frame: pd.DataFrame, tmp_path: Path, case: str, joints: tuple[int, ...] | None
-) -> None:
+def test_estimates_are_the_same(frame: pd.DataFrame, tmp_path: Path, case: str, joints: tuple[int, ...] | None) -> None:
     channels, torque = CASES[case]
     path = written(frame, tmp_path, *channels)
     settings = AuditSettings(joints=joints, torque=TorqueSettings(**torque), cycles=CycleSettings(thresholds="auto"))
@@ -354,9 +352,7 @@ def test_a_text_table_with_a_fault_is_read_at_once(
 
 
 @pytest.mark.parametrize("name", ["run.csv", "run.npz"])
-def test_a_file_that_changes_between_passes(
-    log: JointLog, tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_file_that_changes(log: JointLog, tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     cut_into(1000, monkeypatch)
     write_log(log, tmp_path / name)
     found = read_log(tmp_path / name, ReadOptions(in_blocks=True))
@@ -367,9 +363,7 @@ def test_a_file_that_changes_between_passes(
     refused("changed while it was read", list, found.blocks())
 
 
-def test_the_numbers_of_a_damaged_archive_are_refused(
-    log: JointLog, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_damaged_archive_is_refused(log: JointLog, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     cut_into(1000, monkeypatch)
     path = tmp_path / "run.npz"
     np.savez(path, time=log.t, **log.channels())  # type: ignore[arg-type]
