@@ -81,10 +81,8 @@ def joint_state(
     """One JointState; the columns of the values follow JOINTS, whatever the order of the names."""
     kind: Any = store.types[JOINT_STATE]
     numbers = [
-        np.array(
-            [array[index, JOINTS.index(name)] if name in JOINTS else 99.0 for name in names if channel not in empty]
-        )
-        for channel, array in values.items()
+        np.array([own[index, JOINTS.index(name)] if name in JOINTS else 99.0 for name in names if channel not in empty])
+        for channel, own in values.items()
     ]
     return kind(header(store, index), list(names), *numbers)
 
@@ -168,9 +166,8 @@ def write_payloads(
         channels = []
         for topic, kind, _ in streams:
             name = kind.replace("/msg/", "/") if encoding == "ros1" else kind
-            channels.append(
-                writer.register_channel(topic, encoding, writer.register_schema(name, language, schemas[kind]))
-            )
+            schema = writer.register_schema(name, language, schemas[kind])
+            channels.append(writer.register_channel(topic, encoding, schema))
         for at, time, payload in _in_order(streams):
             writer.add_message(channels[at], time, payload, time)
         writer.finish()

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from friction_audit.io.checks.columns import Thinned
 from friction_audit.io.readers.clocks import Clock, Stamps, choose_clock, find_time
+from friction_audit.io.recording import Thinned
 
 START_NS = 1_700_000_000_000_000_123
 LOG = START_NS + np.arange(1000, dtype=np.int64) * 1_000_000

@@ -87,9 +87,7 @@ ALL_AND_SOME = [*((case, None) for case in CASES), ("model", (2, 5)), ("compensa
 
 
 @pytest.mark.parametrize(("case", "joints"), with_thorough(ALL_AND_SOME, CASES, (None, (2, 5))))
-def test_the_estimate_is_the_same(
-    frame: pd.DataFrame, tmp_path: Path, case: str, joints: tuple[int, ...] | None
-) -> None:
+def test_estimates_are_the_same(frame: pd.DataFrame, tmp_path: Path, case: str, joints: tuple[int, ...] | None) -> None:
     channels, torque = CASES[case]
     path = written(frame, tmp_path, *channels)
     settings = AuditSettings(joints=joints, torque=TorqueSettings(**torque), cycles=CycleSettings(thresholds="auto"))
@@ -327,19 +325,15 @@ def cut_into(rows: int, patch: pytest.MonkeyPatch) -> None:
     patch.setattr("friction_audit.io.readers.rosbag2_sqlite._LOT_BYTES", 400 * rows)
 
 
-def assert_in_blocks(path: Path, blocks: int) -> None:
-    settings = AuditSettings(torque=TorqueSettings(gravity="removed"), cycles=CycleSettings(thresholds="auto"))
-    # The clock is compared with the motion on means of the samples, which may begin or end a window otherwise.
-    assert len(list(assert_same_log(path, {}, settings, clock_windows=0).blocks())) >= blocks
-
-
 @pytest.mark.parametrize("dialect", [*FORMS, *thorough(MORE_FORMS)])
 def test_blocks_are_the_whole(log: JointLog, tmp_path: Path, dialect: str, monkeypatch: pytest.MonkeyPatch) -> None:
     cut_into(333, monkeypatch)
     shorter = log.take_window(1.0, 3.0) if dialect == "mcap-json" else log  # decoded one by one
     path = tmp_path / f"run{next(one.suffix for one in WRITERS if one.name == dialect)}"
     write_log(shorter, path, dialect=dialect)
-    assert_in_blocks(path, blocks=2)
+    settings = AuditSettings(torque=TorqueSettings(gravity="removed"), cycles=CycleSettings(thresholds="auto"))
+    # The clock is compared with the motion on means of the samples, which may begin or end a window otherwise.
+    assert len(list(assert_same_log(path, {}, settings, clock_windows=0).blocks())) > 1
 
 
 @pytest.mark.parametrize("fault", ["word", "blank line", "cut", "libfranka"])
@@ -360,9 +354,7 @@ def test_a_text_table_with_a_fault_is_read_at_once(
 
 
 @pytest.mark.parametrize("name", ["run.csv", "run.npz"])
-def test_a_file_that_changes_between_passes(
-    log: JointLog, tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_file_that_changes(log: JointLog, tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     cut_into(1000, monkeypatch)
     write_log(log, tmp_path / name)
     found = read_log(tmp_path / name, ReadOptions(in_blocks=True))
@@ -373,9 +365,7 @@ def test_a_file_that_changes_between_passes(
     refused("changed while it was read", list, found.blocks())
 
 
-def test_the_numbers_of_a_damaged_archive_are_refused(
-    log: JointLog, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_damaged_archive_is_refused(log: JointLog, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     cut_into(1000, monkeypatch)
     path = tmp_path / "run.npz"
     np.savez(path, time=log.t, **log.channels())  # type: ignore[arg-type]

@@ -187,10 +187,7 @@ def test_protobuf_joint_states_without_effort(tmp_path: Path) -> None:
 def test_encoding_that_is_not_read(tmp_path: Path) -> None:
     payloads = [("/j", "foxglove.JointStates", [(bags.stamp_ns(0), b"\x00\x01")])]
     path = bags.write_payloads(tmp_path / "a.mcap", payloads, {"foxglove.JointStates": b""}, "flatbuffer", "flatbuffer")
-    with pytest.raises(
-        InputError, match=r"no topic with measured joint states.*/j \(foxglove.JointStates, 1 messages\)"
-    ):
-        bags.read(path)
+    refused(r"no topic with measured joint states.*/j \(foxglove.JointStates, 1 messages\)", bags.read, path)
 
 
 @pytest.mark.parametrize("compression", list(CompressionType))

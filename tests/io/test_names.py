@@ -14,7 +14,7 @@ from friction_audit.io.readers import arm_of_log, read_log
 from friction_audit.io.readers.arrays import ArrayTable
 from friction_audit.io.readers.channel_names import arms_in, parse_name, robot_of, torque_unit
 from friction_audit.io.readers.columns import ColumnMap, map_columns
-from friction_audit.io.readers.joint_states import match_kind
+from friction_audit.io.readers.joint_states import kind_of
 from friction_audit.io.writers.write_log import write_log
 from friction_audit.joint_log import Source
 from tests.io.bag_writing import joint_states, ros2_store, samples, write
@@ -213,7 +213,7 @@ def test_position_and_torque_are_of_one_arm_and_of_the_joints() -> None:
         ["leader.position", "follower.position", "follower.effort"],
         ["motor.q", "follower.q", "follower.tau"],
     ):
-        kind = match_kind(paths)
+        kind = kind_of(paths)
         assert kind is not None
         assert all(path.startswith("follower") for path in kind.fields.values())
     both = [f"/{arm}/{what}[{i}]" for arm in ("left", "right") for what in ("position", "effort") for i in range(3)]
@@ -248,7 +248,7 @@ def test_columns_that_are_not_there() -> None:
     ],
 )  # fmt: skip
 def test_other_messages_by_the_names_of_their_fields(paths: str, fields: dict[str, str] | None) -> None:
-    kind = match_kind(["header.stamp", *paths.split()])
+    kind = kind_of(["header.stamp", *paths.split()])
     assert (kind and kind.fields) == fields
     assert kind is None or kind.names == ("joint_names" if "joint_names" in paths else None)
 

@@ -69,22 +69,17 @@ def test_a_list_column_by_mapping(tmp_path: Path) -> None:
     np.testing.assert_array_equal(read_log(path, ReadOptions(mapping=names)).q, motion(300)["q"])
 
 
-def with_a_short_list() -> pd.DataFrame:
-    columns = lists()
-    columns["dq"][200] = [0.0]
-    return pd.DataFrame(columns)
-
-
-def without_a_stamp() -> pd.DataFrame:
-    time = pd.to_datetime(tidy_frame(300)["time"], unit="s")
-    return tidy_frame(300).assign(time=time.where(time.index != 7))
-
-
 @pytest.mark.parametrize(
     ("frame", "words"),
     [
-        (with_a_short_list, "row 201 of dq holds 1 values; expected 3"),
-        (without_a_stamp, "time lacks 1 stamps; expected one in every row"),
+        (
+            lambda: pd.DataFrame(lists() | {"dq": [*lists()["dq"][:200], [0.0], *lists()["dq"][201:]]}),
+            "row 201 of dq holds 1 values; expected 3",
+        ),
+        (
+            lambda: tidy_frame(300).assign(time=[pd.NaT, *pd.date_range("2024", periods=299, freq="ms")]),
+            "time lacks 1 stamps; expected one in every row",
+        ),
         (lambda: tidy_frame(300).assign(dq_2="fast"), r"dq_2 holds (large_)?string"),
     ],
 )

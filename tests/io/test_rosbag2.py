@@ -137,9 +137,7 @@ AS_TEXT = "UPDATE messages SET data = printf('%.*c', LENGTH(data), 'x') WHERE id
     ],
     ids=["does not fit", "a text as long", "no time", "counted by metadata.yaml alone", "none"],
 )
-def test_messages_that_are_no_messages_are_left_out(
-    tmp_path: Path, command: str, lost: list[int], codes: set[str]
-) -> None:
+def test_what_is_no_message_is_left_out(tmp_path: Path, command: str, lost: list[int], codes: set[str]) -> None:
     path, values = edited(tmp_path, 50, *((one,) for one in command.split(";")))
     recording = bags.read(path)
     bags.assert_read(recording, {name: np.delete(array, lost, axis=0) for name, array in values.items()})

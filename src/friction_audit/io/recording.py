@@ -1,4 +1,4 @@
-"""A recording as a reader returns it, before its faults are looked for: in memory, or read block by block."""
+"""A recording as a reader returns it, in memory or read block by block; what is gathered of it piece by piece."""
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -17,9 +17,10 @@ Block = tuple[Float, dict[str, Float]]  # clock and channels of samples that fol
 HALF_WINDOW_S, LONGEST_HALF_WINDOW_S, NOISE_RAD_S = 0.01, 0.05, 1e-3
 MEAN_OF_SIXTH = np.sqrt(924.0 * 2.0 / np.pi)  # absolute sixth difference of white noise, over its standard deviation
 _UNEVEN = 0.05  # share by which the steps of the clock may differ where a quartic stands
-LONGEST_BACKWARDS_S = 1.0  # a clock that goes back further was set anew
 _TURN_RAD = 2.001 * np.pi
 _PIECE = 1 << 16  # samples of a recording in memory that are looked at at a time: they stay in the processor's cache
+MOST_SAMPLES = 1 << 16  # from which quantiles are taken, for speed
+LAG = 3  # changes are taken over three rows: neighbouring rows of a slow or coarse channel are often equal
 
 
 class WholeLogError(Exception):
@@ -27,17 +28,13 @@ class WholeLogError(Exception):
 
 
 class Blocks(NamedTuple):
-    """A recording that is read block by block, anew for every pass; what the checks found is as in ``LogInBlocks``."""
+    """A recording that is read block by block, anew for every pass."""
 
     rows: int  # number of samples
     # Yields the clock and the channels that are asked for, where there are several groups of rows from a group on.
     read: Callable[..., Iterator[Block]]
     groups: Sequence[int] = (0,)  # first rows of groups
-    clock: tuple[int, float, float] = (0, 0.0, 0.0)
-    gaps: Float = np.zeros((0, 3))
-    mean_of: int = 1
-    numbers: Int = np.zeros(0, np.int64)
-    listener: Any = None
+    found: Mapping[str, Any] = {}  # by the checks, of what ``LogInBlocks`` has
 
 
 class Marks:
@@ -62,6 +59,75 @@ class Marks:
             return np.zeros(count, np.bool_)
         bits = np.unpackbits(self._bits[first // 8 : (first + count) // 8 + 1])
         return bits[first % 8 : first % 8 + count].view(np.bool_)
+
+
+def sample_rows(rows: int, first: int = 0) -> Int:
+    """Return the rows, from this one on, that are taken of a recording with so many, spread evenly, shape (m,)."""
+    return np.arange(first, rows, max(rows // MOST_SAMPLES, 1))
+
+
+class Picked:
+    """Values at some rows of a recording, gathered piece by piece."""
+
+    def __init__(self, places: Int, *shape: int) -> None:
+        self.places, self.values = places, np.empty((len(places), *shape), order="F")
+
+    def take(self, first: int, piece: Float) -> None:
+        """Take those of a piece whose first row has this number."""
+        start, stop = np.searchsorted(self.places, (first, first + len(piece)))
+        self.values[start:stop] = piece[self.places[start:stop] - first]
+
+
+class Thinned:
+    """At most so many of a long series of numbers, evenly spread over it, however it is cut into pieces."""
+
+    MOST = 1 << 20
+
+    def __init__(self) -> None:
+        self._pieces: list[Float] = []
+        self._kept, self._every, self._seen = 0, 1, 0
+
+    def take(self, values: Float) -> None:
+        """Take the numbers that come next."""
+        self._pieces.append(values[-self._seen % self._every :: self._every].copy())
+        self._kept, self._seen = self._kept + len(self._pieces[-1]), self._seen + len(values)
+        while self._kept > self.MOST:
+            self._pieces, self._every = [self.values[::2].copy()], 2 * self._every
+            self._kept = len(self._pieces[0])
+
+    @property
+    def values(self) -> Float:
+        """The numbers that were kept."""
+        return np.concatenate(self._pieces)
+
+
+class Column:
+    """What a pass finds of one channel of all joints."""
+
+    def __init__(self, rows: int, joints: int, to_zero: float) -> None:
+        """Take the least jump to or from zero that is to be noticed."""
+        # Values of rows spread evenly over the recording, and values after changes over LAG rows, shape (m, j).
+        self._picked = [Picked(sample_rows(rows, first), joints) for first in (0, LAG)]
+        self.sample, self.changed = (one.values for one in self._picked)
+        self.lowest, self.highest = np.full(joints, np.inf), np.full(joints, -np.inf)  # range, shape (j,)
+        self.jump = np.zeros(joints)  # largest change between neighbouring rows, shape (j,)
+        self.zeroed = np.zeros(joints, np.bool_)  # true where a large jump begins or ends at zero, shape (j,)
+        self._to_zero = to_zero
+
+    def take(self, first: int, before: Float, piece: Float, lowest: Float, highest: Float) -> None:
+        """Take the rows of a piece, given the row before it and its range."""
+        self.lowest, self.highest = np.minimum(self.lowest, lowest), np.maximum(self.highest, highest)
+        steps = np.empty_like(piece)
+        steps[0] = piece[0] - before
+        np.subtract(piece[1:], piece[:-1], out=steps[1:])
+        jump = np.maximum(steps.max(axis=0), -steps.min(axis=0))
+        self.jump = np.maximum(self.jump, jump)
+        for joint in np.flatnonzero((jump > self._to_zero) & (lowest <= 0.0) & (highest >= 0.0)):
+            large = np.flatnonzero(np.abs(steps[:, joint]) > self._to_zero)
+            column = piece[large, joint]
+            self.zeroed[joint] |= bool(((column == 0.0) | (column == steps[large, joint])).any())
+        for picked in self._picked:
+            picked.take(first, piece)
 
 
 class Samples:

@@ -1,4 +1,4 @@
-"""The faults of a recording: each is noticed, named with its amount, and handled or refused, in a file of its own.
+"""The faults of a recording: each is noticed, named with its amount, and handled or refused.
 
 A recording is looked through in passes, piece by piece: one over the clock, one over all columns. The checks judge by
 what these have found, in the order of ``examine``. Where one mends something, the next ones need new passes, over the
@@ -15,12 +15,10 @@ import numpy as np
 from friction_audit.errors import InputError
 from friction_audit.io.checks import motion
 from friction_audit.io.checks.clock import Clock, Steps, drop_repeats, sort_rows, spread_batches, take_window
-from friction_audit.io.checks.columns import Column
-from friction_audit.io.checks.held import Stretches, interpolate_held, noisy_velocity
-from friction_audit.io.checks.torque import Stale, check_torque, drop_stale_samples
-from friction_audit.io.checks.values import Missing, find_frozen, leave_out_columns, leave_out_rows
+from friction_audit.io.checks.held import Stale, Stretches, drop_stale_samples, interpolate_held, noisy_velocity
+from friction_audit.io.checks.values import Missing, check_torque, find_frozen, leave_out_columns, leave_out_rows
 from friction_audit.io.checks.wild import TO_ZERO, leave_out_wild
-from friction_audit.io.recording import Recording, WholeLogError, with_velocity
+from friction_audit.io.recording import Column, Recording, WholeLogError, with_velocity
 from friction_audit.joint_log import DERIVATIVE, MINIMUM_SAMPLES, Float, Means
 
 if TYPE_CHECKING:
@@ -32,7 +30,7 @@ Listen = Callable[[Recording], Take | None]
 
 
 class _Look:
-    """What passes over a recording find, made when it is asked for."""
+    """What passes over a recording find; of one with a fault that hides others, that fault alone."""
 
     def __init__(self, recording: Recording, listen: Listen) -> None:
         samples = recording.rows
@@ -42,17 +40,23 @@ class _Look:
                 f"{recording.path}: {samples} sample{'' if samples == 1 else 's'}; at least {MINIMUM_SAMPLES} are "
                 f"needed for a joint log{f' ({said})' if said else ''}; record the arm while it moves"
             )
-        self.recording, self._listen = recording, listen
-
-    @cached_property
-    def clock(self) -> Clock:
-        """What a pass over the stamps finds."""
-        return Clock(self.recording)
-
-    @cached_property
-    def survey(self) -> "_Survey":
-        """What a pass over all columns finds."""
-        return _Survey(self.recording, self.clock, self._listen)
+        self.recording, self._listen, self.clock = recording, listen, (clock := Clock(recording))
+        self.listener: Take | None = None
+        joints, names = len(recording.joint_names), recording.channels
+        if recording.blocks is not None and "dq" not in names:
+            raise WholeLogError  # it is made from q at once
+        self.missing = Missing(recording)
+        self.columns = {name: Column(samples, joints, TO_ZERO.get(name, np.inf)) for name in names}
+        self.stale, self.near = Stale(recording), Stretches(recording)
+        self._before: dict[str, Float] = {}
+        if clock.increases:
+            self.steps, self._motion = Steps(clock), motion.Motion(clock, joints)
+            self.means = None if recording.blocks is None else Means(clock.step_s, samples, names, joints)
+        with np.errstate(over="ignore", invalid="ignore"):
+            for first, t, channels in recording.read():
+                ranges = self.missing.take(first, t, channels)
+                if clock.increases and not self.missing.marks.count:
+                    self._take(first, t, channels, ranges)
 
     def after(self, recording: Recording) -> "_Look":
         """Return what is known after a check: all, unless it has mended something."""
@@ -61,29 +65,6 @@ class _Look:
             self.recording = recording
             return self
         return _Look(recording, self._listen)
-
-
-class _Survey:
-    """What a pass over all columns finds; of a recording with a fault that hides others, that fault alone."""
-
-    def __init__(self, recording: Recording, clock: Clock, listen: Listen) -> None:
-        self._recording, self._clock, self._listen = recording, clock, listen
-        self.listener: Take | None = None
-        joints, names, rows = len(recording.joint_names), recording.channels, recording.rows
-        if recording.blocks is not None and "dq" not in names:
-            raise WholeLogError  # it is made from q at once
-        self.missing = Missing(recording)
-        self.columns = {name: Column(rows, joints, TO_ZERO.get(name, np.inf)) for name in names}
-        self.stale, self.near = Stale(recording), Stretches(recording)
-        self._before: dict[str, Float] = {}
-        if clock.increases:
-            self.steps, self._motion = Steps(clock), motion.Motion(clock, joints)
-            self.means = None if recording.blocks is None else Means(clock.step_s, rows, names, joints)
-        with np.errstate(over="ignore", invalid="ignore"):
-            for first, t, channels in recording.read():
-                ranges = self.missing.take(first, t, channels)
-                if clock.increases and not self.missing.marks.count:
-                    self._take(first, t, channels, ranges)
 
     def _take(self, first: int, t: Float, channels: dict[str, Float], ranges: dict[str, tuple[Float, Float]]) -> None:
         before = self._before or {"t": t[:1], **{name: piece[0] for name, piece in channels.items()}}
@@ -100,27 +81,28 @@ class _Survey:
             return
         self.means.take(t, channels)
         if first == 0:
-            self.listener = self._listen(self.concluded(self._recording))
+            self.listener = self._listen(self.concluded())
         if self.stale.marks.count:  # they will be left out, and all blocks be looked at anew
             self.listener = None
         if self.listener is not None:
-            self.listener(first, t - self._clock.first_s, channels)
+            self.listener(first, t - self.clock.first_s, channels)
 
-    def concluded(self, recording: Recording) -> Recording:
+    def concluded(self) -> Recording:
         """Return the recording in blocks with means in place of its samples, on a clock that begins at 0."""
-        blocks, clock, means, first_s = recording.blocks, self._clock, self.means, self._clock.first_s
+        blocks, clock, means, first_s = self.recording.blocks, self.clock, self.means, self.clock.first_s
         assert blocks is not None
         assert means is not None
         read, (t, channels) = blocks.read, means.found
-        blocks = blocks._replace(
-            read=read if first_s == 0.0 else lambda names: ((t - first_s, channels) for t, channels in read(names)),
-            clock=(clock.rows, clock.last_s - first_s, clock.step_s),
-            gaps=np.array(self.steps.holes).reshape(-1, 3) - (0.0, first_s, first_s),
-            mean_of=means.of,
-            numbers=means.numbers[: len(t)],
-            listener=self.listener,
-        )
-        return replace(recording, t=t - first_s, channels=channels, blocks=blocks, first_s=first_s)
+        found = {
+            "clock": (clock.rows, clock.last_s - first_s, clock.step_s),
+            "gaps": np.array(self.steps.holes).reshape(-1, 3) - (0.0, first_s, first_s),
+            "mean_of": means.of,
+            "numbers": means.numbers[: len(t)],
+            "listener": self.listener,
+        }
+        own = read if first_s == 0.0 else lambda names: ((t - first_s, channels) for t, channels in read(names))
+        blocks = blocks._replace(read=own, found=found)
+        return replace(self.recording, t=t - first_s, channels=channels, blocks=blocks, first_s=first_s)
 
     @cached_property
     def ratios(self) -> motion.MotionRatio:
@@ -139,32 +121,34 @@ def examine(recording: Recording, options: "ReadOptions", listen: Listen = lambd
     if time_scale != 1.0:
         recording = recording.changed(lambda t, channels: (t * time_scale, channels))
     look = _Look(recording, (lambda _: None) if options.has_window else listen)
-    look = look.after(leave_out_columns(look.recording, look.survey.missing))
-    look = look.after(leave_out_rows(look.recording, look.survey.missing))
+    look = look.after(leave_out_columns(look.recording, look.missing))
+    look = look.after(leave_out_rows(look.recording, look.missing))
     look = look.after(sort_rows(look.recording, look.clock))
     look = look.after(drop_repeats(look.recording, look.clock))
-    look = look.after(spread_batches(look.recording, look.survey.steps))
+    look = look.after(spread_batches(look.recording, look.steps))
     read_s = None if recording.first_s is None else recording.first_s * time_scale  # of the whole log's first sample
     first_s = look.clock.first_s if read_s is None else read_s
     numbered = read_s is None and look.recording.rows == as_read
     step_s = look.clock.step_s
-    look = look.after(motion.join_turns(look.recording, look.survey.columns))
+    look = look.after(motion.join_turns(look.recording, look.columns))
     asked = look.recording.mapping.get("dq") == DERIVATIVE
     look = look.after(with_velocity(look.recording, step_s, asked=asked))
-    look = look.after(leave_out_wild(look.recording, look.survey.columns, step_s, first_s=first_s, numbered=numbered))
+    look = look.after(leave_out_wild(look.recording, look.columns, step_s, first_s=first_s, numbered=numbered))
     look = look.after(with_velocity(look.recording, step_s, asked=asked))  # anew from what is left, here and below
-    look = look.after(motion.refuse_dead_velocity(look.recording, look.survey.columns, look.clock))
-    look = look.after(motion.turn_degrees(look.recording, look.survey.columns, look.survey.ratios.common))
-    look = look.after(motion.mend_unit(look.recording, look.survey.ratios.common, look.clock.step_s))
-    look = look.after(look.recording.with_findings(*look.survey.steps.findings()))
-    look = look.after(drop_stale_samples(look.recording, look.survey.stale, look.survey.columns))
+    look = look.after(motion.refuse_dead_velocity(look.recording, look.columns, look.clock))
+    look = look.after(motion.turn_to_radians(look.recording, look.columns, look.ratios.common))
+    look = look.after(motion.mend_unit(look.recording, look.ratios.common, look.clock.step_s))
+    look = look.after(look.recording.with_findings(*look.steps.findings()))
+    look = look.after(drop_stale_samples(look.recording, look.stale, look.columns))
     look = look.after(with_velocity(look.recording, look.clock.step_s, asked=asked))
-    look = look.after(interpolate_held(look.recording, look.survey.near, look.clock.step_s))
-    look = look.after(noisy_velocity(look.recording, look.survey.near))
-    look = look.after(check_torque(look.recording, look.survey.columns))
-    look = look.after(find_frozen(look.recording, look.survey.columns, look.clock))
-    look = look.after(motion.check_motion(look.recording, look.survey.ratios, scaled=time_scale != 1.0))
+    look = look.after(interpolate_held(look.recording, look.near, look.clock.step_s))
+    look = look.after(noisy_velocity(look.recording, look.near))
+    look = look.after(check_torque(look.recording, look.columns))
+    look = look.after(find_frozen(look.recording, look.columns, look.clock))
+    look = look.after(motion.check_motion(look.recording, look.ratios, scaled=time_scale != 1.0))
+    recording = look.recording
     if options.has_window:
         origin_s, part = look.clock.first_s if read_s is None else read_s, (options.t_start_s, options.t_end_s)
-        look = _Look(take_window(look.recording, look.clock, part, origin_s), listen)
-    return look.recording if look.recording.blocks is None else look.survey.concluded(look.recording)
+        recording = take_window(recording, look.clock, part, origin_s)
+        look = look if recording.blocks is None else _Look(recording, listen)
+    return recording if recording.blocks is None else look.concluded()

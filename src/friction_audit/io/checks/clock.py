@@ -8,8 +8,8 @@ from functools import partial
 import numpy as np
 
 from friction_audit.errors import InputError
-from friction_audit.io.checks.columns import Picked, Thinned, sample_rows
-from friction_audit.io.recording import LONGEST_BACKWARDS_S, Block, Marks, Recording, WholeLogError, take_rows
+from friction_audit.io.readers.clocks import LONGEST_BACKWARDS_S
+from friction_audit.io.recording import Block, Marks, Picked, Recording, Thinned, WholeLogError, sample_rows, take_rows
 from friction_audit.joint_log import Finding, Float, check_window, step_places
 
 Window = tuple[float | None, float | None]  # start and end of the part asked for, None for those of the log [s]
@@ -24,8 +24,8 @@ class Clock:
 
     def __init__(self, recording: Recording) -> None:
         self.rows = rows = recording.rows
-        self.finite, self.backwards, self.places = True, 0, list[int]()
-        self.late_s, self.latest, self.repeated, self.first_s = 0.0, 0, Marks(rows), np.nan
+        self.increases, self.backwards, self.places = False, 0, list[int]()
+        self.late_s, self.latest, self.repeated = 0.0, 0, Marks(rows)
         reach, every = min(_LONGEST_BATCH, rows - 1), max(rows // _MOST_PLACES, 1)
         near, far = step_places(rows), np.arange(reach, rows, every)
         picked = [Picked(one) for one in (near, near + 1, far - reach, far, sample_rows(rows))]
@@ -33,7 +33,6 @@ class Clock:
         last = latest = -np.inf
         for first, t, _ in recording.read(()):
             if not np.isfinite(t).all():
-                self.finite = False
                 return
             self.first_s = float(t[0]) if first == 0 else self.first_s
             for one in picked:
@@ -41,39 +40,50 @@ class Clock:
             steps = np.diff(t, prepend=last)
             every_step.take(steps if first else steps[1:])
             if steps.min() <= 0.0:
-                self._take_disorder(first, t, steps, latest)
+                back = np.flatnonzero(steps < 0.0)
+                self.backwards += len(back)
+                self.places += (first + 1 + back[: _SHOWN - len(self.places)]).tolist()
+                late_s = np.maximum.accumulate(np.maximum(t, latest)) - t
+                if late_s.max() > self.late_s:
+                    self.late_s, self.latest = float(late_s.max()), first + int(late_s.argmax())
+                self.repeated.add(first, steps == 0.0)
             last, latest = float(t[-1]), max(latest, float(t.max()))
-        self.last_s = last
+        self.last_s, self.increases = last, not self.backwards and not self.repeated.count
         before, after, begin, end, self.sample = (one.values for one in picked)  # the last one of the rows of a Column
         self.step_s = float(np.median(after - before))  # as that of a JointLog
         self.median = float(np.median(every_step.values))
         # The median of mean steps over more than a batch: holes do not count.
         self.rough = float(np.median(end - begin)) / reach
 
-    def _take_disorder(self, first: int, t: Float, steps: Float, latest: float) -> None:
-        back = np.flatnonzero(steps < 0.0)
-        self.backwards += len(back)
-        self.places += (first + 1 + back[: _SHOWN - len(self.places)]).tolist()
-        late_s = np.maximum.accumulate(np.maximum(t, latest)) - t
-        if late_s.max() > self.late_s:
-            self.late_s, self.latest = float(late_s.max()), first + int(late_s.argmax())
-        self.repeated.add(first, steps == 0.0)
-
-    @property
-    def increases(self) -> bool:
-        """True if every stamp is later than the one before."""
-        return self.finite and not self.backwards and not self.repeated.count
-
 
 def sort_rows(recording: Recording, clock: Clock) -> Recording:
     """Return the recording with its rows in order of time; InputError if time stands still or runs backwards by far."""
     if clock.increases:
         return recording
-    _refuse_no_clock(recording, clock)
-    if not clock.backwards:
+    name, rows, backwards = recording.mapping.get("t", recording.clock), clock.rows, clock.backwards
+    if clock.repeated.count == rows - 1:
+        raise InputError(
+            f"{recording.path}: time ({name}) is the same in all {rows} rows; expected strictly increasing stamps; "
+            "name another clock with --map t=<column>, or another topic"
+        )
+    is_few = backwards <= max(_MOST_BACKWARDS * (rows - 1), 1.0)
+    if clock.late_s > LONGEST_BACKWARDS_S or not is_few:
+        advice = "bring the rows into order"
+        if is_few:
+            starts = ", ".join(map(str, clock.places))
+            advice = (
+                f"these look like {backwards + 1} recordings in one file: cut it before row {starts}"
+                f"{'...' if backwards > _SHOWN else ''} and read each part"
+            )
+        raise InputError(
+            f"{recording.path}: time ({name}) goes back at {backwards} of {rows - 1} rows, by up to "
+            f"{clock.late_s:.4g} s at row {clock.latest + 1}; expected increasing stamps; {advice}, or name another "
+            "clock with --map t=<column>"
+        )
+    if not backwards:
         return recording
-    text = f"{clock.backwards} rows of {recording.path} are older than the row before them; they are sorted"
-    finding = Finding("unordered", text, amount=float(clock.backwards))
+    text = f"{backwards} rows of {recording.path} are older than the row before them; they are sorted"
+    finding = Finding("unordered", text, amount=float(backwards))
     return recording.mended(partial(_sorted, late_s=clock.late_s)).with_findings(finding)
 
 
@@ -135,29 +145,6 @@ def _differ(recording: Recording) -> bool:
         changes += np.bincount(within, np.any(np.diff(state, axis=0) != 0.0, axis=1), minlength=2)
     between, inside = changes / np.maximum(steps, 1.0)
     return bool(inside >= 0.5 * between > 0.0)
-
-
-def _refuse_no_clock(recording: Recording, clock: Clock) -> None:
-    name, rows, backwards = recording.mapping.get("t", recording.clock), clock.rows, clock.backwards
-    if clock.repeated.count == rows - 1:
-        raise InputError(
-            f"{recording.path}: time ({name}) is the same in all {rows} rows; expected strictly increasing stamps; "
-            "name another clock with --map t=<column>, or another topic"
-        )
-    is_few = backwards <= max(_MOST_BACKWARDS * (rows - 1), 1.0)
-    if clock.late_s <= LONGEST_BACKWARDS_S and is_few:
-        return
-    advice = "bring the rows into order"
-    if is_few:
-        starts = ", ".join(map(str, clock.places))
-        advice = (
-            f"these look like {backwards + 1} recordings in one file: cut it before row {starts}"
-            f"{'...' if backwards > _SHOWN else ''} and read each part"
-        )
-    raise InputError(
-        f"{recording.path}: time ({name}) goes back at {backwards} of {rows - 1} rows, by up to {clock.late_s:.4g} s "
-        f"at row {clock.latest + 1}; expected increasing stamps; {advice}, or name another clock with --map t=<column>"
-    )
 
 
 _SHORT = 0.5  # steps below so much of a period lie within a batch

@@ -1,4 +1,4 @@
-"""Channels that come less often than the rows, of a slower topic that was merged; velocities with more noise than that.
+"""Rows that repeat the one before; channels held until the next value of a slower topic; velocities of mostly noise.
 
 A value that is held until the next one comes late by half of their period on average. Against channels that are not
 held, friction is then wrong in proportion to the speed and to the acceleration, so values are interpolated between
@@ -10,11 +10,14 @@ from functools import partial
 
 import numpy as np
 
-from friction_audit.io.checks.columns import Picked
-from friction_audit.io.checks.torque import MOVING_RAD_S
-from friction_audit.io.recording import Block, Recording, WholeLogError
+from friction_audit.io.checks.clock import GAP_S
+from friction_audit.io.recording import Block, Column, Marks, Picked, Recording, Thinned, WholeLogError
 from friction_audit.joint_log import DERIVATIVE, TORQUE_CHANNELS, Bool, Finding, Float
 
+MOVING_RAD_S = 0.02
+# Share of stale rows, of those in motion, from which on the state itself is slow, and the logger did not stall.
+_HELD_SHARE = 0.5
+_HELD_PERIODS = 3.5  # a state that is held for more of its own periods did stall
 _TIMED = ("q", "dq", *TORQUE_CHANNELS, "gravity", "tau_compensation")
 _STRETCHES, _LENGTH = 32, 1024  # of neighbouring rows that are looked at
 _FEWEST_UPDATES = 20
@@ -26,6 +29,73 @@ _STEPS = 1.5
 _LATE = 1.5  # usual runs after which an update was missed
 _TRAVELLED_RAD = 0.1  # a joint that stands still has noise alone
 _NOISY = 0.05  # share of noise in the mean square of a velocity in motion
+
+
+class Stale:
+    """Finds rows that are equal to the row before in q, dq and torque while a joint moves; at rest that is right."""
+
+    def __init__(self, recording: Recording) -> None:
+        logged = [name for name in recording.channels if recording.mapping.get(name) != DERIVATIVE]
+        self._names = [name for name in ("dq", "q", *TORQUE_CHANNELS) if name in logged]
+        self.rows, self.marks = recording.rows, Marks(recording.rows)
+        # Rows that repeat one before, and the times between rows that are new where some between them are not. [s]
+        self.repeats, self.steps = 0, Thinned()
+        self._fresh = 0, 0.0
+
+    def take(self, first: int, t: Float, before: Mapping[str, Float], channels: Mapping[str, Float]) -> None:
+        """Take the rows of a piece, given the row before it."""
+        columns = (pair for name in self._names for pair in zip(channels[name].T, before[name], strict=True))
+        column, old = next(columns)
+        equal = np.flatnonzero(column == np.append(old, column[:-1]))
+        for column, old in columns:
+            if not len(equal):
+                break
+            equal = equal[column[equal] == np.where(equal > 0, column[equal - 1], old)]
+        equal = equal[equal + first > 0]
+        if len(equal):
+            equal = equal[(np.abs(channels["dq"][equal]) > MOVING_RAD_S).any(axis=1)]
+        fresh = np.ones(len(t), np.bool_)
+        fresh[equal] = False
+        self.marks.add(first, ~fresh)
+        if self.marks.count:
+            rows = np.flatnonzero(fresh)
+            repeats = np.diff(rows + first, prepend=self._fresh[0]) - 1
+            self.steps.take(np.diff(t[rows], prepend=self._fresh[1])[repeats > 0])
+            self.repeats += int(repeats[repeats > 0].sum())
+        if fresh.any():
+            last = int(np.flatnonzero(fresh)[-1]) if len(equal) else len(t) - 1
+            self._fresh = first + last, float(t[last])
+
+
+def drop_stale_samples(recording: Recording, stale: Stale, columns: Mapping[str, Column]) -> Recording:
+    """Drop rows equal to the row before while a joint moves; WholeLogError where the state is slow and in blocks."""
+    marks = stale.marks
+    moves = stale.rows * float((np.abs(columns["dq"].sample) > MOVING_RAD_S).any(axis=1).mean())
+    period = float(np.median(stale.steps.values)) if stale.repeats else 0.0
+    if marks.count and _HELD_PERIODS * period > GAP_S and stale.repeats >= _HELD_SHARE * moves:
+        if recording.blocks is not None:
+            raise WholeLogError
+        # Rows of a state that is new less often than a hole is long are kept: its steps would pass for holes.
+        lost = marks.of(0, stale.rows)
+        rows = np.flatnonzero(~lost)
+        steps, repeats = np.diff(recording.t[rows]), np.diff(rows) - 1
+        held = (repeats > 0) & (steps <= _HELD_PERIODS * period)
+        for row in np.flatnonzero(held):
+            lost[rows[row] : rows[row + 1]] = False
+        message = (
+            f"q, dq and torque are updated only every {period:.3g} s (a bus that polls the motors in turn?); "
+            f"{repeats[held].sum()} repeated rows are kept"
+        )
+        recording = recording.with_findings(Finding("slow_state", message, amount=period))
+        marks = Marks(stale.rows)
+        marks.add(0, lost)
+    if not marks.count:
+        return recording
+    message = (
+        f"{marks.count} of {stale.rows} rows ({marks.count / stale.rows:.1%}) are duplicate samples (logged faster "
+        "than the robot updates); they are removed"
+    )
+    return recording.without(marks).with_findings(Finding("stale_samples", message, amount=float(marks.count)))
 
 
 class Stretches:

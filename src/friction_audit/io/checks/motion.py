@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
 from friction_audit.io.checks.clock import Clock, gap_threshold_s
-from friction_audit.io.checks.columns import Column
-from friction_audit.io.recording import Block, Recording
+from friction_audit.io.recording import Block, Column, Recording
 from friction_audit.joint_log import DERIVATIVE, Finding, Float
 
 _TRAVELLED = 0.1  # range of q that no noise of a joint at rest makes [rad]
@@ -156,13 +155,16 @@ def _ratio(change: Float, integral: Float, dq_change: Float) -> tuple[float, flo
     return float(solution[0]), 1.0 - float(np.dot(residual, residual)) / total if total > 0.0 else 0.0
 
 
-_DEGREES_PER_RADIAN = 180.0 / np.pi
-# Channel, its unit, the ratio of the change of q to the integral of dq that says so, what makes rad or rad/s of it.
-_OF_TURNS = (
-    ("dq", "rpm", np.pi / 30.0, np.pi / 30.0),
-    ("dq", "turns per second", 2.0 * np.pi, 2.0 * np.pi),
-    ("q", "turns", 0.5 / np.pi, 2.0 * np.pi),
-)
+_TO_RADIANS = np.pi / 180.0
+# Unit -> its channel, what makes rad or rad/s of it, and how near the ratio of the change of q to the integral of dq
+# must be to that of the unit.
+_OTHER_UNITS = {
+    "rpm": ("dq", np.pi / 30.0, 0.05),
+    "turns per second": ("dq", 2.0 * np.pi, 0.05),
+    "turns": ("q", 2.0 * np.pi, 0.05),
+    "degrees": ("q", _TO_RADIANS, 0.1),
+    "degrees per second": ("dq", _TO_RADIANS, 0.1),
+}
 _LARGEST_Q_RAD = 4.0 * np.pi
 _LARGEST_DQ_RAD_S = 12.0
 _LARGEST_Q_DEG = 720.0  # beyond, a joint turns without end, in any unit: a bench rig, where magnitudes prove nothing
@@ -234,64 +236,69 @@ def check_motion(recording: Recording, ratios: MotionRatio, *, scaled: bool) -> 
             f"{recording.path}: {found[0].message}{'; so it is on all joints that move' if len(found) > 1 else ''}; or "
             "the rows are of several joints: name the joint of each row in a column called 'joint'"
         )
-    return recording.with_findings(*found, _stretch(recording, ratios.common, scaled=scaled))
+    ratio = ratios.common
+    if np.isfinite(ratio) and abs(ratio - 1.0) > _STRETCHED:  # the clock runs at another speed than the motion
+        if not 1.0 / _STRETCHED_TOO_FAR < ratio < _STRETCHED_TOO_FAR and not scaled:
+            clock = f"the clock is wrong (--time-scale {ratio:.4g}), dq has another scale or unit (multiply it by "
+            raise InputError(
+                f"{recording.path}: the change of q is {ratio:.3g} times the integral of dq over time; expected 1: "
+                f"{f'{clock}{ratio:.4g}), or ' * (ratio > _TINY)}q and dq are of different joints, or of opposite sign "
+                "(--map)"
+            )
+        message = (
+            f"the change of q is {ratio:.4g} times the integral of dq: either the clock is wrong by that factor "
+            f"(correct it with --time-scale {ratio:.4g}), or dq is (multiply it by {ratio:.4g}); compare the duration "
+            "with a watch"
+        )
+        found.append(Finding("clock_stretched", message, amount=ratio))
+    return recording.with_findings(*found)
 
 
-def turn_degrees(recording: Recording, columns: Mapping[str, Column], ratio: float) -> Recording:
-    """Turn q, dq or both into radians where their ratio and their magnitudes say degrees, or their ratio says turns."""
+def turn_to_radians(recording: Recording, columns: Mapping[str, Column], ratio: float) -> Recording:
+    """Turn q, dq or both into radians where their ratio says another unit, or with their magnitudes degrees."""
     every_q, every_dq = (np.fmax(-column.lowest, column.highest) for column in (columns["q"], columns["dq"]))
-    largest_q, largest_dq = float(every_q.max()), float(every_dq.max())
-    degrees = list[str]()
-    if turns := next((one for one in _OF_TURNS if _near(ratio, one[2], 0.05)), None):
-        return _mend_turns(recording, *turns, largest_q if turns[0] == "q" else largest_dq)
-    if _near(ratio, _DEGREES_PER_RADIAN) or (np.isnan(ratio) and largest_q > _LARGEST_Q_RAD):
-        degrees = ["q"]
-    elif _near(ratio, 1.0 / _DEGREES_PER_RADIAN):
-        degrees = ["dq"]
-    elif _near(ratio, 1.0, 0.3) and largest_q > _LARGEST_Q_RAD and largest_dq > _LARGEST_DQ_RAD_S:
+    largest = {"q": float(every_q.max()), "dq": float(every_dq.max())}
+    is_beyond = largest["q"] > _LARGEST_Q_RAD
+    said = ((unit, factor if c == "dq" else 1.0 / factor, near) for unit, (c, factor, near) in _OTHER_UNITS.items())
+    units = [unit for unit, expected, near in said if _near(ratio, expected, near)]
+    if np.isnan(ratio) and is_beyond:
+        units = ["degrees"]
+    elif _near(ratio, 1.0, 0.3) and is_beyond and largest["dq"] > _LARGEST_DQ_RAD_S:
         if re.search("(?<![a-zA-Z])(rad|deg)", recording.mapping.get("q", "")):
             return recording
         of_motor = "motor" in recording.mapping.get("q", "").lower()
         moves = columns["q"].highest - columns["q"].lowest > _TRAVELLED
         mixed = 2 * np.count_nonzero(every_q[moves] > _LARGEST_Q_RAD) < np.count_nonzero(moves)
-        if len(recording.joint_names) == 1 or largest_q > _LARGEST_Q_DEG or of_motor or mixed:
-            _refuse_degrees(recording, float(np.mean(columns["dq"].sample > 0.0)), largest_q, largest_dq)
+        if len(recording.joint_names) == 1 or largest["q"] > _LARGEST_Q_DEG or of_motor or mixed:
+            _refuse_degrees(recording, float(np.mean(columns["dq"].sample > 0.0)), **largest)
             message = (
-                f"q reaches {largest_q:.4g} and dq {largest_dq:.4g}: a rig that turns without end, or degrees; read as "
-                "rad and rad/s; degrees are given as --map q=NAME:deg, counts of an encoder as --map q=NAME:COUNTS/rev"
+                f"q reaches {largest['q']:.4g} and dq {largest['dq']:.4g}: a rig that turns without end, or degrees; "
+                "read as rad and rad/s; degrees are given as --map q=NAME:deg, counts of an encoder as --map "
+                "q=NAME:COUNTS/rev"
             )
-            return recording.with_findings(Finding("degrees_suspected", message, amount=largest_q))
-        degrees = ["q", "dq"]
-    for channel in degrees:
-        largest, unit = (largest_q, "degrees") if channel == "q" else (largest_dq, "degrees per second")
+            return recording.with_findings(Finding("degrees_suspected", message, amount=largest["q"]))
+        units = ["degrees", "degrees per second"]
+    for unit in units:
+        channel, factor, _ = _OTHER_UNITS[unit]
         message = (
-            f"{channel} is in {unit}: it reaches {largest:.4g}, and the change of q is {ratio:.3g} times the "
-            "integral of dq; it was turned into radians"
+            f"{channel} is in {unit}: it reaches {largest[channel]:.4g}, and the change of q is {ratio:.3g} times the "
+            f"integral of dq; it was turned into radians, times {factor:.4g}"
         )
-        finding = Finding("degrees", message, amount=largest)
-        recording = recording.scaled(channel, 1.0 / _DEGREES_PER_RADIAN).with_findings(finding)
+        position, velocity = Finding("position_unit", message), Finding("velocity_unit", message, amount=1.0 / factor)
+        finding = position if channel == "q" else velocity
+        finding = Finding("degrees", message, amount=largest[channel]) if factor == _TO_RADIANS else finding
+        recording = recording.scaled(channel, factor).with_findings(finding)
     return recording
 
 
-def _mend_turns(
-    recording: Recording, channel: str, unit: str, ratio: float, factor: float, largest: float
-) -> Recording:
-    message = (
-        f"{channel} is in {unit}: it reaches {largest:.4g}, and q changes {ratio:.3g} times the integral of dq; it was "
-        f"multiplied by {factor:.4g}"
-    )
-    position, velocity = Finding("position_unit", message), Finding("velocity_unit", message, amount=1.0 / factor)
-    return recording.scaled(channel, factor).with_findings(position if channel == "q" else velocity)
-
-
-def _refuse_degrees(recording: Recording, forwards: float, largest_q: float, largest_dq: float) -> None:
+def _refuse_degrees(recording: Recording, forwards: float, q: float, dq: float) -> None:
     """Refuse a table whose joints go to and fro by many radians, if it is radians; a bag has no names to say it."""
     is_arm = len(recording.joint_names) > 1
-    if recording.topic is None and (is_arm or largest_q <= _LARGEST_Q_DEG) and _RETURNS < forwards < 1.0 - _RETURNS:
+    if recording.topic is None and (is_arm or q <= _LARGEST_Q_DEG) and _RETURNS < forwards < 1.0 - _RETURNS:
         named = [(c, n) for c in ("q", "dq") if (n := recording.mapping.get(c, c)) != DERIVATIVE]
         degrees, radians = (" ".join(f"--map {c}={n}:{unit}" for c, n in named) for unit in ("deg", "rad"))
         raise InputError(
-            f"{recording.path}: q ({named[0][1]}) oscillates up to {largest_q:.4g} and dq up to {largest_dq:.4g}: "
+            f"{recording.path}: q ({named[0][1]}) oscillates up to {q:.4g} and dq up to {dq:.4g}: "
             f"degrees, or a motor of many turns; expected rad and rad/s of the joint; use {degrees}, or {radians}; "
             "divide the columns of a motor by the gear ratio, give counts of an encoder as --map q=NAME:COUNTS/rev, "
             "and leave an axis in mm out (--map q=... of the other joints)"
@@ -333,21 +340,3 @@ def _mismatch(recording: Recording, ratios: MotionRatio, joint: int) -> Finding:
         return Finding("velocity_scale", message, joint + 1, factor)
     message += "check that both columns are of this joint"
     return Finding("position_mismatch", message, joint + 1, ratio)
-
-
-def _stretch(recording: Recording, ratio: float, *, scaled: bool) -> Finding | None:
-    """Notice a clock that runs at another speed than the motion."""
-    if not np.isfinite(ratio) or abs(ratio - 1.0) <= _STRETCHED:
-        return None
-    if not 1.0 / _STRETCHED_TOO_FAR < ratio < _STRETCHED_TOO_FAR and not scaled:
-        clock = f"the clock is wrong (--time-scale {ratio:.4g}), dq has another scale or unit (multiply it by "
-        raise InputError(
-            f"{recording.path}: the change of q is {ratio:.3g} times the integral of dq over time; expected 1: "
-            f"{f'{clock}{ratio:.4g}), or ' * (ratio > _TINY)}q and dq are of different joints, or of opposite sign "
-            "(--map)"
-        )
-    message = (
-        f"the change of q is {ratio:.4g} times the integral of dq: either the clock is wrong by that factor (correct "
-        f"it with --time-scale {ratio:.4g}), or dq is (multiply it by {ratio:.4g}); compare the duration with a watch"
-    )
-    return Finding("clock_stretched", message, amount=ratio)

@@ -11,9 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.io.checks.columns import LAG, Column
-from friction_audit.io.recording import Marks, Recording
-from friction_audit.joint_log import Bool, Finding, Float, Int
+from friction_audit.io.recording import LAG, Column, Marks, Recording
+from friction_audit.joint_log import Finding, Float, Int
 from friction_audit.parallel import per_joint
 
 Pair = tuple[NDArray[np.intp], NDArray[np.intp]]
@@ -89,14 +88,19 @@ class _Wild:
 
     def __init__(self, joint: int, columns: Mapping[str, Column], step_s: float, rows: int) -> None:
         self.joint, self._step_s, self._rows = joint, step_s, rows
-        every = ((name, np.abs(column.changes(joint))) for name, column in columns.items())
-        usual = {n: float(np.quantile(a, 1.0 - _unusual(a))) if len(a) else 0.0 for n, a in every}
+        both = ((name, one.changed[:, joint], one.sample[:, joint]) for name, one in columns.items())
+        changes = {name: np.abs(after - before[: len(after)]) for name, after, before in both}  # over LAG rows
+        usual = {n: float(np.quantile(a, 1.0 - _unusual(a))) if len(a) else 0.0 for n, a in changes.items()}
         self._usual_dq = usual["dq"]
         self._scales = {name: _scale(name, one.sample[:, joint], usual[name]) for name, one in columns.items()}
         self._jumping = [name for name, scale in self._scales.items() if columns[name].jump[joint] > scale]
         self._zeroed = [name for name in TO_ZERO if columns[name].zeroed[joint]]
         self.suspected = bool(self._jumping or self._zeroed)  # of more than what this pass shows
-        self._per_integral = _displacement_per_integral(columns, joint, step_s)
+        # What q usually changes by per integral of dq: 1, or 57 where q is in degrees; 0 if it never moves.
+        integral = np.abs(columns["dq"].changed[:, joint]) * LAG * step_s
+        moves = integral > _STILL_RAD
+        ratios = changes["q"][moves] / integral[moves]
+        self._per_integral = max(float(np.median(ratios)), 1.0) if len(ratios) else 0.0
         self._most = max(_MOST_JUMPS * rows, 2 * _LONGEST_RUN)
         self._jumps = dict.fromkeys(self._jumping, 0)
         self._found: dict[str, list[_Run]] = {name: [] for name in self._jumping}
@@ -176,7 +180,12 @@ def _zeroed(
     begin = np.where(column[before], column[before], column[after])
     stop = np.where(column[after], column[after], column[before])
     if channel == "q":
-        kept = _too_far(t, q, dq, ((before, before + 1), (after - 1, after)), step_s, scale)
+        kept = np.zeros(len(first), np.bool_)
+        # A step from or to the zeros that is more than the velocity allows.
+        for one, other in ((before, before + 1), (after - 1, after)):
+            most = np.maximum(np.abs(dq[one]), np.abs(dq[other])) * (t[other] - t[one])
+            jump, near = np.abs(q[other] - q[one]), t[other] - t[one] < _NEAR_STEPS * step_s
+            kept |= (jump > TO_ZERO["q"]) & near & (scale > 0.0) & (scale * most < 0.5 * jump)
     else:  # a driver may take slow motion for rest, but then the joint does not get far
         kept = np.minimum(np.abs(begin), np.abs(stop)) > TO_ZERO["dq"]
         kept &= np.abs(q[after] - q[before]) > _LEAST["q"]
@@ -186,24 +195,6 @@ def _zeroed(
         if channel == "q" or _is_impossible(run, row, after_it, {"q": q, "dq": dq}, t, 0.0):
             runs.append(run)
     return runs, needed
-
-
-def _too_far(t: Float, q: Float, dq: Float, steps: Sequence[Pair], step_s: float, scale: float) -> Bool:
-    """Return where one of some steps of the position, between neighbouring rows, is more than its velocity allows."""
-    found = np.zeros(len(steps[0][0]), np.bool_)
-    for one, other in steps:
-        most = np.maximum(np.abs(dq[one]), np.abs(dq[other])) * (t[other] - t[one])
-        jump, near = np.abs(q[other] - q[one]), t[other] - t[one] < _NEAR_STEPS * step_s
-        found |= (jump > TO_ZERO["q"]) & near & (scale > 0.0) & (scale * most < 0.5 * jump)
-    return found
-
-
-def _displacement_per_integral(columns: Mapping[str, Column], joint: int, step_s: float) -> float:
-    """Return what q usually changes by per integral of dq: 1, or 57 where q is in degrees; 0 if it never moves."""
-    change = np.abs(columns["q"].changes(joint))
-    integral = np.abs(columns["dq"].changed[:, joint]) * LAG * step_s
-    moves = integral > _STILL_RAD
-    return max(float(np.median(change[moves] / integral[moves])), 1.0) if moves.any() else 0.0
 
 
 def _scale(channel: str, sample: Float, step: float) -> float:

@@ -17,14 +17,7 @@ from friction_audit.io.files import DATA_SET, METADATA, STORAGE_NAMES, Stamp, sh
 from friction_audit.io.readers.arrays import ArrayTable, arrays_of_frame
 from friction_audit.io.readers.channel_names import arm_of_log, torque_unit
 from friction_audit.io.readers.join import join_recordings, refuse_without_torque
-from friction_audit.io.readers.reader import (
-    TAKE_A_PART,
-    Reader,
-    ReadOptions,
-    SeveralLogsError,
-    Topic,
-    refuse_lfs_pointer,
-)
+from friction_audit.io.readers.reader import TAKE_A_PART, Reader, ReadOptions, SeveralLogsError, Topic, refuse_pointer
 from friction_audit.io.readers.table import read_table
 from friction_audit.io.recording import Recording, WholeLogError
 from friction_audit.joint_log import DERIVATIVE, TORQUE_CHANNELS, Finding, Joined, JointLog, LogInBlocks, Source
@@ -171,9 +164,8 @@ def to_joint_log(
     held: dict[str, Any] = {**recording.channels, "joint_names": recording.joint_names, "source": source}
     if blocks is None:
         return JointLog(t=recording.t if first == 0.0 else recording.t - first, **held)
-    held |= {name: getattr(blocks, name) for name in ("mean_of", "numbers", "listener", "clock", "gaps", "read")}
     again = partial(read_log, recording.path, replace(options, in_blocks=False, hashed=True))
-    return LogInBlocks(t=recording.t, **held, first=0, read_whole=again)
+    return LogInBlocks(t=recording.t, **held, **blocks.found, read=blocks.read, first=0, read_whole=again)
 
 
 def list_topics(path: str | Path) -> tuple[str, tuple[Topic, ...]]:
@@ -219,7 +211,7 @@ def _stamp(path: Path) -> Stamp:
             choose_reader(path)  # before all files below it are looked at, which may be a whole disk
         elif path.is_file():
             path.open("rb").close()  # raises if it may not be read
-            refuse_lfs_pointer(path)
+            refuse_pointer(path)
         elif path.exists():
             raise InputError(f"{path}: a pipe or a device; expected a file; save its content to a file and read that")
         stamp = stamp_of(path)

@@ -70,7 +70,7 @@ def arrays_of_frame(frame: Any, where: str) -> dict[str, NDArray[Any]]:  # noqa:
     else:
         try:
             table = pa.table(frame)
-            arrays = {name: column_of(table, name) for name in table.column_names}
+            arrays = {name: _column_of(table, name) for name in table.column_names}
         except (TypeError, ValueError) as error:  # those of Arrow are ValueErrors
             if not hasattr(frame, "columns"):
                 what = "expected a pandas or polars DataFrame, or a dict of arrays by name"
@@ -83,13 +83,13 @@ def arrays_of_frame(frame: Any, where: str) -> dict[str, NDArray[Any]]:  # noqa:
     return {name: array for name, array in arrays.items() if array.size}
 
 
-def column_of(table: Any, name: str) -> NDArray[Any]:  # noqa: ANN401 - a table of Arrow
+def _column_of(table: Any, name: str) -> NDArray[Any]:  # noqa: ANN401 - a table of Arrow
     """Return a column, shape (n,), or (n, k) of lists of k elements; ValueError if they differ in length."""
     from pyarrow import compute
 
-    from friction_audit.io.readers.arrow import is_of, whole
+    from friction_audit.io.readers.parquet import is_of
 
-    column = whole(table[name])
+    column = table[name].combine_chunks()
     if not is_of(column.type, "list"):
         return np.asarray(column.to_numpy(zero_copy_only=False))
     if len(lengths := compute.unique(compute.list_value_length(column))) > 1:

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
-from friction_audit.io.recording import LONGEST_BACKWARDS_S
 from friction_audit.joint_log import Finding, Float
 
 UNITS = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}  # units per second
@@ -29,6 +28,7 @@ _SPELLED = {"mil": "ms", "mse": "ms", "ms": "ms", "nan": "ns", "nse": "ns", "ns"
             "us": "us", "µs": "us"}  # fmt: skip
 _SECONDS = re.compile(r"(?P<head>(?:.*[._/]|ZeitIn)?)secs?", re.IGNORECASE)
 _EPOCH_S = (1.1e9, 4.1e9)  # Unix time between the years 2004 and 2099
+LONGEST_BACKWARDS_S = 1.0  # a clock that goes back further was set anew
 _LONGEST_S = 1e10  # three centuries: from no stamp to the last one in nanoseconds
 
 
@@ -92,8 +92,16 @@ class Stamps:
         return np.full(len(raw), np.nan) if self.origin is None else (raw - self.origin).astype(np.float64, copy=False)
 
     def unit_of(self, elapsed: Float) -> float:
-        """Return the units per second, which the first stamps decide."""
-        self.unit = self.unit or _unit_from_values(float(self.origin), elapsed)
+        """Return the units per second; the first stamps decide: a Unix time, or steps of a log of 5 Hz to 5 kHz."""
+        origin = float(self.origin)
+        self.unit = self.unit or next((u for u, n in UNITS.items() if _EPOCH_S[0] < origin / n < _EPOCH_S[1]), None)
+        if self.unit is None:
+            # The median is of stamps that differ: joints, or two recordings, may share theirs.
+            in_order = not (elapsed[1:] < elapsed[:-1]).any()
+            lots = (elapsed[: 1 << 16], elapsed) if in_order else (elapsed,)
+            found = (steps for lot in lots if len(steps := np.diff(np.unique(lot[np.isfinite(lot)]))))
+            step = float(np.median(next(found, np.zeros(1))))
+            self.unit = next((unit for unit, most in (("s", 0.2), ("ms", 200.0), ("us", 2e5)) if step < most), "ns")
         return UNITS[self.unit]
 
     def clock(self, elapsed: Float, path: str) -> Clock:
@@ -126,19 +134,6 @@ def _split_stamp(names: Sequence[str]) -> TimeColumn | None:
     return None
 
 
-def _unit_from_values(origin: float, elapsed: Float) -> str:
-    """Judge the unit: by the size of a Unix time, else by the median step of a log of 5 Hz to 5 kHz."""
-    for unit, per_second in UNITS.items():
-        if _EPOCH_S[0] < origin / per_second < _EPOCH_S[1]:
-            return unit
-    # The median is of stamps that differ: joints, or two recordings, may share theirs.
-    in_order = not (elapsed[1:] < elapsed[:-1]).any()
-    lots = (elapsed[: 1 << 16], elapsed) if in_order else (elapsed,)
-    steps = next((steps for lot in lots if len(steps := np.diff(np.unique(lot[np.isfinite(lot)])))), np.zeros(1))
-    step = float(np.median(steps))
-    return next((unit for unit, longest in (("s", 0.2), ("ms", 200.0), ("us", 2e5)) if step < longest), "ns")
-
-
 _NANOSECONDS = 10**9
 # Clocks of messages and their units, the best first: of the robot, of the source, of the recorder.
 CLOCKS = {"robot_time": "s", "header_stamp": "ns", "log_time": "ns"}
@@ -164,10 +159,11 @@ def choose_clock(times: Times) -> Clock:
     # Differences are taken in integers: 1.7e18 ns has no room for nanoseconds in a float64.
     first = {name: times[name].min() for name in units if name in times}
     clocks: dict[str, Float] = {name: (times[name] - low) / UNITS[units[name]] for name, low in first.items()}
-    # A single message cannot show that a clock runs.
-    running = [n for n, t in clocks.items() if np.isfinite(t).all() and (len(t) == 1 or t.max() > 0.0)]
-    chosen = next((n for n in running if _late_s(clocks[n]) <= LONGEST_BACKWARDS_S), next(iter(running), "log_time"))
-    texts = {n: f"goes back by {_late_s(clocks[n]):.4g} s" for n in running[: [*running, chosen].index(chosen)]}
+    # How far each goes back; a single message cannot show that a clock runs.
+    is_running = (n for n, t in clocks.items() if np.isfinite(t).all() and (len(t) == 1 or t.max() > 0.0))
+    running = {n: float((np.maximum.accumulate(clocks[n]) - clocks[n]).max()) for n in is_running}
+    chosen = next((n for n, s in running.items() if s <= LONGEST_BACKWARDS_S), next(iter(running), "log_time"))
+    texts = {n: f"goes back by {running[n]:.4g} s" for n in [*running][: [*running, chosen].index(chosen)]}
     texts |= {n: "is the same (or not a number) in all messages" for n in clocks if n not in (*running, chosen)}
     used = f"{_TITLES[chosen]} was used"
     findings += [Finding("clock_stopped", f"{_TITLES[n]} {text}; {used}") for n, text in texts.items()]
@@ -177,10 +173,6 @@ def choose_clock(times: Times) -> Clock:
     start_s = float(first["log_time" if chosen == "robot_time" else chosen]) / _NANOSECONDS
     unix_s = start_s if start_s > _FIRST_UNIX_TIME_S else None
     return Clock(clocks[chosen], unix_s, units[chosen], start_s, chosen, first[chosen], tuple(findings))
-
-
-def _late_s(t: Float) -> float:
-    return float((np.maximum.accumulate(t) - t).max())
 
 
 def _disagreement(t: Float, log_t: Float, chosen: str) -> list[Finding]:

@@ -38,7 +38,20 @@ def read(path: Path, options: ReadOptions) -> Recording:
         raise InputError(f"{path}: no header: line 1 holds {dialect.width} numbers; {by_number(dialect.width)}")
     table = CsvTable(dialect)
     recording = read_table(table, options)
-    return _check_libfranka(recording, path, options) if table.is_libfranka else recording
+    if not table.is_libfranka:
+        return recording
+    rows, duration_s = len(recording.t), float(recording.t[-1])
+    if rows <= _EXCEPTION_LOG_ROWS and duration_s < _EXCEPTION_LOG_S and not options.allow_short:
+        what = f"{rows} rows, {duration_s:.2f} s: looks like a libfranka exception log; expected several movements"
+        raise InputError(f"{path}: {what}; log the state continuously, or read it with --allow-short")
+    if recording.mapping["q"] == "q[{i}]" and recording.robot == "unknown":  # the header of libfranka <= 0.9.0
+        recording = replace(recording, robot="panda")
+    is_start = rows > 1 and recording.first_s is None
+    if not is_start or not any(np.isnan(array[0]).any() for array in recording.channels.values()):
+        return recording
+    finding = Finding("first_row", "the first row holds no numbers yet; it is left out", amount=1.0)
+    channels = {channel: array[1:] for channel, array in recording.channels.items()}
+    return replace(recording, t=recording.t[1:], channels=channels).with_findings(finding)
 
 
 class CsvTable(Table):
@@ -66,7 +79,15 @@ class CsvTable(Table):
         self._cut: Finding | None = None
 
     def size(self, columns: ColumnMap) -> tuple[int, int, str | None]:
-        words, kind = [*self._labels] if columns.joint is None else [columns.joint], self._time_kind(columns.time)
+        words = [*self._labels] if columns.joint is None else [columns.joint]
+        kind: Any = float  # of stamps; integers where a float would lose digits, text where they are dates
+        texts = [row[c].strip() for row in self._dialect.rows for c in columns.time.cells if c < len(row)]
+        whole = [text for text in texts if text.lstrip("-").isdigit()]
+        is_split = len(columns.time.cells) > 1 and len(whole) == len(texts)
+        if texts and all(value_of(text, float, self._dialect.decimal) is None for text in texts):
+            kind = str
+        elif is_split or any(len(text) >= _LONG_INTEGER for text in whole):
+            kind = np.int64
         self._kinds = dict.fromkeys(words, str) | dict.fromkeys(columns.cells, float)
         self._kinds |= dict.fromkeys(columns.time.cells, kind)
         lines, size = self._dialect.rows, self._dialect.size
@@ -137,15 +158,6 @@ class CsvTable(Table):
                     what = f"where the first line has {label!r}; expected one order of the joints"
                     raise InputError(f"{where} {what}; sort the columns by joint")
             yield columns if time is None or kinds[time.cells[0]] is not str else self._dated(columns, time)
-
-    def _time_kind(self, time: TimeColumn) -> type:
-        """Return how stamps are read: as integers where a float would lose digits, as text where they are dates."""
-        texts = [row[cell].strip() for row in self._dialect.rows for cell in time.cells if cell < len(row)]
-        if texts and all(value_of(text, float, self._dialect.decimal) is None for text in texts):
-            return str
-        whole = [text for text in texts if text.lstrip("-").isdigit()]
-        is_split = len(time.cells) > 1 and len(whole) == len(texts)
-        return np.int64 if is_split or any(len(text) >= _LONG_INTEGER for text in whole) else float
 
     def _by_line(self, block: bytes, line: int) -> Cells:
         """Read line by line; a few cells that are no number are missing values, or cost their line as a stamp."""
@@ -236,22 +248,6 @@ def _parse(dialect: Dialect, block: bytes, kinds: Mapping[int, Any]) -> Cells | 
             return None
         found[cell] = np.from_dlpack(compute.fill_null(own, np.nan) if own.null_count else own)
     return found if table.num_columns and table.num_rows else None
-
-
-def _check_libfranka(recording: Recording, path: Path, options: ReadOptions) -> Recording:
-    """Apply what is known of libfranka's logToCSV: its ring buffer, its first row, the robot of the old header."""
-    rows, duration_s = len(recording.t), float(recording.t[-1])
-    if rows <= _EXCEPTION_LOG_ROWS and duration_s < _EXCEPTION_LOG_S and not options.allow_short:
-        what = f"{rows} rows, {duration_s:.2f} s: looks like a libfranka exception log; expected several movements"
-        raise InputError(f"{path}: {what}; log the state continuously, or read it with --allow-short")
-    if recording.mapping["q"] == "q[{i}]" and recording.robot == "unknown":  # the header of libfranka <= 0.9.0
-        recording = replace(recording, robot="panda")
-    is_start = rows > 1 and recording.first_s is None
-    if not is_start or not any(np.isnan(array[0]).any() for array in recording.channels.values()):
-        return recording
-    finding = Finding("first_row", "the first row holds no numbers yet; it is left out", amount=1.0)
-    channels = {channel: array[1:] for channel, array in recording.channels.items()}
-    return replace(recording, t=recording.t[1:], channels=channels).with_findings(finding)
 
 
 def topics(path: Path) -> tuple[Topic, ...]:

@@ -5,12 +5,11 @@ import io
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from itertools import chain, pairwise
 from pathlib import Path
 from statistics import median_low
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -66,8 +65,7 @@ _MISSING = {"", "na", "n/a", "null", "none", "nan", "-nan", "-nan(ind)", "nan(in
             "1.#qnan", "-1.#qnan", "1.#ind"}  # fmt: skip
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Dialect:
+class Dialect(NamedTuple):
     """A text table, and how it is written."""
 
     path: Path
@@ -222,7 +220,8 @@ def _below_prologue(texts: Sequence[str], start: int) -> int:
 def _names_and_first(texts: Sequence[str], start: int, separator: str) -> tuple[tuple[str, ...], bool, int]:
     """Return names of the columns, whether they are known, and which is the first line of numbers.
 
-    ``ros2 topic echo --csv`` prints a JointState without a header: stamp, frame, names of joints, three arrays.
+    ``ros2 topic echo --csv`` prints a JointState without a header: stamp, frame, names of joints, three arrays. Units
+    that stand in the line below the names are put into these.
     """
     fields = split_line(texts[start], separator)
     words = [value_of(field, float, "." if separator == "," else ",") is None for field in fields]
@@ -237,19 +236,14 @@ def _names_and_first(texts: Sequence[str], start: int, separator: str) -> tuple[
     if not has_header:
         has_header = mark is not None and len(names) == len(fields)
         names = names if has_header else tuple(f"#{column}" for column in range(1, len(fields) + 1))
-    named = _with_units(names, texts[first : first + 1], separator) if has_header else None
-    return named or names, has_header, first + (named is not None)
-
-
-def _with_units(names: tuple[str, ...], line: Sequence[str], separator: str) -> tuple[str, ...] | None:
-    """Return the names with the units that stand in the line below them; None if that is no line of units."""
-    fields = [field.strip() for field in (split_line(line[0], separator) if line else ())]
-    found = [_UNIT.fullmatch(field) for field in fields]
-    is_number = any(field and value_of(field, float, ".") is not None for field in fields)
-    if len(fields) != len(names) or is_number or not all(found) or not any(one and one[1] for one in found):
-        return None
-    named = zip(names, ((one[1] if one else None) or "" for one in found), strict=True)
-    return tuple(name if unit.lower() in _USUAL_UNITS else f"{name.strip()} [{unit}]" for name, unit in named)
+    below = [field.strip() for line in texts[first : first + has_header] for field in split_line(line, separator)]
+    units = [_UNIT.fullmatch(field) for field in below]
+    is_number = any(field and value_of(field, float, ".") is not None for field in below)
+    if len(below) != len(names) or is_number or not all(units) or not any(one and one[1] for one in units):
+        return names, has_header, first
+    named = zip(names, ((one[1] if one else None) or "" for one in units), strict=True)
+    names = tuple(name if unit.lower() in _USUAL_UNITS else f"{name.strip()} [{unit}]" for name, unit in named)
+    return names, has_header, first + 1
 
 
 def recognises(path: Path) -> bool:

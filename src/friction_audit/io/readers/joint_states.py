@@ -52,7 +52,7 @@ ROBOT_STATE |= {"tau_J_d": "desired_joint_state.effort", "tau_ext_hat_filtered":
 RANKS = {"q": 0, ROBOT_STATE["q"]: 0, JOINT_STATE["q"]: 1, f"joints[].{JOINT_STATE['q']}": 1}
 
 
-def match_kind(paths: Sequence[str]) -> MessageKind | None:
+def kind_of(paths: Sequence[str]) -> MessageKind | None:
     """Take a message whose fields have names of a position and of a torque, as columns of tables have them."""
     named = {path: name for path in paths if (name := parse_name(path)) and name.index is None and name.joint is None}
     rank_of, found = ranks(named.values()), dict[str, str]()
@@ -188,7 +188,11 @@ def choose_topic(
             raise InputError(f"{path}: topic {there.name} {what}; {listed}")
         measured = [there]
     elif not measured:
-        what = _nothing_to_read(candidates, topics)
+        what = f"no topic with measured joint states; {_EXPECTED}"
+        if not any(topic.messages for topic in topics):
+            what = "0 messages on any topic; expected joint states"
+        elif broken := next((candidate for candidate in candidates if not candidate.is_decoded), None):
+            what = f"the first messages on topic {broken.name} of type {broken.type} do not fit their definition"
         how = "name a topic with --topic and its fields with --map, or record again"
         raise InputError(f"{path}: {what}; {listed}; {how}")
     else:
@@ -213,15 +217,6 @@ def _refuse_several_arms(path: Path, candidates: Sequence[Candidate]) -> None:
     listed = [f"--topic '{choice}' ({c.messages} messages)" for c in candidates for choice in c.choices.values()]
     message = f"{path}: several arms in one log; choose one with {' or '.join(listed)}"
     raise SeveralLogsError(message, [best[arm] for arm in sorted(best)])
-
-
-def _nothing_to_read(candidates: Sequence[Candidate], topics: Sequence[Topic]) -> str:
-    broken = next((candidate for candidate in candidates if not candidate.is_decoded), None)
-    if not any(topic.messages for topic in topics):
-        return "0 messages on any topic; expected joint states"
-    if broken:
-        return f"the first messages on topic {broken.name} of type {broken.type} do not fit their definition"
-    return f"no topic with measured joint states; {_EXPECTED}"
 
 
 # Values of some joints in messages that follow each other: the clocks, and channel -> a column per joint.

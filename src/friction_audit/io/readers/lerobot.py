@@ -6,20 +6,18 @@ features of a frame are lists whose elements ``info.json`` names: ``observation.
 """
 
 import json
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
 from friction_audit.io.files import DATA_SET
-from friction_audit.io.readers.arrays import ArrayTable, column_of
+from friction_audit.io.readers.arrays import ArrayTable, arrays_of_frame
 from friction_audit.io.readers.channel_names import parse_name
-from friction_audit.io.readers.reader import ReadOptions, SeveralLogsError, Topic, refuse_lfs_pointer
+from friction_audit.io.readers.reader import ReadOptions, SeveralLogsError, Topic, refuse_pointer
 from friction_audit.io.readers.table import read_table
 from friction_audit.io.recording import Recording
 
@@ -101,14 +99,15 @@ def _motors(names: Any) -> list[str]:  # noqa: ANN401 - JSON
 
 def _episodes(path: Path) -> dict[str, tuple[Path, int]]:
     """Return by name the file that each episode is in, and its frames."""
+    from friction_audit.io.readers.parquet import opened
+
     found: dict[int, tuple[Path, int]] = {}
     for file in sorted((path / "data").glob("**/*.parquet")):
-        refuse_lfs_pointer(file)
-        with _opened(file) as parquet:
+        refuse_pointer(file)
+        with opened(file) as parquet:
             if "episode_index" in parquet.schema_arrow.names:
-                index = column_of(parquet.read(["episode_index"]), "episode_index")
-                counted = zip(*np.unique(index, return_counts=True), strict=True)
-                found |= {int(number): (file, int(count)) for number, count in counted}
+                counts = parquet.read(["episode_index"])["episode_index"].value_counts().to_pylist()
+                found |= {int(one["values"]): (file, one["counts"]) for one in counts}
     if not any(frames for _, frames in found.values()):
         raise InputError(f"{path}: 0 frames; expected episodes in data/*/*.parquet; fetch or record them")
     return {f"episode_{number:06d}": found[number] for number in sorted(found)}
@@ -116,29 +115,12 @@ def _episodes(path: Path) -> dict[str, tuple[Path, int]]:
 
 def _columns(file: Path, episode: str) -> dict[str, NDArray[Any]]:
     """Return the columns of numbers of an episode, by the names of their features."""
-    import pyarrow as pa
     from pyarrow import compute
 
-    from friction_audit.io.readers.arrow import is_of
+    from friction_audit.io.readers.parquet import is_of, opened
 
-    with _opened(file) as parquet:
+    with opened(file) as parquet:
         kinds = {one.name: one.type.value_type if is_of(one.type, "list") else one.type for one in parquet.schema_arrow}
-        wanted = [name for name, kind in kinds.items() if is_of(kind, "number")]
-        table = parquet.read(wanted)
-    table = table.filter(compute.equal(table["episode_index"], int(episode.rpartition("_")[2])))
-    try:
-        return {name: column_of(table, name) for name in wanted}
-    except (ValueError, pa.ArrowException) as error:
-        raise InputError(f"{file}: {error}; expected lists of one length in every frame; copy the data set") from error
-
-
-@contextmanager
-def _opened(file: Path) -> Iterator[Any]:
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    try:
-        with pq.ParquetFile(file) as parquet:
-            yield parquet
-    except (pa.ArrowException, OSError) as error:
-        raise InputError(f"{file}: a damaged or unfinished Parquet file: {error}; copy the data set again") from error
+        table = parquet.read([name for name, kind in kinds.items() if is_of(kind, "number")])
+    own = compute.equal(table["episode_index"], int(episode.rpartition("_")[2]))
+    return arrays_of_frame(table.filter(own), str(file))

@@ -4,10 +4,9 @@ import json
 import struct
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from functools import cache, partial
 from itertools import product
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,8 +34,7 @@ Records = NDArray[np.void]
 Fields = Iterator[tuple[str, Any, bool]]  # name of each field of a message, what it holds if fields, whether in a list
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Layout:
+class Layout(NamedTuple):
     """Layout of one payload."""
 
     size: int  # length of the payload [byte]
@@ -69,8 +67,7 @@ class Layout:
         return np.ndarray((count,), kind, buffer, offset=start, strides=(stride,))
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class MessageDecoder:
+class MessageDecoder(NamedTuple):
     """Decodes payloads of one connection."""
 
     # Dotted paths of the fields that hold numbers, strings or time stamps, one level of nesting deep; list[].field for

@@ -24,7 +24,7 @@ _SMALLEST_BOUND = 1 << 20  # below it the ratio is not checked [byte]
 # Recorders close a chunk after 0.75 to 16 MB; a larger one would have to lie in memory as a whole. [byte]
 LARGEST_CHUNK = 256 << 20
 LARGEST_MESSAGE = 1 << 20  # the state of a thousand joints takes 50 kB; a message of a gigabyte is a bomb [byte]
-ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
+ZSTD = b"\x28\xb5\x2f\xfd"  # what it begins with
 
 
 class BrokenError(Exception):
@@ -177,16 +177,14 @@ class MessageStream(AbstractContextManager["MessageStream"]):
     def _decompressed(self, blocks: Iterable[Block]) -> Iterator[Block]:
         """Yield blocks of messages; where a recorder has compressed each message, decompressed."""
         for block in blocks:
-            packed = block.buffer.startswith(ZSTD_MAGIC, int(block.start[0]))
+            packed = block.buffer.startswith(ZSTD, int(block.start[0]))
             rows = list(zip(block.log_time.tolist(), block.payloads(), strict=True)) if packed else []
             if plain := self._block(block.key, rows) if packed else block:
                 yield plain
 
     def _block(self, key: int, rows: Sequence[tuple[Any, ...]]) -> Block | None:
         """Join messages; what is no time stamp with bytes, or cannot be decompressed, is left out."""
-        sound = [
-            (time, own) for *_, time, data in rows if isinstance(time, int) and (own := _message(data)) is not None
-        ]
+        sound = [(time, own) for *_, time, raw in rows if isinstance(time, int) and (own := _message(raw)) is not None]
         if len(sound) < len(rows):
             self._note(None, "messages without time stamp or bytes, or with broken compression, were left out")
         return one_block(key, *zip(*sound, strict=True)) if sound else None
@@ -255,7 +253,7 @@ def one_block(key: int, log_time: Sequence[int], payloads: Sequence[bytes]) -> B
 
 def _message(data: object) -> bytes | None:
     """Return a message, decompressed if it was compressed: no CDR message begins as zstd does. None if it is broken."""
-    if not isinstance(data, bytes) or not data.startswith(ZSTD_MAGIC):
+    if not isinstance(data, bytes) or not data.startswith(ZSTD):
         return data if isinstance(data, bytes) else None
     from zstandard import ZstdError, frame_content_size
 

@@ -16,14 +16,7 @@ from friction_audit.io.files import stamp_of
 from friction_audit.io.readers.channel_names import robot_of
 from friction_audit.io.readers.clocks import UNITS, Clock, choose_clock
 from friction_audit.io.readers.columns import MOST_JOINTS
-from friction_audit.io.readers.joint_states import (
-    Candidate,
-    JointDecoder,
-    MessageKind,
-    choose_topic,
-    match_kind,
-    rows_of,
-)
+from friction_audit.io.readers.joint_states import Candidate, JointDecoder, MessageKind, choose_topic, kind_of, rows_of
 from friction_audit.io.readers.message_decoder import decoder_for
 from friction_audit.io.readers.message_stream import Block, BrokenError, Connection, MessageStream, Window, one_block
 from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, MARGIN_S, ReadOptions, Topic, refuse_too_large, serial_in
@@ -221,7 +214,7 @@ def _kind(path: Path, connection: Connection, paths: Sequence[str], stated: Mapp
             f"{path}: topic {connection.topic}: no field {', '.join(absent)} in {connection.type}{near}; "
             f"its fields are {', '.join(paths)}; correct --map"
         )
-    kind = match_kind(paths)
+    kind = kind_of(paths)
     if not stated:
         return kind
     kind = kind or MessageKind(rank=0, fields={}, stamps=tuple({"header.stamp"} & {*paths}))

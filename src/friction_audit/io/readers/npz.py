@@ -6,14 +6,12 @@ import zipfile
 import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from math import prod
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, NamedTuple
 
 import numpy as np
 from numpy.lib import format as npy
-from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
 from friction_audit.io.files import starts_with
@@ -30,14 +28,12 @@ _PANDA_PY_CLOCK = TimeColumn(cells=(), name="time", unit="ms", clock="robot_time
 _ZIP_MAGIC = b"PK"
 _NAMES_BYTES = 1 << 20
 _BLOCK_ROWS = 1 << 16
-_NAME_LENGTHS = 26  # where they are in the header of an entry
 # What NumPy and the zip module raise on a damaged archive.
 _DAMAGED = (zipfile.BadZipFile, zlib.error, struct.error, tokenize.TokenError, SyntaxError, OSError, EOFError,
             LookupError, OverflowError, ValueError, RuntimeError)  # fmt: skip
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Entry:
+class Entry(NamedTuple):
     """An array in the archive, by what its header says: ``offset`` is the header's length in bytes."""
 
     info: zipfile.ZipInfo
@@ -73,21 +69,15 @@ class NpzTable(ArrayTable):
         self.clock = _PANDA_PY_CLOCK if self._entries.keys() >= _PANDA_PY else None
 
     def in_blocks(self, columns: ColumnMap) -> tuple[int, Pieces] | None:
-        """Read pieces of all arrays side by side; None where one is compressed with its columns one after the other."""
-        entries = dict.fromkeys(self._entries[self.arrays[cell][0]] for cell in columns.cells)
-        by_column = [entry for entry in entries if entry.by_column]
-        if any(entry.info.compress_type != zipfile.ZIP_STORED for entry in by_column):
-            return None
-        for entry in by_column:  # to read it in places says nothing of a wrong checksum
-            for _ in _pieces(self._archive, entry):
-                pass
-        return next(iter(entries)).shape[0], self._side_by_side
+        """Read pieces of all arrays side by side; None where one lies in the file column after column."""
+        entries = [self._entries[self.arrays[cell][0]] for cell in columns.cells]
+        return None if any(entry.by_column for entry in entries) else (entries[0].shape[0], self._side_by_side)
 
     def _side_by_side(self, cells: Sequence[int]) -> Iterator[Cells]:
         names = list(dict.fromkeys(self.arrays[cell][0] for cell in cells))
         with _opened(self.path) as archive:
-            for chunks in zip(*(_chunks(archive, self._entries[name]) for name in names), strict=True):
-                arrays = dict(zip(names, chunks, strict=True))
+            for pieces in zip(*(_pieces(archive, self._entries[name]) for name in names), strict=True):
+                arrays = {name: array for name, (_, array) in zip(names, pieces, strict=True)}
                 yield {cell: arrays[self.arrays[cell][0]][:, self.arrays[cell][1]] for cell in cells}
 
     def pieces(self, columns: ColumnMap, name: str, rows: Rows) -> Iterator[Piece]:  # noqa: ARG002
@@ -152,23 +142,6 @@ def _pieces(archive: zipfile.ZipFile, entry: Entry) -> Iterator[Piece]:
                 content = _read_exactly(stream, rows * width * entry.dtype.itemsize)
                 yield column, np.frombuffer(content, entry.dtype).reshape(rows, width)
         stream.read(1)  # which verifies the checksum
-
-
-def _chunks(archive: zipfile.ZipFile, entry: Entry) -> Iterator[NDArray[Any]]:
-    """Yield the rows of an array, (m, k), in pieces that are alike for all arrays of one length."""
-    samples, size = entry.shape[0], entry.dtype.itemsize
-    if not entry.by_column:
-        yield from (array for _, array in _pieces(archive, entry))
-        return
-    with Path(str(archive.filename)).open("rb") as file:
-        file.seek(entry.info.header_offset + _NAME_LENGTHS)  # of the name and of the extra field that follow
-        begin = sum(struct.unpack("<HH", file.read(4))) + file.tell() + entry.offset
-        for first in range(0, samples, _BLOCK_ROWS):
-            rows, lots = min(_BLOCK_ROWS, samples - first), list[bytes]()
-            for column in range(entry.width):
-                file.seek(begin + (column * samples + first) * size)
-                lots.append(_read_exactly(file, rows * size))
-            yield np.frombuffer(b"".join(lots), entry.dtype).reshape(rows, entry.width, order="F")
 
 
 def _read_exactly(stream: IO[bytes], size: int) -> bytes:

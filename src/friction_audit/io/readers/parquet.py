@@ -4,6 +4,7 @@ import json
 from bisect import bisect
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +14,7 @@ from numpy.typing import NDArray
 from pyarrow.parquet import FileMetaData, ParquetFile
 
 from friction_audit.errors import InputError
-from friction_audit.io.readers import arrow
 from friction_audit.io.readers.channel_names import is_label, labels_of
-from friction_audit.io.readers.clocks import TimeColumn
 from friction_audit.io.readers.columns import ColumnMap
 from friction_audit.io.readers.reader import ReadOptions, Topic, serial_in
 from friction_audit.io.readers.table import ROBOT_COLUMN, Cells, ColumnTable, Piece, Pieces, Rows, read_table
@@ -28,13 +27,26 @@ from friction_audit.presets import PRESETS
 _BATCH_ROWS, _BATCH_BYTES, _FEWEST_BYTES, _NUMBERS_PER_BYTE = 1 << 16, 10 << 20, 4 << 20, 450
 _BUFFER_BYTES = 1 << 17
 _LOOK_ROWS = 1000  # the first list that is not empty is among them: the first messages of a topic may be empty
+KINDS = {
+    "stamp": (pa.types.is_timestamp, pa.types.is_duration),  # whose type names the unit
+    "list": (pa.types.is_list, pa.types.is_large_list, pa.types.is_fixed_size_list),
+    "number": (pa.types.is_floating, pa.types.is_integer, pa.types.is_decimal),
+    "text": (pa.types.is_string, pa.types.is_large_string, pa.types.is_string_view),
+}
 
 
 def read(path: Path, options: ReadOptions) -> Recording:
     """Read a Parquet file."""
+    with opened(path) as file:
+        return read_table(ParquetTable(path, file), options)
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[ParquetFile]:
+    """Open a Parquet file; InputError if it is damaged, or what is read of it meanwhile."""
     try:
         with _open(path) as file:
-            return read_table(ParquetTable(path, file), options)
+            yield file
     except MemoryError:  # Arrow's own is an ArrowException too
         raise
     except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
@@ -59,14 +71,14 @@ class ParquetTable(ColumnTable):
 
     def __init__(self, path: Path, file: ParquetFile) -> None:
         """Name the numbers of a row: scalars, and the elements of lists as long as the first that is not empty."""
-        fields = arrow.flat(pa.Table.from_batches([], file.schema_arrow)).schema
+        fields = _flat(pa.Table.from_batches([], file.schema_arrow)).schema
         self._file, self._damage = file, dict[tuple[str, int], tuple[int, str]]()
         self._types = {field.name: field.type for field in fields}
         self._sizes = [file.metadata.row_group(group).num_rows for group in range(file.metadata.num_row_groups)]
         self.groups = np.cumsum([0, *self._sizes]).tolist()
-        lists = [field.name for field in fields if arrow.is_of(field.type, "list")]
+        lists = [field.name for field in fields if is_of(field.type, "list")]
         scalars = [field.name for field in fields if field.name not in lists]
-        numbers = [name for name in lists if arrow.is_of(self._types[name].value_type, "number")]
+        numbers = [name for name in lists if is_of(self._types[name].value_type, "number")]
         first = _first_rows(file, numbers)
         self.arrays = [(name, 0) for name in scalars]
         for name in numbers:
@@ -78,7 +90,7 @@ class ParquetTable(ColumnTable):
         super().__init__(path, [f"{name}[{at}]" if self._widths[name] else name for name, at in self.arrays])
         self.refuse_several_robots(_first_rows(file, [name for name in scalars if ROBOT_COLUMN.fullmatch(name)]))
         said = (name for name in lists if is_label(f"{name}[0]"))
-        labels = [name for name in said if arrow.is_of(self._types[name].value_type, "text")]
+        labels = [name for name in said if is_of(self._types[name].value_type, "text")]
         named = {name: list(map(str, next(filter(None, rows), []))) for name, rows in _first_rows(file, labels).items()}
         self._joints = {name: joints for name, joints in named.items() if joints}
         cells = {f"{name}[{i}]": joint for name, joints in self._joints.items() for i, joint in enumerate(joints)}
@@ -104,19 +116,24 @@ class ParquetTable(ColumnTable):
         if self.labels and columns.joint is None:
             self._refuse_moving_joints()
         kind = self._types[self.arrays[columns.time.cells[0]][0]]
-        unit = str(kind.unit) if arrow.is_of(kind, "stamp") else columns.time.unit
+        unit = str(kind.unit) if is_of(kind, "stamp") else columns.time.unit
         return self._file.metadata.num_rows, self.path.stat().st_size, unit
 
     def _refuse_moving_joints(self) -> None:
         start = 0
         for batch in self._file.iter_batches(batch_size=_BATCH_ROWS, columns=list(self._joints)):
-            table = arrow.flat(batch)
+            table = _flat(batch)
             for name, joints in self._joints.items():
                 array = table[name].combine_chunks()
                 lengths = array.value_lengths().fill_null(-1).to_numpy(zero_copy_only=False)
                 same = (lengths == len(joints)) | (lengths == 0)
                 if same.all():
-                    same[lengths > 0] = arrow.are_the_same(array.flatten(), joints)
+                    texts = array.flatten()
+                    is_coded = pa.types.is_dictionary(texts.type)
+                    coded = (texts.dictionary_decode() if is_coded else texts).dictionary_encode()
+                    codes = {text: code for code, text in enumerate(coded.dictionary.to_pylist())}
+                    rows = coded.indices.to_numpy(zero_copy_only=False).reshape(-1, len(joints))
+                    same[lengths > 0] = (rows == [codes.get(joint, -1) for joint in joints]).all(axis=1)
                 if not same.all():
                     row = int(np.flatnonzero(~same)[0])
                     raise InputError(
@@ -133,7 +150,7 @@ class ParquetTable(ColumnTable):
             try:
                 with _open(self.path, self._file.metadata) as file:
                     for batch in file.iter_batches(rows, groups, columns=names, use_threads=False):
-                        table = arrow.flat(batch)
+                        table = _flat(batch)
                         arrays = {name: self._array(table, name, columns, 0) for name in names}
                         yield {cell: arrays[self.arrays[cell][0]][:, self.arrays[cell][1]] for cell in cells}
             except (pa.ArrowException, OSError) as error:
@@ -150,40 +167,33 @@ class ParquetTable(ColumnTable):
                     for batch in file.iter_batches(_BATCH_ROWS, [group], [name], use_threads=False):
                         if self.groups[group] + done >= rows[1]:
                             return
-                        yield 0, self._array(arrow.flat(batch), name, columns, self.groups[group] + done)
+                        yield 0, self._array(_flat(batch), name, columns, self.groups[group] + done)
                         done += len(batch)
                 except MemoryError:  # Arrow's own is an ArrowException too
                     raise
                 except (pa.ArrowException, OSError) as error:
                     self._damage[name, group] = size - done, " ".join(str(error).split())
-                    self._refuse_lost_stamps(columns.time)
+                    stamps = {self.arrays[cell][0] for cell in columns.time.cells}
+                    if {*range(len(self._sizes))} <= {number for name, number in self._damage if name in stamps}:
+                        damage = "; ".join(finding.message for finding in self.findings())
+                        what = f"a damaged Parquet file: {damage}; copy or record it again"
+                        raise InputError(f"{self.path}: {what}") from error
                     yield 0, np.full((size - done, max(self._widths[name], 1)), np.nan)
-
-    def _refuse_lost_stamps(self, time: TimeColumn) -> None:
-        """Refuse a table with a damaged clock in all row groups."""
-        names, groups = {self.arrays[cell][0] for cell in time.cells}, {*range(len(self._sizes))}
-        if groups <= {group for name, group in self._damage if name in names}:
-            damage = "; ".join(finding.message for finding in self.findings())
-            raise InputError(f"{self.path}: a damaged Parquet file: {damage}; copy or record it again")
 
     def _array(self, table: pa.Table, name: str, columns: ColumnMap, start: int) -> NDArray[Any]:
         """Return an array of a batch that begins at a row, (m, k)."""
         if columns.joint is not None and name == self.arrays[columns.joint][0]:
             return np.asarray(table[name].to_numpy().astype(str), object)[:, None]
-        values = self._values(arrow.whole(table[name]), name, start)
-        if name in {self.arrays[cell][0] for cell in columns.time.cells}:
-            self._refuse_missing_stamps(name, values, columns.time)
-        return values.reshape(len(values), -1)
-
-    def _refuse_missing_stamps(self, column: str, values: NDArray[Any], time: TimeColumn) -> None:
-        """Refuse integer stamps with nulls among them: an integer has no value for a missing one."""
-        kind = self._types[column]
-        is_integer = len(time.cells) > 1 or arrow.is_of(kind, "stamp") or pa.types.is_integer(kind)
-        if is_integer and values.dtype.kind == "f" and np.isnan(values).any():
-            raise InputError(
-                f"{self.path}: {column} lacks {np.count_nonzero(np.isnan(values))} stamps; expected one in every row; "
-                "remove the rows without, or name another clock with --map t=<column>"
+        values = self._values(table[name].chunk(0), name, start)
+        kind, time = self._types[name], columns.time
+        is_integer = len(time.cells) > 1 or is_of(kind, "stamp") or pa.types.is_integer(kind)
+        is_time = is_integer and name in {self.arrays[cell][0] for cell in time.cells}
+        if is_time and values.dtype.kind == "f" and (lost := np.count_nonzero(np.isnan(values))):
+            raise InputError(  # an integer has no value for a missing one
+                f"{self.path}: {name} lacks {lost} stamps; expected one in every row; remove the rows without, or name "
+                "another clock with --map t=<column>"
             )
+        return values.reshape(len(values), -1)
 
     def findings(self) -> tuple[Finding, ...]:
         text, many = "{}: row group {} of {} is damaged, and its last {} rows are left out ({})", len(self._sizes)
@@ -197,9 +207,9 @@ class ParquetTable(ColumnTable):
         width = self._widths[column]
         if width == 0:
             kind = array.type
-            if not (arrow.is_of(kind, "number") or arrow.is_of(kind, "stamp") or pa.types.is_boolean(kind)):
+            if not (is_of(kind, "number") or is_of(kind, "stamp") or pa.types.is_boolean(kind)):
                 raise InputError(f"{self.path}: {column} holds {array.type}; expected numbers; name another with --map")
-            return arrow.integers_or_floats(array)
+            return _integers_or_floats(array)
         lengths = array.value_lengths().fill_null(0).to_numpy(zero_copy_only=False)
         if not ((lengths == width) | (lengths == 0)).all():
             row = int(np.flatnonzero((lengths != width) & (lengths != 0))[0])
@@ -208,8 +218,32 @@ class ParquetTable(ColumnTable):
                 "the first row; name a column of constant length with --map"
             )
         values = np.full((len(array), width), np.nan)
-        values[lengths == width] = arrow.integers_or_floats(array.flatten()).reshape(-1, width)
+        values[lengths == width] = _integers_or_floats(array.flatten()).reshape(-1, width)
         return values
+
+
+def is_of(kind: pa.DataType, what: str) -> bool:
+    """Return whether a type is one of KINDS; text may be in a dictionary."""
+    inner = kind.value_type if what == "text" and pa.types.is_dictionary(kind) else kind
+    return any(is_one(inner) for is_one in KINDS[what])
+
+
+def _flat(table: pa.Table | pa.RecordBatch) -> pa.Table:
+    """Return a table with the fields of structs as columns of dotted names."""
+    found = table if isinstance(table, pa.Table) else pa.Table.from_batches([table])
+    while any(pa.types.is_struct(field.type) for field in found.schema):
+        found = found.flatten()
+    return found
+
+
+def _integers_or_floats(array: pa.Array) -> NDArray[Any]:
+    """Return Arrow numbers as NumPy: stamps as int64, everything else as it is, NaN for null."""
+    if is_of(array.type, "stamp"):
+        array = array.cast(pa.int64())
+    if pa.types.is_decimal(array.type) or pa.types.is_boolean(array.type):
+        array = array.cast(pa.float64())
+    # Arrow's own conversion loads pandas, half a second, which only nulls need.
+    return np.asarray(array.to_numpy(zero_copy_only=False) if array.null_count else np.from_dlpack(array))
 
 
 def _first_rows(file: ParquetFile, columns: Sequence[str]) -> dict[str, list[Any]]:
@@ -217,15 +251,12 @@ def _first_rows(file: ParquetFile, columns: Sequence[str]) -> dict[str, list[Any
     first = next(file.iter_batches(batch_size=_LOOK_ROWS, columns=columns), None) if columns else None
     if first is None:
         return {}
-    table = arrow.flat(first)
+    table = _flat(first)
     return {name: table[name].to_pylist() for name in columns}
 
 
 def topics(path: Path) -> tuple[Topic, ...]:
     """List the table of a Parquet file."""
-    try:
-        with _open(path) as file:
-            rows, columns = file.metadata.num_rows, file.metadata.num_columns
-    except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: a damaged or unfinished Parquet file: {error}; copy or record it again") from error
+    with opened(path) as file:
+        rows, columns = file.metadata.num_rows, file.metadata.num_columns
     return (Topic(name=path.name, type=f"table of {columns} columns", messages=rows, readable=True),)

@@ -52,7 +52,7 @@ def refuse_bomb(path: Path, unpacked: int, packed: int) -> None:
         raise InputError(f"{path}: {size}; expected at most {_BOMB_RATIO} times as much; it is damaged or no recording")
 
 
-def refuse_lfs_pointer(path: Path) -> None:
+def refuse_pointer(path: Path) -> None:
     """Refuse a file that stands for one that Git has not fetched."""
     if starts_with(path, _GIT_LFS):
         raise InputError(f"{path}: a Git LFS pointer; expected the log itself; fetch it with `git lfs pull`")

@@ -80,9 +80,7 @@ def _opened(path: Path) -> Iterator[MessageStream]:
 def _storage_files(path: Path, metadata: str) -> list[Path]:
     """Find the storage files of a bag, in the order of their numbers."""
     names = [file.name for file in path.iterdir() if file.name.endswith(STORAGE_NAMES)]
-    names.sort(
-        key=lambda name: [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", name)]
-    )
+    names.sort(key=lambda one: [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", one)])
     listed = [Path(text).name for text in _ITEM.findall(metadata) if text.endswith(STORAGE_NAMES)]
     if missing := [name for name in listed if name not in names]:
         there = f"copy the whole bag, or give one of its files alone ({', '.join(names)})"

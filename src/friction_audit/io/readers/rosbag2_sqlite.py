@@ -17,14 +17,7 @@ from typing import Any
 import numpy as np
 
 from friction_audit.errors import InputError
-from friction_audit.io.readers.message_stream import (
-    LARGEST_MESSAGE,
-    ZSTD_MAGIC,
-    Block,
-    Connection,
-    MessageStream,
-    Window,
-)
+from friction_audit.io.readers.message_stream import LARGEST_MESSAGE, ZSTD, Block, Connection, MessageStream, Window
 from friction_audit.joint_log import Bool, Int
 
 _INTERIOR, _LEAF = (5, 12), (13, 8)  # pages of a table: their first byte, length of their header
@@ -36,7 +29,6 @@ _PAGE, _ID, _BEGIN, _SIZE, _LOCAL, _TOPIC, _TIME, _START, _WIDTH, _IS_MESSAGE = 
 _WIDTHS = np.array([0, 1, 2, 3, 4, 6, 8, 8, 0, 0, 0, 0])
 _ARE_INTEGERS = np.isin(np.arange(12), (1, 2, 3, 4, 5, 6, 8, 9))
 _ZERO, _BYTES = 8, 12
-_ZSTD = int.from_bytes(ZSTD_MAGIC, "big")
 _LARGEST_ID = 2**63 - 1
 # The nearest message before and after a part of the log.
 _OUTSIDE = (
@@ -215,7 +207,11 @@ class Sqlite3Stream(MessageStream):
 
     def _blocks_of(self, key: int, pages: _Pages, rows: Int) -> Iterator[Block]:
         """Yield messages where they lie; one by one if some are on several pages, are compressed or are no messages."""
-        is_plain = rows[_IS_MESSAGE] & (rows[_LOCAL] == rows[_SIZE]) & (pages.integers(rows[_START], 4) != _ZSTD)
+        is_plain = (
+            rows[_IS_MESSAGE]
+            & (rows[_LOCAL] == rows[_SIZE])
+            & (pages.integers(rows[_START], 4) != int.from_bytes(ZSTD))
+        )
         if is_plain.all():
             yield Block(key, rows[_TIME], pages.content, rows[_START], rows[_WIDTH])
             return

@@ -4,10 +4,9 @@ import shutil
 import sqlite3
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing
-from dataclasses import dataclass, replace
 from functools import partial, reduce
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +21,7 @@ Typestore = Any  # of rosbags, which takes long to import
 ENCODINGS = {1: "ros1", 2: "cdr"}  # generation of ROS -> how its messages are serialised
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class MessageType:
+class MessageType(NamedTuple):
     """A message type that holds joint states."""
 
     name: str  # name as ROS 2 spells it
@@ -39,7 +37,7 @@ class MessageType:
 JOINT_STATE_ROS2 = MessageType(
     name="sensor_msgs/msg/JointState", topic="/joint_states", ros=2, fields=JOINT_STATE, names=("name",)
 )
-JOINT_STATE_ROS1 = replace(JOINT_STATE_ROS2, ros=1)
+JOINT_STATE_ROS1 = JOINT_STATE_ROS2._replace(ros=1)
 FRANKA_STATE_ROS1 = MessageType(  # franka_ros 0.10
     name="franka_msgs/msg/FrankaState",
     topic="/franka_state_controller/franka_states",
@@ -49,18 +47,16 @@ FRANKA_STATE_ROS1 = MessageType(  # franka_ros 0.10
     joints=7,
     definitions=("Errors_41", "FrankaState_ros1"),
 )
-FRANKA_STATE = replace(  # multipanda_ros2, the fork for the Panda
-    FRANKA_STATE_ROS1,
+FRANKA_STATE = FRANKA_STATE_ROS1._replace(  # multipanda_ros2, the fork for the Panda
     topic="/franka_robot_state_broadcaster/robot_state",
     ros=2,
     fields={name: name.lower() for name in ROBOT_STATE},
     definitions=("Errors_41", "FrankaState_multipanda"),
 )
-FRANKA_ROBOT_STATE_FLAT = replace(  # franka_ros2 up to v0.1.9
-    FRANKA_STATE, name="franka_msgs/msg/FrankaRobotState", definitions=("Errors_36", "FrankaState_flat")
+FRANKA_ROBOT_STATE_FLAT = FRANKA_STATE._replace(  # franka_ros2 up to v0.1.9
+    name="franka_msgs/msg/FrankaRobotState", definitions=("Errors_36", "FrankaState_flat")
 )
-FRANKA_ROBOT_STATE = replace(  # franka_ros2 from v0.1.10 on
-    FRANKA_ROBOT_STATE_FLAT,
+FRANKA_ROBOT_STATE = FRANKA_ROBOT_STATE_FLAT._replace(  # franka_ros2 from v0.1.10 on
     fields=ROBOT_STATE,
     names=("measured_joint_state.name", "desired_joint_state.name", "tau_ext_hat_filtered.name"),
     joints=None,
