@@ -244,7 +244,8 @@ def intervals(model: FittedModel, dictionary: Dictionary) -> Estimates:
     prior = np.zeros(len(rows))
     prior[: len(base)], prior[len(base) + sum(map(len, free)) :] = gram.precision[fit.kept], PRIOR_STEPS**-2.0
     half = _jackknife(gram, rows, prior)
-    nominal = {name: _around(fit.coefficients[k], half[k]) for k, name in enumerate(gram.problem.nominal.names)}
+    names = gram.problem.nominal.names
+    nominal = {name: Coefficient.around(*one) for name, *one in zip(names, fit.coefficients, half, strict=False)}
     _, *widths = np.split(half, np.cumsum([len(base), *map(len, (*free, *slopes))])[:-1])
     linear, effects, missing = iter(widths), [], []
     # A delay that is found holds the recorder's own, evenly spread over one sample.
@@ -272,30 +273,26 @@ def _following(block: Block, nonlinear: dict[str, Coefficient]) -> Coefficient:
     return Coefficient(value=value, low=min(limits) if known else -np.inf, high=max(limits) if known else np.inf)
 
 
-def _around(value: float, half: float) -> Coefficient:
-    return Coefficient(value=float(value), low=float(value - half), high=float(value + half))
-
-
 def _linear(labels: Sequence[str], c: Float, half: Float, columns: Float) -> tuple[dict[str, Coefficient], list[str]]:
     """Coefficients, and the names of those whose error alone makes more torque than the whole effect."""
     errors, torque = half * np.sqrt(np.mean(columns**2, axis=1)), float(np.sqrt(np.mean((c @ columns) ** 2)))
-    found = {name: _around(*one) for name, *one in zip(labels, c, half, strict=True)}
+    found = {name: Coefficient.around(*one) for name, *one in zip(labels, c, half, strict=True)}
     return found, [name for name, error in zip(labels, errors.tolist(), strict=True) if not error <= torque]
 
 
 def _free(scale: Scale, half: Float) -> tuple[dict[str, Coefficient], tuple[str, ...]]:
     """Nonlinear parameters with their intervals, and the names of those that are not identifiable."""
-    found, unknown = {n: Coefficient(value=v, low=v, high=v) for n, v in scale.block.shape.items()}, []
+    found, unknown = {n: Coefficient.around(v, 0.0) for n, v in scale.block.shape.items()}, []
     for k, name in enumerate(scale.names):
         value, reach = scale.block.shape[name], float(half[k] * scale.unit[k])
         wide = reach > WIDEST if scale.log[k] else half[k] > WIDEST_STEPS
         if wide or not np.isfinite(reach):
             unknown.append(name)
-            found[name] = Coefficient(value=value, low=-np.inf, high=np.inf)
+            found[name] = Coefficient.around(value, np.inf)
         elif scale.log[k]:
             found[name] = Coefficient(value=value, low=float(value * np.exp(-reach)), high=float(value * np.exp(reach)))
         else:
-            found[name] = _around(value, reach)
+            found[name] = Coefficient.around(value, reach)
     return found, tuple(unknown)
 
 

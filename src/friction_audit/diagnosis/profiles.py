@@ -150,7 +150,7 @@ def contact_effects(state: State, profiles: tuple[Profile, ...]) -> tuple[NamedE
         NamedEffect(
             name=Contact.name,
             label=Contact.label,
-            parameters={k: Coefficient(value=v, low=float("nan"), high=float("nan")) for k, v in numbers.items()},
+            parameters={k: Coefficient.around(v) for k, v in numbers.items()},
             axis=Contact.axis,
             gap_before_nm=before,
             gap_after_nm=after,

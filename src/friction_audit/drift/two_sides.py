@@ -95,7 +95,7 @@ class _Mean:
 
     def interval(self) -> Coefficient:
         half = float(stdtrit(self.freedom, TWO_SIDED)) * self.variance**0.5
-        return Coefficient(value=self.value, low=self.value - half, high=self.value + half)
+        return Coefficient.around(self.value, half)
 
 
 _Sides = Sequence[Sequence[JointSummary]]  # a joint in the recordings of each side that have it
