@@ -15,11 +15,11 @@ import numpy as np
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.gram import COPY, RIDGE, Gram, Training
 from friction_audit.diagnosis.result import Gap
-from friction_audit.diagnosis.samples import Index, least_squares, without_each
+from friction_audit.diagnosis.samples import least_squares, without_each
 from friction_audit.diagnosis.selection import Projected
 from friction_audit.effects.joint_data import Nominal
 from friction_audit.effects.registry import GRAVITY
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, Int
 
 DRAWS = 399  # of the bootstrap
 ROUNDING = 1e-12  # of a root mean square that was added up in another order
@@ -171,7 +171,7 @@ class _Model:
         every = zip(coefficients, self.gram.slices, strict=True)
         return np.concatenate([y[part] - own @ rows[:, part] for own, part in every])
 
-    def rms(self, which: Index) -> float:
+    def rms(self, which: Int) -> float:
         """Root mean square of what some of the columns leave. [N m]"""
         y, grams = self.gram.problem.y[self.gram.order], self.grams[:, which[:, None], which]
         coefficients = without_each(grams, self.rights[:, which], self.prior[which])
@@ -227,7 +227,7 @@ def gap(gram: Gram, active: Sequence[Block]) -> tuple[Gap, HeldOut, HeldOut]:
     return measure_gap(before.residual, after.residual, floor, gram.problem.samples.cycle), before, after
 
 
-def measure_gap(before: Float, after: Float, floor: float, cycle: Index) -> Gap:
+def measure_gap(before: Float, after: Float, floor: float, cycle: Int) -> Gap:
     """Compare residuals of both models on held-out cycles, shape (n,), each sample counting once.
 
     The standard error is by leaving out one cycle at a time (jackknife over cycles); NaN for a single cycle.

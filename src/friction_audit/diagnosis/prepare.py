@@ -27,7 +27,7 @@ from friction_audit.effects.breakaway import find_breakaways, signed_rest
 from friction_audit.effects.joint_data import FEWEST_SAMPLES, JointData, grid_noise
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.friction.history import Coefficient, FrictionHistory
-from friction_audit.joint_log import DERIVATIVE, Float, JointLog, median_step
+from friction_audit.joint_log import DERIVATIVE, Bool, Float, Int, JointLog, median_step
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.energy_cycles import KEPT, EnergyCycles
 from friction_audit.preprocessing.even_grid import MOVING_RAD_S, LowPass
@@ -47,8 +47,6 @@ from friction_audit.robot.arm import Arm
 # Parts of a long recording, the bridge from each to the next, and the time in which springs and bristles forget that.
 PART_S, BRIDGE_S, FORGOTTEN_S = 60.0, 2.0, 3.0
 SHARED = ("q", "dq", "ddq", "sensed")  # of all joints of a log
-Index = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 DEAD_SIGMAS = 5.0  # standard deviations of the filtered velocity's noise, above which the direction is certain
 DEAD_SHARE = 1e-3  # and of the usual speed, which is what the stop band lets through next to a standstill
 TINY_SPEED = 1e-6
@@ -200,7 +198,7 @@ def spread_parts(data: JointData, most_s: float, known: dict[str, Any]) -> Joint
     )
 
 
-def _cubics(data: JointData, end: Index, begin: Index, samples: int) -> tuple[Float, Float, Float]:
+def _cubics(data: JointData, end: Int, begin: Int, samples: int) -> tuple[Float, Float, Float]:
     """Position, velocity and acceleration at samples between the ends of parts and the next begins, (k, samples)."""
     x, time_s = np.linspace(0.0, 1.0, samples + 2)[1:-1], (samples + 1) * data.step_s
     rise, first, last = data.q[begin] - data.q[end], time_s * data.dq[end], time_s * data.dq[begin]
@@ -210,7 +208,7 @@ def _cubics(data: JointData, end: Index, begin: Index, samples: int) -> tuple[Fl
 
 
 def _filtered_motion(
-    log: JointLog, low_pass: LowPass, t: Float, fresh: Bools | slice, valid: Bools, slope_gain: float
+    log: JointLog, low_pass: LowPass, t: Float, fresh: Bool | slice, valid: Bool, slope_gain: float
 ) -> tuple[list[Float], list[tuple[str, float, float, float]]]:
     """Position, velocity, acceleration, logged velocity, (n, j) each; per joint source, crossover, rounding, noise.
 
@@ -253,13 +251,13 @@ def _filtered_motion(
     return moved, per_joint(one, many)
 
 
-def _cycle_of(t: Float, cycles: EnergyCycles) -> Index:
+def _cycle_of(t: Float, cycles: EnergyCycles) -> Int:
     """Number of the joint's cycle, half-open in time, -1 outside of any."""
     number = np.searchsorted(cycles.start_s, t, side="right") - 1
     return np.where(t < np.append(cycles.stop_s, -np.inf)[number], number, -1)
 
 
-def certain_direction(dq: Float, dead_speed: float, step_s: float) -> NDArray[np.bool_]:
+def certain_direction(dq: Float, dead_speed: float, step_s: float) -> Bool:
     """Samples whose direction of motion is certain, those of a quick reversal without a rest among them, shape (n,).
 
     A joint that its motor turns around rests until the torque has changed by twice the friction: some milliseconds of
@@ -278,7 +276,7 @@ def certain_direction(dq: Float, dead_speed: float, step_s: float) -> NDArray[np
     return np.asarray(sure, bool)
 
 
-def _rest_in_reversals(dq: Float, last: Index, first: Index, step_s: float) -> Float:
+def _rest_in_reversals(dq: Float, last: Int, first: Int, step_s: float) -> Float:
     """Time between the zeros of straight lines through the velocity before and after reversals, shape (r,). [s]
 
     Acceleration that changes steadily moves both zeros alike. Infinite where the joint turns again.
@@ -294,7 +292,7 @@ def _rest_in_reversals(dq: Float, last: Index, first: Index, step_s: float) -> F
     return np.where(whole, (first - last - into - out) * step_s, np.inf)
 
 
-def _time_to_zero(velocity: Float, away: Index) -> Float:
+def _time_to_zero(velocity: Float, away: Int) -> Float:
     """Samples from 0 at which a straight line through velocities (r, k) reaches zero, shape (r,)."""
     centre = away - away.mean()
     slope = velocity @ centre / (centre @ centre)

@@ -9,7 +9,6 @@ effect of two sizes in two halves of the data (G. C. Chow, Econometrica 28 (1960
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.diagnosis.dictionary import Block
 from friction_audit.diagnosis.fitted_model import FittedModel, held_out
@@ -18,7 +17,7 @@ from friction_audit.diagnosis.problem import RegressionProblem
 from friction_audit.diagnosis.result import NamedEffect, OwnAxis, Profile, ResidualCheck, Traces
 from friction_audit.diagnosis.samples import without_each
 from friction_audit.diagnosis.selection import PRIOR, Projected
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Bool, Float, Int
 
 SHARE = 0.093  # 1 - 1 / 1.05^2: with an effect named the residual is 5 % above its floor
 SHARE_OF_NONE = 0.02  # 1 - 1 / 1.01^2: the same where nothing is named (outside_hum_16000)
@@ -222,9 +221,7 @@ def profiles_of(
     return tuple(sorted(found, key=lambda profile: -profile.share))
 
 
-def _binned(
-    residual: Float, values: Float, edges: Float, up: NDArray[np.bool_], cycle: NDArray[np.int64]
-) -> dict[str, Float]:
+def _binned(residual: Float, values: Float, edges: Float, up: Bool, cycle: Int) -> dict[str, Float]:
     """Bins with means and standard errors of both directions, by the names that a profile has for them."""
     bins = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(edges) - 2)
     centre = [values[bins == k].mean() if (bins == k).any() else np.nan for k in range(len(edges) - 1)]
@@ -234,9 +231,7 @@ def _binned(
     return found
 
 
-def _bin_means(
-    residual: Float, bins: NDArray[np.int64], cycle: NDArray[np.int64], which: NDArray[np.bool_], count: int
-) -> tuple[Float, Float]:
+def _bin_means(residual: Float, bins: Int, cycle: Int, which: Bool, count: int) -> tuple[Float, Float]:
     """Mean of each bin and its standard error, the means of the cycles taken as independent, shape (count,) each.
 
     NaN where hardly any of the samples that count are in a bin, the error also where one cycle is.
@@ -254,7 +249,7 @@ def _bin_means(
     return mean, np.where(several, np.sqrt(spread) / np.maximum(samples, 1), np.nan)
 
 
-def _share(residual: Float, columns: Float, cycle: NDArray[np.int64]) -> float:
+def _share(residual: Float, columns: Float, cycle: Int) -> float:
     """Share of the mean square that the curve predicts of cycles it has not seen, at least 0."""
     numbers, place = np.unique(cycle, return_inverse=True)
     fold = place % min(FOLDS, len(numbers))
