@@ -157,6 +157,16 @@ def both_directions(data: JointData, _nominal: Nominal) -> Caution | None:
     return None if mixed else Caution("one_direction")
 
 
+def long_enough(
+    data: JointData, nominal: Nominal, short: str, shortest_s: float = 0.0, fewest: int = 0
+) -> Caution | None:
+    """At least so many seconds and cycles, else a caution of the code ``short``; and both directions."""
+    length, cycles = float(np.ptp(data.t)), len(np.unique(data.cycle[data.used]))
+    if length >= shortest_s and cycles >= fewest:
+        return both_directions(data, nominal)
+    return Caution(short, numbers={"cycles": cycles, "length": length, "fewest": fewest, "shortest": shortest_s})
+
+
 def speed_range(data: JointData, _nominal: Nominal, ratio: float) -> Caution | None:
     """95th over 5th percentile of speed at least the ratio."""
     slow, fast = np.percentile(np.abs(data.dq[data.used]), [5, 95])
