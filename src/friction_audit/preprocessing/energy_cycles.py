@@ -6,9 +6,9 @@ trapezoids over [t[start], t[stop]], on the real stamps; neighbours share the bo
 """
 
 import sys
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from typing import NamedTuple
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -78,9 +78,18 @@ class EnergyCycles:
 
     def rows(self, mask: Bool) -> "EnergyCycles":
         """Return the rows selected by a mask of shape (m,)."""
-        names = "start", "stop", "start_s", "stop_s", "peak_speed_rad_s", "products", "speeds", "open", "reason"
-        sums = EnergySums(*(one[mask] for one in self.sums))
-        return replace(self, **{name: getattr(self, name)[mask] for name in names}, sums=sums)
+        return self.made_of(lambda one: one[mask])
+
+    def followed_by(self, others: Sequence["EnergyCycles"]) -> "EnergyCycles":
+        """Return these cycles and later ones of the joint as one structure."""
+        return self.made_of(lambda *pieces: np.concatenate(pieces), others)
+
+    def made_of(self, of: Callable[..., Any], others: Sequence["EnergyCycles"] = ()) -> "EnergyCycles":
+        """Return the structure of which each array is a function of those of these cycles, and of others."""
+        every = [self, *others]
+        names = [one.name for one in fields(self) if isinstance(getattr(self, one.name), np.ndarray)]
+        arrays = {name: of(*(getattr(one, name) for one in every)) for name in names}
+        return replace(self, **arrays, sums=EnergySums(*map(of, *(one.sums for one in every))))
 
 
 # Sums of ``add_up``, with the names of ``EnergySums``.

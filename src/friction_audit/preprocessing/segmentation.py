@@ -1,8 +1,7 @@
 """Energy cycles of every joint: where they begin and end, their energies, and which of them count."""
 
 from collections.abc import Sequence
-from dataclasses import fields, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
@@ -93,7 +92,7 @@ class CycleSearch:
         if len(borders) > 1:
             self._found.append(self._cycles_between(part, borders))
             if len(self._found) > MOST_PIECES + self._joined:
-                self._found[self._joined :] = [join_cycles(self._found[self._joined :])]
+                self._found[self._joined :] = [self._found[self._joined].followed_by(self._found[self._joined + 1 :])]
                 self._joined += 1
             self._go_on(int(borders[-1]), moving=False)
             self._begun, self._at_border = None, True
@@ -192,7 +191,7 @@ class CycleSearch:
 
     def cycles(self) -> cycles.EnergyCycles:
         """Return the cycles, once, after the last part."""
-        found, self._found = join_cycles(self._found), []
+        found, self._found = self._found[0].followed_by(self._found[1:]), []
         samples = self.first + len(self._filtered)
         # The net path of a closed path is short against its length, whether it closes within one cycle or over several.
         one_way = abs(found.sums.displacement_rad.sum()) > ONE_WAY_SHARE * found.sums.path_rad.sum()
@@ -287,11 +286,3 @@ def _moments(parts: cycles.EnergySums) -> tuple[Float, Float]:
     second = np.divide(square**2, path, out=np.zeros(path.shape), where=moves)
     speeds = np.stack([path * moves, square * moves, second], axis=-1).sum(axis=1)
     return (one * other).sum(axis=-1), speeds
-
-
-def join_cycles(pieces: Sequence[cycles.EnergyCycles]) -> cycles.EnergyCycles:
-    """Return the cycles of a joint that were found piece by piece as one structure."""
-    every = {one.name: [getattr(own, one.name) for own in pieces] for one in fields(pieces[0])}
-    joined: dict[str, Any] = {n: np.concatenate(some) for n, some in every.items() if isinstance(some[0], np.ndarray)}
-    sums = cycles.EnergySums(*map(np.concatenate, zip(*every["sums"], strict=True)))
-    return replace(pieces[0], **joined, sums=sums)
