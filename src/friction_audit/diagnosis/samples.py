@@ -20,7 +20,7 @@ from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.breakaway import FEWEST_BREAKAWAYS, Breakaways, breakaways_of, torque_known
 from friction_audit.effects.joint_data import CORNER_HZ, SIGMA_PER_MEDIAN, JointData, Nominal
 from friction_audit.effects.joint_model import FittedTerm, JointModel
-from friction_audit.effects.transmission import MOTION_BELOW_HZ, motion_below
+from friction_audit.effects.transmission import MOTION_BELOW_HZ
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Bool, Float, Int
 from friction_audit.preprocessing.even_grid import filtered, kaiser_low_pass, within
@@ -222,7 +222,7 @@ def nominal_model(data: JointData, samples: Samples, model: JointModel | None) -
 
 def _motion_of(term: FittedTerm, model: JointModel, data: JointData, samples: Samples) -> Motion:
     """The motion as measured or low-passed: the one with which the term explains more."""
-    every = [data.motion(), motion_below(data, MOTION_BELOW_HZ)]
+    every = [data.motion(), data.motion_below(MOTION_BELOW_HZ)]
     motions = [replace(motion, rest=model.rest(motion)) for motion in every]
     simple = (data.direction, data.dq, data.ddq)
     left = []

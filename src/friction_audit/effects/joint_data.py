@@ -8,10 +8,12 @@ import numpy as np
 
 from friction_audit.dynamics.motion import Motion, Others
 from friction_audit.joint_log import Bool, Float, Int
+from friction_audit.preprocessing.even_grid import filtered, windowed_sinc
 from friction_audit.preprocessing.interaction import Caution
 
 CORNER_HZ = 25.0  # highest corner of the low-pass before a regression
 SIGMA_PER_MEDIAN = 1.4826
+SMOOTH_S = 0.2  # reach to either side of the low-pass of a motion below a frequency
 # Of noise that is white up to the corner, a fifth of the grid's rate, per RMS of its second and fourth difference.
 SIGMA_PER_BEND = {2: 1.0 / 0.643, 4: 1.0 / 0.670}
 
@@ -104,6 +106,19 @@ class JointData(Motion):
         """The input of an effect's columns; ``rest`` is the torque of the nominal model, shape (n,)."""
         own = {one.name: getattr(self, one.name) for one in fields(Motion)}
         return Motion(**own | {"rest": rest, "smooth_direction": self.direction})
+
+    def motion_below(self, below_hz: float) -> Motion:
+        """The motion below a frequency, at which half of the amplitude passes, without a torque."""
+        if below_hz not in self.smooth:
+            q, dq, ddq = signals = np.stack([self.q, self.dq, self.ddq])
+            if below_hz < 0.5 / self.step_s:  # the log holds nothing above its Nyquist frequency
+                kernel = windowed_sinc(2.0 * below_hz * self.step_s, np.hamming(2 * round(SMOOTH_S / self.step_s) + 1))
+                # Symmetrically, the ends held; from the first values, so that rest is rest to the last digit.
+                first = signals[:, :1]
+                q, dq, ddq = first + filtered(signals - first, kernel, np.arange(len(self.t)))
+            direction = mean_sign(self.t, dq, ddq)
+            self.smooth[below_hz] = replace(self.motion(), q=q, dq=dq, ddq=ddq, smooth_direction=direction)
+        return self.smooth[below_hz]
 
 
 def reach(data: JointData) -> tuple[float, float]:
