@@ -58,8 +58,9 @@ def know_load(choice: TorqueChoice, arm: Arm | None, t: Float, motion: Motion, l
 
 
 def _rigid_bodies(arm: Arm, sign: int, t: Float, motion: Motion, inertial: Float | None) -> tuple[RigidBody, ...]:
-    joints = motion[0].shape[1]
-    links = [_links(arm, joint) for joint in range(joints)]
+    joints, order, last = motion[0].shape[1], np.array(arm.columns), motion[0].shape[1] - 1
+    # Numbers (1..j of the log) of each joint's own link, of the next, and of the last.
+    links = [tuple((order[np.unique([k, min(k + 1, last), last])] + 1).tolist()) for k in np.argsort(order)]
     still = np.zeros_like(motion[0])
     tilt, tips = sign * tilt_torque(arm, motion[0]), None
     # Where the motors move the arm, a link that is heavier than in its model resists by its inertia too.
@@ -79,14 +80,6 @@ def _rigid_bodies(arm: Arm, sign: int, t: Float, motion: Motion, inertial: Float
         )
         for joint in range(joints)
     )
-
-
-def _links(arm: Arm, joint: int) -> tuple[int, ...]:
-    """Numbers (1..j of the log) of the joint's own link, of the next, and of the last."""
-    order = list(arm.columns)
-    place = order.index(joint)
-    last = len(order) - 1
-    return tuple(order[k] + 1 for k in sorted({place, min(place + 1, last), last}))
 
 
 def _per_parameter(

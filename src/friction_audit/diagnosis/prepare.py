@@ -99,6 +99,7 @@ def prepare(
         dq, ddq = signed_rest(own_dq, all_ddq[:, column], breakaways, dead)
         if logged_q is not None:
             q = velocity.position_of(q, own_dq, all_ddq[:, column], valid, low_pass.step_s, crossover_hz)
+        cycle = np.searchsorted(cycles[joint].start_s, low_pass.t, side="right") - 1  # the latest that has begun
         return JointData(
             joint=joint,
             t=low_pass.t,
@@ -108,7 +109,7 @@ def prepare(
             torque=torque,
             temperature=None if log.temperature is None else low_pass.of(t, log.temperature[fresh, column]),
             others=Others(joint=column, q=all_q, dq=all_dq, ddq=all_ddq, sensed=sensed),
-            cycle=_cycle_of(low_pass.t, cycles[joint]),
+            cycle=np.where(low_pass.t < np.append(cycles[joint].stop_s, -np.inf)[cycle], cycle, -1),
             moving=certain_direction(own_dq, dead, low_pass.step_s),
             valid=valid,
             dead_speed_rad_s=dead,
@@ -235,12 +236,6 @@ def _filtered_motion(
         return source, crossover_hz, *((of_q, apart[0]) if source == "q" else (of_dq, apart[1]))
 
     return moved, per_joint(one, many)
-
-
-def _cycle_of(t: Float, cycles: EnergyCycles) -> Int:
-    """Number of the joint's cycle, half-open in time, -1 outside of any."""
-    number = np.searchsorted(cycles.start_s, t, side="right") - 1
-    return np.where(t < np.append(cycles.stop_s, -np.inf)[number], number, -1)
 
 
 def certain_direction(dq: Float, dead_speed: float, step_s: float) -> Bool:
