@@ -1,6 +1,6 @@
 """Effects that come with the time of the recording: slowly, at one moment, or for stretches of it."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -66,13 +66,11 @@ class TorqueDrift(Effect):
     misses = "even"
     like_gravity = True  # as the other joints' poses change
 
-    def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
-        """Yield sin((i - 1/2) pi x) for i = 1..4, x the share of the recording that is over; 0 for waves not meant."""
-        length = motion.t[-1] - motion.t[0]
-        share = (motion.t - motion.t[0]) / (length if length > 0.0 else 1.0)
-        waves = np.sin(np.pi * share * (np.arange(WAVES)[:, None] + 0.5))
-        for place, (number,) in enumerate(many):
-            yield place, (waves * (np.arange(WAVES)[:, None] < (round(number) or WAVES))).T
+    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
+        """Return sin((i - 1/2) pi x) for i = 1..4, x the share of the recording that is over; 0 for waves not meant."""
+        share = (motion.t - motion.t[0]) / (np.ptp(motion.t) or 1.0)
+        number, meant = np.arange(WAVES)[:, None], round(values[0]) or WAVES
+        return np.asarray(np.sin(np.pi * share * (number + 0.5)) * (number < meant)).T
 
     def tries(self, data: JointData) -> list[tuple[float]]:
         return [(float(waves),) for waves in range(1, WAVES + 1)]
