@@ -25,14 +25,14 @@ def waves(q: Float, orders: Iterable[float]) -> Iterator[NDArray[np.complex128]]
 
     That takes four products where cosine and sine take many; a turn is right to rounding, and so are a hundred.
     """
-    turn = wave = np.ones(len(q), np.complex128)
+    turn = wave = none = np.ones(len(q), np.complex128)
     before, step = 0.0, 0.0
     for order in orders:
-        if order != before:
+        if order not in (0.0, before):
             if abs(order - before - step) > SAME_STEP * abs(order):
                 step, turn = order - before, np.exp(1j * (order - before) * q)
             before, wave = order, wave * turn
-        yield wave
+        yield wave if order else none
 
 
 class PositionDependentFriction(Effect):
