@@ -162,7 +162,6 @@ class Training:
     _own: dict[tuple[str, int], ByWidth] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Take all folds if none are given."""
         self.folds = self.folds or tuple(range(self.gram.problem.folds))
 
     @property
@@ -228,7 +227,6 @@ class Training:
         return gains, coefficients
 
     def _gain(self, active: Sequence[Block], unpinned: str, which: Int, gains: Float, coefficients: Float) -> None:
-        """Write gains and coefficients of some blocks."""
         from scipy.linalg import solve_triangular
 
         fit = self.fit(active, (unpinned,) if unpinned else ())

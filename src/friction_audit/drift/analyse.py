@@ -95,7 +95,6 @@ def _judge(family: Sequence[Series], settings: DriftSettings) -> list[Verdict | 
 
 
 def _shown(series: Series, y: Float, sessions: Sequence[Session]) -> dict[str, Any]:
-    """Return what is shown of any series."""
     values = map(Coefficient.around, y, NORMAL_95 * series.y_error)
     return {
         "coefficient": series.coefficient,

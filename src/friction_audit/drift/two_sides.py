@@ -174,7 +174,6 @@ def _combined(joint: JointSummary, parts: tuple[float, float]) -> _Mean:
 
 
 def _random_effects(found: Sequence[_Mean]) -> _Mean:
-    """Return the random-effects mean of recordings."""
     known = [one for one in found if np.isfinite(one.value)]
     if len(known) <= 1:
         return known[0] if known else _Mean(value=NAN, variance=NAN, freedom=NAN, recordings=0)

@@ -241,7 +241,6 @@ class JointLimitStop(Effect):
         return columns.T
 
     def tries(self, data: JointData) -> list[Sequence[float]]:
-        """Return a stop at the upper end, at the lower one and at both, at several depths."""
         low, high = float(data.q.min()), float(data.q.max())
         length = high - low
         tried = product(((1.0, 0.0), (0.0, 1.0), (1.0, 1.0)), DEPTHS, EXPONENTS)

@@ -149,7 +149,6 @@ class FrictionStep(Effect):
         return columns.T
 
     def tries(self, data: JointData) -> list[Sequence[float]]:
-        """Return steps at many times, and ramps at some."""
         start, length = float(data.t[0]), float(np.ptp(data.t))
         steps = [(k / STEPS, AT_ONCE) for k in range(2, STEPS - 1)]
         ramps = [(k / RAMPS, LENGTH) for k in range(1, RAMPS)]

@@ -204,12 +204,8 @@ class CycleSearch:
         )
 
 
-def thresholds_of(
-    settings: CycleSettings, rate_hz: float, fixed: Thresholds, measured: Float, filtered: Float
-) -> Thresholds:
-    """Return the thresholds of a signal: fixed ones, or from samples of it that are spread evenly over the log."""
-    if settings.thresholds != "auto":
-        return fixed
+def automatic_thresholds(settings: CycleSettings, rate_hz: float, measured: Float, filtered: Float) -> Thresholds:
+    """Return thresholds from samples of a signal that are spread evenly over the log."""
     thin = slice(None, None, max(len(measured) // MOST_SAMPLES, 1))
     share = min(2.0 * settings.cutoff_hz / rate_hz, 1.0)  # of white noise that the filter passes
     # What the filter takes away, as a robust standard deviation, scaled to what it lets through.
@@ -227,8 +223,9 @@ def thresholds_of(
 def of_hand(speed: Float, rate_hz: float, settings: CycleSettings) -> Hand:
     """Return the thresholds of the hand and its filtered speed, given its speed, shape (n,). [m/s]"""
     signal = np.abs(filter_velocity(speed, rate_hz=rate_hz, cutoff_hz=settings.cutoff_hz))
-    fixed = settings.hand_initiation_m_s, settings.hand_termination_m_s
-    return thresholds_of(settings, rate_hz, fixed, speed, signal), signal
+    if settings.thresholds == "auto":
+        return automatic_thresholds(settings, rate_hz, speed, signal), signal
+    return (settings.hand_initiation_m_s, settings.hand_termination_m_s), signal
 
 
 def without_small(joints: Sequence[cycles.EnergyCycles], settings: CycleSettings) -> list[cycles.EnergyCycles]:
@@ -240,9 +237,9 @@ def without_small(joints: Sequence[cycles.EnergyCycles], settings: CycleSettings
 
 def thresholds_in_blocks(log: JointLog, columns: list[int], settings: CycleSettings) -> list[Thresholds]:
     """Return the thresholds of some joints (0-based) of a log; automatic ones take a pass over the velocities."""
-    rate_hz, fixed = log.rate_hz, (settings.initiation_rad_s, settings.termination_rad_s)
     if settings.thresholds != "auto":
-        return [fixed] * len(columns)
+        return [(settings.initiation_rad_s, settings.termination_rad_s)] * len(columns)
+    rate_hz = log.rate_hz
     margin, every, done = settling_samples(rate_hz, settings.cutoff_hz), max(log.samples // MOST_SAMPLES, 1), 0
     before = [np.empty(0) for _ in columns]
     found: list[list[tuple[Float, Float]]] = [[] for _ in columns]
@@ -261,7 +258,7 @@ def thresholds_in_blocks(log: JointLog, columns: list[int], settings: CycleSetti
         per_joint(work, len(columns))
         done = stop
     joined = ([np.concatenate(one) for one in zip(*own, strict=True)] for own in found)
-    return [thresholds_of(settings, rate_hz, fixed, *own) for own in joined]
+    return [automatic_thresholds(settings, rate_hz, *own) for own in joined]
 
 
 def _gravity_work(interaction: Interaction, column: int, edges: Int) -> tuple[Float, Float]:
