@@ -19,6 +19,9 @@ class Coefficient:
     low: float
     high: float
 
+    def __str__(self) -> str:
+        return "unknown" if isnan(self.value) else f"{self.value:.4g} [{self.low:.4g}, {self.high:.4g}]"
+
     @classmethod
     def around(cls, value: float, half: float = float("nan")) -> "Coefficient":
         """Return a value with an interval of a half width to either side."""
@@ -27,9 +30,6 @@ class Coefficient:
     def each(self, of: Callable[[float], Any]) -> "Coefficient":
         """Return a rising function of the value and of the ends of its interval."""
         return Coefficient(value=float(of(self.value)), low=float(of(self.low)), high=float(of(self.high)))
-
-    def __str__(self) -> str:
-        return "unknown" if isnan(self.value) else f"{self.value:.4g} [{self.low:.4g}, {self.high:.4g}]"
 
 
 NAN = float("nan")

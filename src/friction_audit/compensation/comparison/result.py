@@ -179,10 +179,10 @@ def mean_interval(values: Sequence[float]) -> Coefficient:
 
     known = [value for value in values if isfinite(value)]
     if len(known) < 2:  # noqa: PLR2004
-        return Coefficient.around(known[0] if known else nan)
+        return Coefficient(value=known[0] if known else nan, low=nan, high=nan)
     mean = float(np.mean(known))
     half = float(t.ppf(0.5 + CONFIDENCE / 2, len(known) - 1) * np.std(known, ddof=1) / sqrt(len(known)))
-    return Coefficient.around(mean, half)
+    return Coefficient(value=mean, low=mean - half, high=mean + half)
 
 
 def median_interval(values: Sequence[float]) -> Coefficient:
