@@ -142,40 +142,19 @@ def held_out(
 
     The nuisances of effects that are replaced are left out as well: what stands for an effect must not hide it.
     """
-    model = _Model(gram, active, [] if extra is None else [extra], replaced)
-    out, coefficients = np.empty((2, len(gram.y))), without_each(model.grams, model.rights, model.prior)
-    out[0, gram.order] = model.left(gram.problem.y[gram.order], model.raw, coefficients)
-    out[1, gram.order] = model.left(gram.y, model.white, coefficients)
+    kept = Training(gram).fit(active, [b.name for b in replaced]).kept
+    more = np.empty((0, len(gram.y))) if extra is None else extra
+    added, free = gram.whiten(more), np.zeros(sum(b.p for b in active))
+    raw = np.vstack([gram.base_raw[kept][:, gram.order], *(b.stored for b in active), more[:, gram.order]])
+    white = np.vstack([gram.base[kept], *(gram.of(b) for b in active), added])
+    prior = np.concatenate([gram.precision[kept], free, SLIGHT * np.sum(added**2, axis=1)])
+    grams = np.stack([white[:, f] @ white[:, f].T for f in gram.slices])
+    coefficients = without_each(grams, np.stack([white[:, f] @ gram.y[f] for f in gram.slices]), prior)
+    out = np.empty((2, len(gram.y)))
+    for row, y, rows in ((0, gram.problem.y[gram.order], raw), (1, gram.y, white)):
+        every = zip(coefficients, gram.slices, strict=True)
+        out[row, gram.order] = np.concatenate([y[fold] - own @ rows[:, fold] for own, fold in every])
     return HeldOut(residual=out[0], innovation=out[1], rms=float(np.sqrt(np.mean(out[0] ** 2))))
-
-
-class _Model:
-    """Columns of a model in the order of the folds, shape (k, m), whitened too, with their products in each fold."""
-
-    def __init__(
-        self, gram: Gram, active: Sequence[Block], extra: Sequence[Float], replaced: Sequence[Block] = ()
-    ) -> None:
-        kept = Training(gram).fit(active, [b.name for b in replaced]).kept
-        added = [gram.whiten(one) for one in extra]
-        raw = [gram.base_raw[kept][:, gram.order], *(b.stored for b in active), *(e[:, gram.order] for e in extra)]
-        free = np.zeros(sum(b.p for b in active))
-        self.gram, self.raw = gram, np.vstack(raw)
-        self.white = white = np.vstack([gram.base[kept], *(gram.of(b) for b in active), *added])
-        # Precision of each coefficient, shape (k,).
-        self.prior = np.concatenate([gram.precision[kept], free, *(SLIGHT * np.sum(one**2, axis=1) for one in added)])
-        self.grams = np.stack([white[:, f] @ white[:, f].T for f in gram.slices])
-        self.rights = np.stack([white[:, f] @ gram.y[f] for f in gram.slices])
-
-    def left(self, y: Float, rows: Float, coefficients: Float) -> Float:
-        """What rows, shape (k, m), leave of the fold that their coefficients do not know."""
-        every = zip(coefficients, self.gram.slices, strict=True)
-        return np.concatenate([y[part] - own @ rows[:, part] for own, part in every])
-
-    def rms(self, which: Int) -> float:
-        """Root mean square of what some of the columns leave. [N m]"""
-        y, grams = self.gram.problem.y[self.gram.order], self.grams[:, which[:, None], which]
-        coefficients = without_each(grams, self.rights[:, which], self.prior[which])
-        return float(np.sqrt(np.mean(self.left(y, self.raw[which], coefficients) ** 2)))
 
 
 class Gain(NamedTuple):
@@ -219,11 +198,9 @@ def gap(gram: Gram, active: Sequence[Block]) -> tuple[Gap, HeldOut, HeldOut]:
     The noise is the held-out rms of the best of the plain model, that with a curve over one quantity, that with all.
     """
     before, after = held_out(gram, (), replaced=active), held_out(gram, active)
-    model = _Model(gram, active, [c.columns for c in gram.problem.curves])
-    every, wide = np.arange(len(model.prior)), [len(c.columns) for c in gram.problem.curves]
-    base, *curves = np.split(every, len(every) - sum(wide) + np.cumsum([0, *wide[:-1]]))
-    tried = [every, *(np.append(base, one) for one in curves)] if wide else []
-    floor = min([after.rms, *map(model.rms, tried)])
+    columns = [c.columns for c in gram.problem.curves]
+    tried = [np.vstack(columns), *columns] if columns else []
+    floor = min([after.rms, *(held_out(gram, active, one).rms for one in tried)])
     return measure_gap(before.residual, after.residual, floor, gram.problem.samples.cycle), before, after
 
 
