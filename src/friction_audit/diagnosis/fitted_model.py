@@ -5,7 +5,7 @@ Review of Economics and Statistics 90 (2008) 414, with the null imposed and Rade
 over all columns controls the family-wise error (J. P. Romano, M. Wolf, Econometrica 73 (2005) 1237).
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import NamedTuple
@@ -89,9 +89,8 @@ class FittedModel:
         Of the chain's own effects only what it does not take is known: the rest of their coefficients is a guess.
         """
         torques, size = [*self.torques], self.sizes.copy()
-        each = zip(self.active, self.coefficients, strict=True)
-        for k, whole in enumerate(self._with_chain(dictionary, each)):
-            if whole is not None:
+        for k, (block, c) in enumerate(zip(self.active, self.coefficients, strict=True)):
+            if (whole := self._with_chain(dictionary, block, c)) is not None:
                 torques[k], size[k] = whole
         return torques, size
 
@@ -100,27 +99,24 @@ class FittedModel:
         points: dict[str, list[Block]] = {}
         for block in self.gram.blocks if self.problem.with_chain else ():
             points.setdefault(block.name, []).append(block)
-        some = [(own[len(own) // 2], np.ones(own[len(own) // 2].p)) for own in points.values()]
-        left = [_rms_without(self._known, c @ block.columns) for block, c in some]
-        both = zip(self._with_chain(dictionary, some), left, strict=True)
-        return max((one[1] / free for one, free in both if one is not None and free > 0.0), default=1.0)
+        ratios: list[float] = []
+        for block in (own[len(own) // 2] for own in points.values()):
+            c = np.ones(block.p)
+            whole, left = self._with_chain(dictionary, block, c), _rms_without(self._known, c @ block.columns)
+            ratios += [whole[1] / left] if whole is not None and left > 0.0 else []
+        return max(ratios, default=1.0)
 
-    def _with_chain(
-        self, dictionary: Dictionary, each: Iterable[tuple[Block, Float]]
-    ) -> Iterator[tuple[Float, float] | None]:
-        """Torque of effects, what a chain could take in it, and its rms free of the nominal model; none without one.
+    def _with_chain(self, dictionary: Dictionary, block: Block, c: Float) -> tuple[Float, float] | None:
+        """Torque of an effect, what a chain could take in it, and its rms free of the nominal model; None without one.
 
         None for the chain's own effects.
         """
-        if (problem := self.problem.with_chain) is not None:
-            unprojected = replace(dictionary, problem=problem)
-            known = np.vstack([problem.X, problem.columns(np.ones((len(problem.data.t), 1)))])
-            for block, c in each:
-                if block.effect.axis == "neighbour" or block.name == GRAVITY:
-                    yield None
-                    continue
-                torque = c @ unprojected.columns_at(block, block.shape, self.nominal)
-                yield torque, _rms_without(known, torque)
+        problem = self.problem.with_chain
+        if problem is None or block.effect.axis == "neighbour" or block.name == GRAVITY:
+            return None
+        known = np.vstack([problem.X, problem.columns(np.ones((len(problem.data.t), 1)))])
+        torque = c @ replace(dictionary, problem=problem).columns_at(block, block.shape, self.nominal)
+        return torque, _rms_without(known, torque)
 
 
 def _rms_without(known: Float, torque: Float) -> float:
