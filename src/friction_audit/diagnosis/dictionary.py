@@ -234,9 +234,11 @@ class Dictionary:
         _, columns = next(self._regressors(block.effect, [baseline], [shape]))
         return columns.reshape(-1, columns.shape[-1])[block.there]
 
-    def torques_at(self, block: Block, shapes: Sequence[Nonlinear], nominals: Sequence[Nominal]) -> Float:
-        """Torques of an effect whose coefficient follows, each on its own nominal model, shape (k, m)."""
-        out = np.empty((len(shapes), len(self.problem.y)))
+    def torques_at(self, block: Block, shapes: Sequence[Nonlinear], nominal: Nominal, coefficients: Float) -> Float:
+        """Torques of a block's effect at other points, its coefficients given if they do not follow, shape (k, m)."""
+        if not block.effect.follows:
+            return np.stack([coefficients @ self.columns_at(block, shape, nominal) for shape in shapes])
+        out, nominals = np.empty((len(shapes), len(self.problem.y))), [nominal] * len(shapes)
         for places, rows in block.effect.regressors_of(self.problem.data, nominals, shapes, self.problem.columns):
             out[places] = rows * [[block.effect.coefficient_of(shapes[place])] for place in places]
         return out
