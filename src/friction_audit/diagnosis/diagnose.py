@@ -28,7 +28,6 @@ from friction_audit.diagnosis.result import (
 from friction_audit.diagnosis.samples import make_samples
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.effect import Effect
-from friction_audit.effects.joint_data import displacement
 from friction_audit.effects.registry import GRAVITY, effects
 from friction_audit.effects.slow import ContactEvent
 from friction_audit.errors import AnalysisError, FrictionAuditError, bug
@@ -272,7 +271,6 @@ def _traces(state: State, before: Float, after: Float) -> Traces:
         t=problem.samples.t,
         q=q,
         dq=dq,
-        displacement=displacement(problem.data)[problem.samples.fine],
         cycle=problem.samples.cycle,
         held_out=np.ones(len(q), bool),
         measured=measured,

@@ -108,7 +108,6 @@ class Traces:
     t: Float  # time [s]
     q: Float  # position [rad]
     dq: Float  # velocity [rad/s]
-    displacement: Float  # position less that at the last reversal [rad]
     cycle: Int  # number of the cycle
     held_out: Bool  # samples of held-out cycles
     measured: Float  # torque [N m]

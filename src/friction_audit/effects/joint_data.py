@@ -94,13 +94,11 @@ class JointData(Motion):
 
     def at(self, places: Int) -> "JointData":
         """The joint by itself at some of its samples, of which the first two follow each other."""
-        names = ("t", "q", "dq", "ddq", "torque", "temperature", "load", "logged_q", "cycle", "moving", "valid")
-        own: dict[str, Any] = {
-            name: None if (all_of := getattr(self, name)) is None else all_of[places] for name in names
-        }
+        pairs = ((one.name, getattr(self, one.name)) for one in fields(self))
+        own: dict[str, Any] = {name: values[places] for name, values in pairs if isinstance(values, np.ndarray)}
         nothing = np.empty((len(places), 0))
         others = Others(joint=self.others.joint, q=nothing, dq=nothing, ddq=nothing, sensed=nothing)
-        return replace(self, **own, others=others, logged_dq=None, rigid=None)
+        return replace(self, **own, others=others, rigid=None)
 
     def motion(self, rest: Float | None = None) -> Motion:
         """The input of an effect's columns; ``rest`` is the torque of the nominal model, shape (n,)."""
