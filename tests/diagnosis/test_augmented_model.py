@@ -137,8 +137,8 @@ def subject_of(data: JointData) -> Subject:
 
 def diagnosed(viscous_nms_per_rad: float = 0.07) -> JointDiagnosis:
     numbers = {"inertia_kg_m2": 0.3, "coulomb_nm": 0.3, "viscous_nms_per_rad": 0.07}
-    simple = {name: Coefficient(value=one, low=one, high=one) for name, one in numbers.items()}
-    wrong = Coefficient(value=viscous_nms_per_rad, low=viscous_nms_per_rad, high=viscous_nms_per_rad)
+    simple = {name: Coefficient.around(one, 0.0) for name, one in numbers.items()}
+    wrong = Coefficient.around(viscous_nms_per_rad, 0.0)
     return JointDiagnosis(
         joint=1, name="joint1", verdict="named", effects=(STRIBECK,), nominal=simple,
         augmented=simple | {"viscous_nms_per_rad": wrong},

@@ -12,14 +12,13 @@ from scipy.signal import lfilter
 from scipy.stats import t as student
 
 from friction_audit.diagnosis.dictionary import Dictionary
-from friction_audit.diagnosis.fitted_model import FittedModel
+from friction_audit.diagnosis.fitted_model import FittedModel, held_out, measure_gap, wild_cluster_bootstrap
 from friction_audit.diagnosis.gram import Gram, Training
 from friction_audit.diagnosis.noise import NoiseModel
 from friction_audit.diagnosis.nonlinear import intervals, refine
 from friction_audit.diagnosis.problem import FOLDS, RegressionProblem, folds_of
 from friction_audit.diagnosis.residual_checks import spectral_line
 from friction_audit.diagnosis.selection import occam
-from friction_audit.diagnosis.validation import held_out, measure_gap, wild_cluster_bootstrap
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.registry import effect_of

@@ -9,7 +9,7 @@ import pytest
 from statsmodels.regression.linear_model import OLS
 
 from friction_audit.diagnosis.problem import AXES, Curve, RegressionProblem, curve, knots_of
-from friction_audit.diagnosis.profiles import own_axis, profiles_of, shows_along
+from friction_audit.diagnosis.residual_checks import own_axis, profiles_of, shows_along
 from friction_audit.diagnosis.result import NamedEffect, Profile
 from friction_audit.joint_log import Float
 from friction_audit.reporting.diagnosis_words import UNITS, where_words

@@ -14,10 +14,6 @@ FIRST_S = 1772323200.0  # 2026-03-01 00:00 UTC
 HAND = Conditions(drive="hand", torque="interaction", gravity="removed", inertia="none", rate_hz=1000.0)
 
 
-def about(value: float, error: float) -> Coefficient:
-    return Coefficient(value=float(value), low=float(value - 1.96 * error), high=float(value + 1.96 * error))
-
-
 def make_joint(
     number: int,
     coulomb: float,
@@ -31,7 +27,10 @@ def make_joint(
     return JointSummary(
         joint=number,
         name=f"joint{number}",
-        coefficients={"coulomb_nm": about(coulomb, error), "viscous_nms_per_rad": about(viscous, 0.003)},
+        coefficients={
+            "coulomb_nm": Coefficient.around(coulomb, 1.96 * error),
+            "viscous_nms_per_rad": Coefficient.around(viscous, 1.96 * 0.003),
+        },
         cycles=30,
         moving_s=30.0,
         speed_rad_s=(0.5 * speed, speed, 1.5 * speed),

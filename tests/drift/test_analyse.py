@@ -12,7 +12,7 @@ from friction_audit.drift.session import Series, Session, make_series
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.reporting.drift_words import arm_sentence, describe, joint_sentence, limits_beyond_all
-from tests.drift.made_sessions import FIRST_S, about, make_arm_sessions, make_joint, make_session, make_sessions, noisy
+from tests.drift.made_sessions import FIRST_S, make_arm_sessions, make_joint, make_session, make_sessions, noisy
 from tests.each_case import thorough, with_thorough
 
 QUICK = DriftSettings(permutations=199)
@@ -166,7 +166,7 @@ def test_coefficient_near_zero_has_no_relative_change() -> None:
 
 
 def test_warm_up_within_sessions_is_separated() -> None:
-    warm = {"coulomb_nm": about(-0.08, 0.02)}
+    warm = {"coulomb_nm": Coefficient.around(-0.08, 0.04)}
     levels = zip(noisy(12), noisy(12, 7, level=0.07), strict=True)
     found, text = described([make_session(i, [make_joint(1, *level, within=warm)]) for i, level in enumerate(levels)])
     assert not found.drift
@@ -237,7 +237,7 @@ def test_errors_of_zero_or_far_below_the_scatter_raise_nothing() -> None:
 
 def test_missing_intervals_are_taken_from_the_others() -> None:
     sessions = make_sessions(stepped(noisy(12), 6))
-    bare = Coefficient(value=0.3, low=float("nan"), high=float("nan"))
+    bare = Coefficient.around(0.3)
     own = sessions[2].joints[0]
     sessions[2] = replace(sessions[2], joints=(replace(own, coefficients={**own.coefficients, "coulomb_nm": bare}),))
     assert coulomb(sessions).change_points[0].session == 6

@@ -30,10 +30,7 @@ STILL = JointSummary(
     speed_rad_s=(NAN, NAN, NAN), within=dict.fromkeys(LEVELS, UNDETERMINED), verdict="not_testable",
     reason=quoted("the joint does not move; move it back and forth"),
 )  # fmt: skip
-
-
-def number(value: float, half: float) -> Coefficient:
-    return Coefficient(value=value, low=value - half, high=value + half)
+number = Coefficient.around
 
 
 def change_of(joint: int, coefficient: str, session: int) -> float:

@@ -49,7 +49,7 @@ def profile(axis: str, share: float) -> r.Profile:
 def traces(cycles: int, **own: Any) -> r.Traces:
     """Return three samples per cycle, at rest, or other ones."""
     rows, empty = np.repeat(np.arange(cycles), 3), np.zeros(3 * cycles)
-    every: dict[str, Any] = dict.fromkeys(("t", "q", "dq", "displacement", "measured", "before", "after"), empty)
+    every: dict[str, Any] = dict.fromkeys(("t", "q", "dq", "measured", "before", "after"), empty)
     every |= {"cycle": rows, "held_out": rows < LOCKED, "along": {"speed": empty, "time": empty}, "corner_hz": 17.0}
     return r.Traces(**every | own)
 
@@ -63,7 +63,7 @@ def moving_traces() -> r.Traces:
     speed: Float = 0.05 + 0.3 * np.sin(np.pi * (place % ROWS) / ROWS)
     after = sign * (0.4 + speed)
     return traces(
-        CYCLES, t=t, q=sign * speed, dq=sign * speed, displacement=speed, cycle=cycle, held_out=cycle % 3 == 1,
+        CYCLES, t=t, q=sign * speed, dq=sign * speed, cycle=cycle, held_out=cycle % 3 == 1,
         measured=after + NOISE_NM * np.random.default_rng(0).standard_normal(len(place)),
         before=after - MISSING_NM * sign, after=after, along={"speed": speed, "time": t},
     )  # fmt: skip

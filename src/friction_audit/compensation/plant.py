@@ -190,7 +190,7 @@ def _operator_impedance(
     if settings.assume != SAME_OPERATOR:
         return None
     if settings.operator is not None:
-        known = [Coefficient(value=one, low=nan, high=nan) for one in astuple(settings.operator)]
+        known = map(Coefficient.around, astuple(settings.operator))
         return FittedOperator._make([*known, 0])
     if interaction.choice.drive != "hand":
         raise AnalysisError((Caution("drive_not_fitted"),))

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.diagnosis.prepare import Subject
 from friction_audit.diagnosis.result import JointDiagnosis, SimulationGap
@@ -22,7 +21,7 @@ from friction_audit.effects.registry import terms
 from friction_audit.effects.transmission import FAR_SHARE
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import Coefficient
-from friction_audit.joint_log import JointLog
+from friction_audit.joint_log import Int, JointLog
 from friction_audit.preprocessing.interaction import Caution
 
 METHOD = "diagnose"
@@ -92,7 +91,7 @@ def simulate_cycles(
     nominal: JointModel,
     augmented: JointModel,
     data: JointData,
-    cycles: NDArray[np.int64],
+    cycles: Int,
     known_inertia_kg_m2: float = 0.0,
 ) -> SimulationGap | None:
     """Simulate whole cycles, of some numbers, without and with the effects that were found.
@@ -122,7 +121,7 @@ def simulate_cycles(
     return SimulationGap(before=rms((before - data.dq)[inside]), after=rms((after - data.dq)[inside]), **traces)
 
 
-def gap_in_motion(joint: JointDiagnosis, subject: Subject, cycles: NDArray[np.int64]) -> SimulationGap | None:
+def gap_in_motion(joint: JointDiagnosis, subject: Subject, cycles: Int) -> SimulationGap | None:
     """Do the same for a diagnosis; None also where a fitted number is none that a model allows, as friction below 0."""
     bare = replace(joint, effects=(), augmented=joint.nominal)
     try:

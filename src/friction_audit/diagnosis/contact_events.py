@@ -11,14 +11,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.diagnosis.noise import NoiseModel
 from friction_audit.diagnosis.problem import RegressionProblem
-from friction_audit.diagnosis.samples import Index
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Bool, Float, Int
 
-Marks = NDArray[np.bool_]
 LENGTHS_S = (0.1, 0.2, 0.4, 0.8)  # twice as long each: half a sine between two of them loses 5 % of its size
 BY_CHANCE = 2e-3  # probability that normal noise holds a contact: model error has longer tails (flips, seed 16004)
 CELLS = 120  # reference cells, each as long as the push; with 60, the quantile of Student's t is 7 % larger
@@ -70,7 +67,7 @@ class MatchedFilters:
         white = noise.whiten(np.stack([residual, problem.y - residual, *errors]))
         self.innovations = np.where(samples.breakaway, 0.0, white)
 
-    def sums(self, kept: Marks, which: slice, first: int, last: int) -> tuple[Float, Float]:
+    def sums(self, kept: Bool, which: slice, first: int, last: int) -> tuple[Float, Float]:
         """Products with some innovations, and energies, of pushes that begin at slots first to last, (f, i or 1, k)."""
         lags, reach = self.operator.shape[1], self.reach
         known = np.flatnonzero(kept & (self.slot >= first) & (self.slot < last + reach))
@@ -91,7 +88,7 @@ class MatchedFilters:
 class Reference:
     """Where else in a log of m samples the joint moves as at one moment."""
 
-    def __init__(self, problem: RegressionProblem, slot: Index) -> None:
+    def __init__(self, problem: RegressionProblem, slot: Int) -> None:
         q, dq, ddq = (one / max(float(np.std(one)), 1e-12) for one in problem.kinematics)
         self.states = np.column_stack([q, dq]), np.column_stack([dq, ddq])
         self.direction, self.cycle, self.slot = np.sign(dq), problem.samples.cycle, slot
@@ -172,7 +169,7 @@ def without_impulses(problem: RegressionProblem, left: Float, fine: Float) -> Fl
     return np.where(np.abs(without) < np.abs(left), without, left)
 
 
-def touched(problem: RegressionProblem, contacts: tuple[Contact, ...]) -> Marks:
+def touched(problem: RegressionProblem, contacts: tuple[Contact, ...]) -> Bool:
     """Samples that the filter mixes with a contact, shape (m,)."""
     reach, t = len(problem.samples.kernel) // 2 * problem.data.step_s, problem.samples.t
     inside = np.zeros(len(t), bool)

@@ -4,10 +4,9 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.effects.joint_data import SIGMA_PER_MEDIAN, JointData
-from friction_audit.joint_log import DERIVATIVE, Float, JointLog, median_step, step_places
+from friction_audit.joint_log import DERIVATIVE, Bool, Float, JointLog, median_step, step_places
 from friction_audit.preprocessing.even_grid import belated_samples, fresh_samples, gaps, times_of_samples
 from friction_audit.preprocessing.interaction import Caution, Interaction
 from friction_audit.preprocessing.sign import SIGNIFICANT
@@ -102,7 +101,7 @@ def audit_clock(log: JointLog) -> tuple[DataFinding, ...]:
     )
 
 
-def timely_samples(log: JointLog) -> tuple[slice | NDArray[np.bool_], Float]:
+def timely_samples(log: JointLog) -> tuple[slice | Bool, Float]:
     """Return which samples are neither repeated nor belated, and their stamps."""
     # With repeated samples effects_stiction_16001 and effects_time_delay_16001 are adequate; with stamps as they are,
     # those and stranger_time_delay_1 and stranger_joint_elasticity_1.

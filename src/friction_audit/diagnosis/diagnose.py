@@ -7,23 +7,33 @@ from dataclasses import replace
 import numpy as np
 
 from friction_audit import parallel
-from friction_audit.diagnosis import profiles, residual_checks, selection
+from friction_audit.diagnosis import residual_checks, selection
 from friction_audit.diagnosis.augmented_model import gap_in_motion
+from friction_audit.diagnosis.contact_events import touched
 from friction_audit.diagnosis.dictionary import Block
-from friction_audit.diagnosis.fitted_model import FittedModel
+from friction_audit.diagnosis.fitted_model import FittedModel, gains, gap, held_out, wild_cluster_bootstrap
 from friction_audit.diagnosis.nonlinear import Estimates, intervals
 from friction_audit.diagnosis.prepare import Subject
 from friction_audit.diagnosis.problem import refuse_few
 from friction_audit.diagnosis.procedure import State, accepted, select
-from friction_audit.diagnosis.result import JointDiagnosis, NamedEffect, ResidualCheck, Traces, Verdict
+from friction_audit.diagnosis.result import (
+    ContactTrace,
+    JointDiagnosis,
+    NamedEffect,
+    Profile,
+    ResidualCheck,
+    Traces,
+    Verdict,
+)
 from friction_audit.diagnosis.samples import make_samples
 from friction_audit.diagnosis.settings import DiagnosisSettings
-from friction_audit.diagnosis.validation import gains, gap, held_out, wild_cluster_bootstrap
 from friction_audit.effects.effect import Effect
-from friction_audit.effects.joint_data import displacement
 from friction_audit.effects.registry import GRAVITY, effects
+from friction_audit.effects.slow import ContactEvent
 from friction_audit.errors import AnalysisError, FrictionAuditError, bug
+from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.even_grid import filtered
 from friction_audit.preprocessing.interaction import Caution, Reason, quoted, reason_of
 
 WORKING_BYTES = 1000  # of a process per sample of the fine grid (benchmarks/bench_diagnose.py)
@@ -132,12 +142,12 @@ def _result(subject: Subject, state: State, settings: DiagnosisSettings) -> Join
     model = state.fitted()
     estimates = intervals(model, state.dictionary)
     tests = wild_cluster_bootstrap(gram, (), settings.seed)
-    first = profiles.profiles_of(problem, before.residual, tests.curves)
+    first = residual_checks.profiles_of(problem, before.residual, tests.curves)
     plain, last, remaining = estimates, tests, first
     if active:
         plain = intervals(state.fitted(()), state.dictionary)
         last = wild_cluster_bootstrap(gram, active, settings.seed)
-        remaining = profiles.profiles_of(problem, after.residual, last.curves)
+        remaining = residual_checks.profiles_of(problem, after.residual, last.curves)
     traces = _traces(state, before.residual, after.residual)
     named, negligible = _effects(state, model, estimates, settings.min_effect_nm, traces)
     small = {one.name for one in negligible}
@@ -147,7 +157,7 @@ def _result(subject: Subject, state: State, settings: DiagnosisSettings) -> Join
     slow = (Caution("untested_time", numbers={"lacking": lacking}),) if verdict == "not_testable" else ()
     return replace(
         _answer(subject, verdict, slow),
-        effects=(*profiles.contact_effects(state, first), *named),
+        effects=(*contact_effects(state, first), *named),
         nominal=plain.nominal,
         augmented=estimates.nominal,
         gap=closed,
@@ -163,7 +173,7 @@ def _result(subject: Subject, state: State, settings: DiagnosisSettings) -> Join
         remaining=remaining,
         untestable={k: v for k, v in state.dictionary.not_testable.items() if k not in {b.name for b in active}},
         traces=traces,
-        contacts=profiles.contact_trace(state),
+        contacts=contact_trace(state),
         negligible=negligible,
         checks=checks,
         remainder_share=max((check.share for check in checks), default=0.0),
@@ -225,7 +235,7 @@ def _effects(
                 gap_before_nm=before,
                 gap_after_nm=after,
                 torque=torque,
-                curve=profiles.profiles_of(problem, left + torque, {}, effect.axis)[0],
+                curve=residual_checks.profiles_of(problem, left + torque, {}, effect.axis)[0],
                 size_nm=size,
                 friction_share=share,
                 residual_share=max(before**2 - after**2, 0.0) / nominal_nm**2,
@@ -236,7 +246,7 @@ def _effects(
             )
         )
     free = len(problem.chain) > 0
-    drawn = (replace(one, own=profiles.own_axis(one, traces, free_of_chain=free)) for one in found[False])
+    drawn = (replace(one, own=residual_checks.own_axis(one, traces, free_of_chain=free)) for one in found[False])
     return tuple(drawn), tuple(found[True])
 
 
@@ -261,7 +271,6 @@ def _traces(state: State, before: Float, after: Float) -> Traces:
         t=problem.samples.t,
         q=q,
         dq=dq,
-        displacement=displacement(problem.data)[problem.samples.fine],
         cycle=problem.samples.cycle,
         held_out=np.ones(len(q), bool),
         measured=measured,
@@ -269,4 +278,49 @@ def _traces(state: State, before: Float, after: Float) -> Traces:
         after=measured - after / weight,
         along={curve.axis.name: curve.values for curve in problem.curves},
         corner_hz=problem.samples.corner_hz,
+    )
+
+
+def contact_effects(state: State, profiles: tuple[Profile, ...]) -> tuple[NamedEffect, ...]:
+    """Contacts as one effect of the answer."""
+    problem, X, whole, contacts = state.problem, state.problem.X, state.disturbed, state.contacts
+    if whole is None:
+        return ()
+    coefficients = np.linalg.lstsq(X @ X.T, X @ problem.y, rcond=1e-12)[0]
+    left, inside = (whole.y - coefficients @ whole.X) / whole.samples.weight, touched(whole, contacts)
+    before, after = (float(np.sqrt(np.mean(one**2))) for one in (left, left[~inside]))
+    largest = float(left[inside][np.argmax(np.abs(left[inside]))]) if inside.any() else 0.0
+    lengths = [one.stop_s - one.start_s for one in contacts]
+    numbers = {"contacts": float(len(contacts)), "first_contact_s": contacts[0].start_s,
+               "longest_contact_s": max(lengths), "largest_contact_nm": largest}  # fmt: skip
+    size = float(np.sqrt(max(before**2 - after**2, 0.0)))
+    return (
+        NamedEffect(
+            name=ContactEvent.name,
+            label=ContactEvent.label,
+            parameters={k: Coefficient.around(v) for k, v in numbers.items()},
+            axis=ContactEvent.axis,
+            gap_before_nm=before,
+            gap_after_nm=after,
+            torque=np.zeros(len(problem.y)),
+            curve=next((one for one in profiles if one.axis == ContactEvent.axis), profiles[0]),
+            size_nm=size,
+            residual_share=(size / before) ** 2 if before > 0 else 0.0,
+            grade="major",
+        ),
+    )
+
+
+def contact_trace(state: State) -> ContactTrace | None:
+    """What the augmented model leaves over the whole log, samples of contacts included; None without contacts."""
+    if not state.contacts:
+        return None
+    data, samples = state.problem.data, state.problem.samples
+    fine = state.fitted().fine_residual
+    left = filtered(fine[None], samples.kernel, np.arange(0, len(fine), samples.every))[0]
+    seen = (data.moving & data.valid)[:: samples.every]
+    return ContactTrace(
+        t=data.t[:: samples.every],
+        residual_nm=np.where(seen, left, np.nan),
+        spans_s=tuple((contact.start_s, contact.stop_s) for contact in state.contacts),
     )

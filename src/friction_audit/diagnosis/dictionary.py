@@ -8,11 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.diagnosis.problem import PLAUSIBLE_SD, SAMPLE_SD, SIGN_WIDTHS_RAD_S, RegressionProblem
-from friction_audit.diagnosis.samples import Index
 from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import Nominal
 from friction_audit.effects.position import order_range
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Bool, Float, Int
 from friction_audit.parallel import per_joint as side_by_side
 from friction_audit.preprocessing.interaction import Caution
 
@@ -39,8 +38,8 @@ class Block:
     effect: Effect
     shape: dict[str, float]  # the nonlinear parameters
     stored: NDArray[np.float32]  # columns on the samples, in the order of the folds, without zero ones, shape (p, m)
-    back: Index  # place of each sample in that order, shape (m,)
-    there: NDArray[np.bool_]  # which of the effect's columns these are, shape (q,)
+    back: Int  # place of each sample in that order, shape (m,)
+    there: Bool  # which of the effect's columns these are, shape (q,)
     log_prior: float  # logarithm of the share of the prior that this point has among those of its effect
     numbers: int  # nonlinear parameters that vary over the grid
     refined: bool = False  # whether it lies between the points of the grid
@@ -91,7 +90,7 @@ class Dictionary:
     withheld: dict[str, list[Nonlinear]] = field(default_factory=dict)
 
     @cached_property
-    def back(self) -> Index:
+    def back(self) -> Int:
         """Place of each sample in the order of their folds, shape (m,)."""
         return np.argsort(self.problem.order)
 
@@ -173,7 +172,7 @@ class Dictionary:
                 )
         return [block for block in out if block is not None]
 
-    def _stored(self, columns: Float, there: NDArray[np.bool_]) -> NDArray[np.float32]:
+    def _stored(self, columns: Float, there: Bool) -> NDArray[np.float32]:
         return np.take((columns if there.all() else columns[there]).astype(STORED), self.problem.order, axis=1)
 
     def _built(self, effect: Effect, shapes: Sequence[Nonlinear]) -> Iterator[tuple[int, Float]]:
@@ -235,9 +234,11 @@ class Dictionary:
         _, columns = next(self._regressors(block.effect, [baseline], [shape]))
         return columns.reshape(-1, columns.shape[-1])[block.there]
 
-    def torques_at(self, block: Block, shapes: Sequence[Nonlinear], nominals: Sequence[Nominal]) -> Float:
-        """Torques of an effect whose coefficient follows, each on its own nominal model, shape (k, m)."""
-        out = np.empty((len(shapes), len(self.problem.y)))
+    def torques_at(self, block: Block, shapes: Sequence[Nonlinear], nominal: Nominal, coefficients: Float) -> Float:
+        """Torques of a block's effect at other points, its coefficients given if they do not follow, shape (k, m)."""
+        if not block.effect.follows:
+            return np.stack([coefficients @ self.columns_at(block, shape, nominal) for shape in shapes])
+        out, nominals = np.empty((len(shapes), len(self.problem.y))), [nominal] * len(shapes)
         for places, rows in block.effect.regressors_of(self.problem.data, nominals, shapes, self.problem.columns):
             out[places] = rows * [[block.effect.coefficient_of(shapes[place])] for place in places]
         return out

@@ -6,18 +6,16 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.diagnosis.dictionary import Block
 from friction_audit.diagnosis.noise import NoiseModel
 from friction_audit.diagnosis.problem import Nuisance, RegressionProblem
-from friction_audit.diagnosis.samples import Index
 from friction_audit.effects.effect import Effect
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Bool, Float, Int
 
 COPY = 1e-5  # eigenvalue of a block given everything else, over its own size, of what is a copy of that
 RIDGE = 1e-10
-ByWidth = list[tuple[Index, Index, Float]]  # of blocks of one width each: numbers, columns, own products
+ByWidth = list[tuple[Int, Int, Float]]  # of blocks of one width each: numbers, columns, own products
 AT_ONCE = 2**18  # numbers of a dictionary that are worked on at once: 2 MB stay in the cache of a core
 
 
@@ -50,7 +48,7 @@ class Gram:
         self.cross: dict[int | None, Float] = {None: np.empty((problem.folds, len(white), 0))}
         self.version = 0
         # Blocks of one effect with the same parameters: which they are, and for each its columns and parameters.
-        self._kinds: list[tuple[Effect, Index, NDArray[np.bool_], dict[str, Float]]] = []
+        self._kinds: list[tuple[Effect, Int, Bool, dict[str, Float]]] = []
         self.add(blocks)
 
     def whiten(self, columns: Float) -> Float:
@@ -84,7 +82,7 @@ class Gram:
             self._kinds.append((some[0].effect, np.array(places), np.stack([block.there for block in some]), at))
         self.version += 1
 
-    def possible(self, coefficients: Float) -> NDArray[np.bool_]:
+    def possible(self, coefficients: Float) -> Bool:
         """Whether coefficients of all blocks, shape (blocks, most), are physically possible."""
         out, columns = np.zeros(len(self.blocks), bool), np.arange(coefficients.shape[1])
         for effect, which, there, at in self._kinds:
@@ -143,7 +141,7 @@ class Gram:
 class Fit(NamedTuple):
     """The model with some blocks, fitted on some folds."""
 
-    kept: Index  # rows of the base that take part: nuisances that a block replaces do not
+    kept: Int  # rows of the base that take part: nuisances that a block replaces do not
     coefficients: Float  # of these and of the blocks, one after the other
     rss: float  # weighted residual sum of squares, priors included
     factor: Float  # of Cholesky, of the scaled Gram matrix
@@ -164,7 +162,6 @@ class Training:
     _own: dict[tuple[str, int], ByWidth] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Take all folds if none are given."""
         self.folds = self.folds or tuple(range(self.gram.problem.folds))
 
     @property
@@ -229,8 +226,7 @@ class Training:
             gains[which] -= lost
         return gains, coefficients
 
-    def _gain(self, active: Sequence[Block], unpinned: str, which: Index, gains: Float, coefficients: Float) -> None:
-        """Write gains and coefficients of some blocks."""
+    def _gain(self, active: Sequence[Block], unpinned: str, which: Int, gains: Float, coefficients: Float) -> None:
         from scipy.linalg import solve_triangular
 
         fit = self.fit(active, (unpinned,) if unpinned else ())
@@ -256,7 +252,7 @@ class Training:
             gains[members] = self.samples * np.log(fit.rss / np.maximum(fit.rss - reduction, 1e-12 * fit.rss))
             coefficients[members, : cols.shape[1]] = found
 
-    def _by_width(self, unpinned: str, which: Index) -> ByWidth:
+    def _by_width(self, unpinned: str, which: Int) -> ByWidth:
         gram, key = self.gram, (unpinned, len(which))
         if key not in self._own:
             self._own[key] = found = []

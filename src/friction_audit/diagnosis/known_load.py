@@ -15,7 +15,7 @@ from friction_audit.preprocessing.even_grid import on_finer_grid
 from friction_audit.preprocessing.interaction import TorqueChoice
 from friction_audit.robot import unknown_chain
 from friction_audit.robot.arm import Arm, chunks
-from friction_audit.robot.regressor import Index, Motion, random_motion, regressor_entries, significant, tilt_torque
+from friction_audit.robot.regressor import Motion, random_motion, regressor_entries, significant, tilt_torque
 
 # Above twice the bandwidth of the motion on the grid; at 100 Hz the noise of accelerations folds back: the floor of a
 # measured Panda's joints 1 to 4 rises by half, and joint 4 is unexplained.
@@ -58,18 +58,22 @@ def know_load(choice: TorqueChoice, arm: Arm | None, t: Float, motion: Motion, l
 
 
 def _rigid_bodies(arm: Arm, sign: int, t: Float, motion: Motion, inertial: Float | None) -> tuple[RigidBody, ...]:
-    joints = motion[0].shape[1]
-    links = [_links(arm, joint) for joint in range(joints)]
+    joints, order, last = motion[0].shape[1], np.array(arm.columns), motion[0].shape[1] - 1
+    # Numbers (1..j of the log) of each joint's own link, of the next, and of the last.
+    links = [tuple((order[np.unique([k, min(k + 1, last), last])] + 1).tolist()) for k in np.argsort(order)]
     still = np.zeros_like(motion[0])
-    tilt = sign * tilt_torque(arm, motion[0])
+    tilt, tips = sign * tilt_torque(arm, motion[0]), None
     # Where the motors move the arm, a link that is heavier than in its model resists by its inertia too.
-    weights = _weights(arm, (motion[0], still, still) if inertial is None else motion, links, sign)
-    tips = None if inertial is None else _tips(arm, motion, sign)
+    pulled = (motion[0], still, still) if inertial is None else motion
+    weights = _per_parameter(arm, pulled, links, MOMENTS_AND_MASS, sign, moving=False)
+    if inertial is not None:
+        weightless, every = arm.with_gravity((0.0, 0.0, 0.0)), range(INERTIAL_PARAMETERS)
+        tips = _per_parameter(weightless, motion, [own[-1:] for own in links], every, sign, moving=True)
     return tuple(
         RigidBody(
             t=t,
             links=links[joint],
-            weight=weights[joint],
+            weight=weights[joint].reshape(len(links[joint]), -1, len(t)).transpose(2, 0, 1),
             tilt=tilt[:, joint],
             inertial=None if inertial is None else sign * inertial[:, joint],
             tip=None if tips is None else tips[joint].T,
@@ -78,53 +82,28 @@ def _rigid_bodies(arm: Arm, sign: int, t: Float, motion: Motion, inertial: Float
     )
 
 
-def _links(arm: Arm, joint: int) -> tuple[int, ...]:
-    """Numbers (1..j of the log) of the joint's own link, of the next, and of the last."""
-    order = list(arm.columns)
-    place = order.index(joint)
-    last = len(order) - 1
-    return tuple(order[k] + 1 for k in sorted({place, min(place + 1, last), last}))
+def _per_parameter(
+    arm: Arm, motion: Motion, links: Sequence[tuple[int, ...]], places: Sequence[int], sign: int, *, moving: bool
+) -> list[NDArray[np.float32]]:
+    """Torque of each joint per some inertial parameters of its links, zero where not identifiable, (p, n) each.
 
-
-def _weights(arm: Arm, motion: Motion, links: Sequence[tuple[int, ...]], sign: int) -> list[NDArray[np.float32]]:
-    """Torque of each joint per first moment and mass of its links, zero where not identifiable, (n, links, 4)."""
-    many = len(MOMENTS_AND_MASS)
-    joints = np.repeat(np.arange(len(links)), [many * len(own) for own in links])
-    carried = np.repeat(np.concatenate(links) - 1, many)
-    places = np.tile(MOMENTS_AND_MASS, len(carried) // many)
-    anywhere = regressor_entries(arm, random_motion(motion[0].shape[1], moving=False), joints, carried, places)
-    kept = np.concatenate([significant(one) for one in np.hsplit(anywhere, len(carried) // many)])
+    Identifiable in any poses, at rest or moving. By chunks, so that few are there as doubles.
+    """
+    ends = np.cumsum([len(places) * len(own) for own in links])
+    joints, carried = np.repeat(np.arange(len(links)), np.diff(ends, prepend=0)), np.concatenate(links) - 1
+    entries = joints, np.repeat(carried, len(places)), np.tile(places, len(carried))
+    anywhere = regressor_entries(arm, random_motion(len(links), moving=moving), *entries)
+    kept = np.concatenate([significant(one) for one in np.hsplit(anywhere, len(carried))])
     kept &= np.abs(anywhere).max(axis=0) > ROUNDING
-    along = _columns(arm, motion, (joints, carried, places), kept, sign)
-    borders = np.cumsum([many * len(own) for own in links])[:-1]
-    return [one.reshape(-1, many, len(motion[0])).transpose(2, 0, 1) for one in np.split(along, borders)]
-
-
-def _tips(arm: Arm, motion: Motion, sign: int) -> list[NDArray[np.float32]]:
-    """Inertial torque of each joint per inertial parameter of the last link, zero where not identifiable, (10, n)."""
-    joints = np.repeat(np.arange(motion[0].shape[1]), INERTIAL_PARAMETERS)
-    last = np.full(len(joints), arm.columns[-1])
-    entries = joints, last, np.tile(np.arange(INERTIAL_PARAMETERS), motion[0].shape[1])
-    weightless = arm.with_gravity((0.0, 0.0, 0.0))
-    anywhere = regressor_entries(weightless, random_motion(motion[0].shape[1], moving=True), *entries)
-    kept = np.concatenate([significant(one) for one in np.hsplit(anywhere, motion[0].shape[1])])
-    return np.split(_columns(weightless, motion, entries, kept, sign), motion[0].shape[1])
-
-
-def _columns(
-    arm: Arm, motion: Motion, entries: tuple[Index, Index, Index], kept: NDArray[np.bool_], sign: int
-) -> NDArray[np.float32]:
-    """Entries (p,) of the regressor, zero if not kept, by chunks, so that few are there as doubles, (p, n)."""
     out = np.zeros((len(kept), len(motion[0])), np.float32)
-    joints, links, places = (one[kept] for one in entries)
-    parts, (q, dq, ddq) = [*chunks(out.shape[1])], motion
+    parts, which = [*chunks(out.shape[1])], [one[kept] for one in entries]
 
     def fill(k: int) -> None:
-        moved = q[parts[k]], dq[parts[k]], ddq[parts[k]]
-        out[kept, parts[k]] = sign * regressor_entries(arm, moved, joints, links, places).T
+        q, dq, ddq = (one[parts[k]] for one in motion)
+        out[kept, parts[k]] = sign * regressor_entries(arm, (q, dq, ddq), *which).T
 
     per_joint(fill, len(parts))
-    return out
+    return np.split(out, ends[:-1])
 
 
 def known_inertias(arm: Arm | None, choice: TorqueChoice, q: Float) -> Float:

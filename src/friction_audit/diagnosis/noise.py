@@ -9,8 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from friction_audit.compiled import compiled
-from friction_audit.diagnosis.samples import Index
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, Int
 
 MOST_LAGS = 8  # of those with 50 pairs of samples, or half of a short log: Box and Jenkins ask for 50
 LOADING = 0.05  # white part of the variance: plain AR weights frequencies that hold nothing but the filter's stop band
@@ -23,7 +22,7 @@ class NoiseModel:
 
     predictors: Float  # coefficients of the predictors of order 0 to p, shape (p + 1, p)
     scales: Float  # one over the standard deviation of their errors, shape (p + 1,)
-    age: Index  # samples before each one in its stretch, at most p, shape (m,)
+    age: Int  # samples before each one in its stretch, at most p, shape (m,)
     weight: Float  # standard deviation of the noise over that with the model error, 0..1, shape (m,)
     effective_samples: float  # squared innovations of the residual: samples less what filter and loading took
 
@@ -43,7 +42,7 @@ class NoiseModel:
         return float(np.log(self.scales[self.age] * self.weight).sum() - 0.5 * white.size * np.log(np.mean(white**2)))
 
     @classmethod
-    def fit(cls, age: Index, residuals: Sequence[Float], model_error: Float) -> "NoiseModel":
+    def fit(cls, age: Int, residuals: Sequence[Float], model_error: Float) -> "NoiseModel":
         """Fit to what models leave, and the standard deviation of the model error, shape (m,) each. [N m]
 
         Of several residuals that with the shortest autocorrelation time counts: what a model misses remembers longer
@@ -94,7 +93,7 @@ def levinson_durbin(covariance: Float) -> tuple[Float, Float]:
 
 
 @compiled("f8[:, ::1](f8[:, ::1], f8[:, ::1], f8[::1], i8[::1])")
-def _whiten(columns: Float, predictors: Float, scales: Float, age: Index) -> Float:
+def _whiten(columns: Float, predictors: Float, scales: Float, age: Int) -> Float:
     order, n = len(predictors) - 1, columns.shape[1]
     out = columns.copy()
     for k in range(columns.shape[0]):
@@ -116,7 +115,7 @@ def _whiten(columns: Float, predictors: Float, scales: Float, age: Index) -> Flo
 
 
 @compiled("f8[:, ::1](f8[:, ::1], f8[:, ::1], f8[::1], i8[::1])")
-def _transposed(rows: Float, predictors: Float, scales: Float, age: Index) -> Float:
+def _transposed(rows: Float, predictors: Float, scales: Float, age: Int) -> Float:
     out = np.zeros_like(rows)
     for k in range(rows.shape[0]):
         for i in range(rows.shape[1]):

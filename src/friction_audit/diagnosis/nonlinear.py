@@ -20,7 +20,6 @@ from friction_audit.diagnosis.gram import Gram, Training
 from friction_audit.diagnosis.problem import SIGN_COLUMNS, SMOOTHED
 from friction_audit.diagnosis.samples import without_each
 from friction_audit.diagnosis.selection import PRIOR, Projected, occam
-from friction_audit.effects.effect import Nonlinear
 from friction_audit.effects.joint_data import Nominal
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
@@ -97,16 +96,16 @@ class Projection:
         """2 ln of the likelihood, with its sign turned, up to a constant."""
         return self.samples * float(np.log(max(rss, 1e-300)))
 
-    def torques(self, point: Point, shapes: Sequence[Nonlinear]) -> Float:
-        """Torque of the effect at other nonlinear parameters, its coefficients those of a point, shape (k, m)."""
-        columns = (self.dictionary.columns_at(self.block, shape, self.baseline) for shape in shapes)
-        return np.stack([point.coefficients @ one for one in columns])
+    def nominal_at(self, _coefficients: Float) -> Nominal:
+        """The nominal model of a fit with these coefficients."""
+        return self.baseline
 
     def gauss_newton(self, point: Point, difference: float) -> Point:
         """The first better point along a step with Kaufman's Jacobian, damped a little; the same without one."""
         here, ahead = self.scale.at(point.x), difference * np.eye(len(point.x))
         ahead[[self.scale.at(point.x + one) == here for one in ahead]] *= -1.0
-        torques = self.gram.whiten(self.torques(point, [here, *(self.scale.at(point.x + one) for one in ahead)]))
+        shapes, nominal = [here, *(self.scale.at(point.x + one) for one in ahead)], self.nominal_at(point.coefficients)
+        torques = self.gram.whiten(self.dictionary.torques_at(self.block, shapes, nominal, point.coefficients))
         slopes = (torques[1:] - torques[0]) / ahead.sum(axis=1)[:, None]
         slopes -= (slopes @ point.inside.T) @ point.inside
         normal = slopes @ slopes.T
@@ -159,23 +158,22 @@ class JointProjection(Projection):
 
     def at(self, x: Float, near: Point | None = None) -> Point:
         """Fit at a point, from the nominal coefficients of another."""
-        shape, rows, problem = self.scale.at(x), self.rows, self.gram.problem
+        shape, rows = self.scale.at(x), self.rows
         coefficients = self.start if near is None else near.coefficients
         size = np.sqrt(np.maximum(np.sum(rows**2, axis=1), 1e-300))
         whole = (rows @ rows.T + np.diag(self.precision)) / size[:, None] / size
         for _ in range(INNER_STEPS):
-            nominal = problem.nominal.baseline(coefficients[: len(problem.X)])
-            response = self.gram.y - self.gram.whiten(self.dictionary.torques_at(self.block, [shape], [nominal]))[0]
+            nominal = self.nominal_at(coefficients)
+            torque = self.dictionary.torques_at(self.block, [shape], nominal, coefficients)
+            response = self.gram.y - self.gram.whiten(torque)[0]
             coefficients = np.linalg.lstsq(whole, rows @ response / size, rcond=1e-11)[0] / size
         left = response - coefficients @ rows
         cost = self.cost(float(left @ left + self.precision @ coefficients**2))
         return Point(x, cost, coefficients, left, self.inside, self.dictionary.columns_at(self.block, shape, nominal))
 
-    def torques(self, point: Point, shapes: Sequence[Nonlinear]) -> Float:
-        """Torque of the effect at other nonlinear parameters, the nominal coefficients those of a point, (k, m)."""
-        problem = self.gram.problem
-        nominal = problem.nominal.baseline(point.coefficients[: len(problem.X)])
-        return self.dictionary.torques_at(self.block, shapes, [nominal] * len(shapes))
+    def nominal_at(self, coefficients: Float) -> Nominal:
+        """The nominal model that is fitted with the effect."""
+        return self.gram.problem.nominal.baseline(coefficients[: len(self.gram.problem.X)])
 
 
 def refine(
@@ -244,7 +242,8 @@ def intervals(model: FittedModel, dictionary: Dictionary) -> Estimates:
     prior = np.zeros(len(rows))
     prior[: len(base)], prior[len(base) + sum(map(len, free)) :] = gram.precision[fit.kept], PRIOR_STEPS**-2.0
     half = _jackknife(gram, rows, prior)
-    nominal = {name: _around(fit.coefficients[k], half[k]) for k, name in enumerate(gram.problem.nominal.names)}
+    names = gram.problem.nominal.names
+    nominal = {name: Coefficient.around(*one) for name, *one in zip(names, fit.coefficients, half, strict=False)}
     _, *widths = np.split(half, np.cumsum([len(base), *map(len, (*free, *slopes))])[:-1])
     linear, effects, missing = iter(widths), [], []
     # A delay that is found holds the recorder's own, evenly spread over one sample.
@@ -272,30 +271,26 @@ def _following(block: Block, nonlinear: dict[str, Coefficient]) -> Coefficient:
     return Coefficient(value=value, low=min(limits) if known else -np.inf, high=max(limits) if known else np.inf)
 
 
-def _around(value: float, half: float) -> Coefficient:
-    return Coefficient(value=float(value), low=float(value - half), high=float(value + half))
-
-
 def _linear(labels: Sequence[str], c: Float, half: Float, columns: Float) -> tuple[dict[str, Coefficient], list[str]]:
     """Coefficients, and the names of those whose error alone makes more torque than the whole effect."""
     errors, torque = half * np.sqrt(np.mean(columns**2, axis=1)), float(np.sqrt(np.mean((c @ columns) ** 2)))
-    found = {name: _around(*one) for name, *one in zip(labels, c, half, strict=True)}
+    found = {name: Coefficient.around(*one) for name, *one in zip(labels, c, half, strict=True)}
     return found, [name for name, error in zip(labels, errors.tolist(), strict=True) if not error <= torque]
 
 
 def _free(scale: Scale, half: Float) -> tuple[dict[str, Coefficient], tuple[str, ...]]:
     """Nonlinear parameters with their intervals, and the names of those that are not identifiable."""
-    found, unknown = {n: Coefficient(value=v, low=v, high=v) for n, v in scale.block.shape.items()}, []
+    found, unknown = {n: Coefficient.around(v, 0.0) for n, v in scale.block.shape.items()}, []
     for k, name in enumerate(scale.names):
         value, reach = scale.block.shape[name], float(half[k] * scale.unit[k])
         wide = reach > WIDEST if scale.log[k] else half[k] > WIDEST_STEPS
         if wide or not np.isfinite(reach):
             unknown.append(name)
-            found[name] = Coefficient(value=value, low=-np.inf, high=np.inf)
+            found[name] = Coefficient.around(value, np.inf)
         elif scale.log[k]:
             found[name] = Coefficient(value=value, low=float(value * np.exp(-reach)), high=float(value * np.exp(reach)))
         else:
-            found[name] = _around(value, reach)
+            found[name] = Coefficient.around(value, reach)
     return found, tuple(unknown)
 
 
@@ -305,10 +300,7 @@ def _slopes(gram: Gram, scale: Scale, coefficients: Float, baseline: Nominal) ->
     for k, unit in enumerate(np.eye(len(scale.names))):
         for reach in REACHES[-1:] if block.effect.transmits else REACHES:
             ends = [scale.at(x * unit) for x in (reach, -reach)]
-            if block.effect.follows:
-                torques = dictionary.torques_at(block, ends, [baseline] * 2)
-            else:
-                torques = np.stack([coefficients @ dictionary.columns_at(block, one, baseline) for one in ends])
+            torques = dictionary.torques_at(block, ends, baseline, coefficients)
             out[k] = gram.whiten(torques[0] - torques[1])[0] / (2.0 * reach)
             if out[k] @ out[k] > PRIOR_STEPS**-2.0:
                 break

@@ -12,14 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.data_audit import (
-    DataFinding,
-    audit_clock,
-    audit_data,
-    own_velocity,
-    resolution,
-    timely_samples,
-)
+from friction_audit.diagnosis import data_audit
 from friction_audit.diagnosis.known_load import know_load, known_inertias
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.dynamics.motion import Others
@@ -27,28 +20,19 @@ from friction_audit.effects.breakaway import find_breakaways, signed_rest
 from friction_audit.effects.joint_data import FEWEST_SAMPLES, JointData, grid_noise
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.friction.history import Coefficient, FrictionHistory
-from friction_audit.joint_log import DERIVATIVE, Float, JointLog, median_step
+from friction_audit.joint_log import DERIVATIVE, Bool, Float, Int, JointLog, median_step
 from friction_audit.parallel import per_joint
+from friction_audit.preprocessing import velocity
 from friction_audit.preprocessing.energy_cycles import KEPT, EnergyCycles
 from friction_audit.preprocessing.even_grid import MOVING_RAD_S, LowPass
 from friction_audit.preprocessing.interaction import Interaction, Reason
 from friction_audit.preprocessing.sign import coarse_log
 from friction_audit.preprocessing.torque_source import CHANNELS
-from friction_audit.preprocessing.velocity import (
-    RESTING_RAD,
-    complementary_mean,
-    crossover_of,
-    find_lag,
-    noise_of_both,
-    position_of,
-)
 from friction_audit.robot.arm import Arm
 
 # Parts of a long recording, the bridge from each to the next, and the time in which springs and bristles forget that.
 PART_S, BRIDGE_S, FORGOTTEN_S = 60.0, 2.0, 3.0
 SHARED = ("q", "dq", "ddq", "sensed")  # of all joints of a log
-Index = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 DEAD_SIGMAS = 5.0  # standard deviations of the filtered velocity's noise, above which the direction is certain
 DEAD_SHARE = 1e-3  # and of the usual speed, which is what the stop band lets through next to a standstill
 TINY_SPEED = 1e-6
@@ -68,7 +52,7 @@ class Subject:
     data: JointData  # the joint on the fine grid
     number: int  # number for people
     name: str
-    findings: tuple[DataFinding, ...]  # what the audit of its data found
+    findings: tuple[data_audit.DataFinding, ...]  # what the audit of its data found
     from_energy: dict[str, Coefficient]  # what the energy method says of it
     model: JointModel | None = None  # its nominal model, None for the simple one
     known_inertia_kg_m2: float = 0.0  # inertia whose torque a rigid-body model took out of the log
@@ -82,14 +66,14 @@ def prepare(
 
     The log is that which the interaction was made from, in the same window, with all its joints.
     """
-    choice, log = interaction.choice, own_velocity(log)
-    fresh, t = timely_samples(log)
+    choice, log = interaction.choice, data_audit.own_velocity(log)
+    fresh, t = data_audit.timely_samples(log)
     low_pass = LowPass.for_stamps(t)
     valid = low_pass.away_from_gaps(t)
     # Standard deviation of the slope of a low-passed signal over that of its white noise. [1/s]
     slope_gain = float(np.linalg.norm(low_pass.slope) * np.sqrt(median_step(t) / (low_pass.fine[1] - low_pass.fine[0])))
     (all_q, all_dq, all_ddq, logged_dq), sources = _filtered_motion(log, low_pass, t, fresh, valid, slope_gain)
-    weighing = (np.ptp(all_q, axis=0) > RESTING_RAD) & (choice.gravity == "in-torque")  # joints, shape (j,)
+    weighing = (np.ptp(all_q, axis=0) > velocity.RESTING_RAD) & (choice.gravity == "in-torque")  # joints, shape (j,)
     sensed = choice.sign * low_pass.all_of(t, getattr(log, CHANNELS[choice.source]), fresh)
     logged = None if log.gravity is None else low_pass.all_of(t, log.gravity, fresh)
     load, removed, rigid = know_load(choice, arm, low_pass.t, (all_q, all_dq, all_ddq), logged)
@@ -114,7 +98,8 @@ def prepare(
         breakaways = find_breakaways(q, own_dq, dead, low_pass.step_s)
         dq, ddq = signed_rest(own_dq, all_ddq[:, column], breakaways, dead)
         if logged_q is not None:
-            q = position_of(q, own_dq, all_ddq[:, column], valid, low_pass.step_s, crossover_hz)
+            q = velocity.position_of(q, own_dq, all_ddq[:, column], valid, low_pass.step_s, crossover_hz)
+        cycle = np.searchsorted(cycles[joint].start_s, low_pass.t, side="right") - 1  # the latest that has begun
         return JointData(
             joint=joint,
             t=low_pass.t,
@@ -124,7 +109,7 @@ def prepare(
             torque=torque,
             temperature=None if log.temperature is None else low_pass.of(t, log.temperature[fresh, column]),
             others=Others(joint=column, q=all_q, dq=all_dq, ddq=all_ddq, sensed=sensed),
-            cycle=_cycle_of(low_pass.t, cycles[joint]),
+            cycle=np.where(low_pass.t < np.append(cycles[joint].stop_s, -np.inf)[cycle], cycle, -1),
             moving=certain_direction(own_dq, dead, low_pass.step_s),
             valid=valid,
             dead_speed_rad_s=dead,
@@ -200,7 +185,7 @@ def spread_parts(data: JointData, most_s: float, known: dict[str, Any]) -> Joint
     )
 
 
-def _cubics(data: JointData, end: Index, begin: Index, samples: int) -> tuple[Float, Float, Float]:
+def _cubics(data: JointData, end: Int, begin: Int, samples: int) -> tuple[Float, Float, Float]:
     """Position, velocity and acceleration at samples between the ends of parts and the next begins, (k, samples)."""
     x, time_s = np.linspace(0.0, 1.0, samples + 2)[1:-1], (samples + 1) * data.step_s
     rise, first, last = data.q[begin] - data.q[end], time_s * data.dq[end], time_s * data.dq[begin]
@@ -210,7 +195,7 @@ def _cubics(data: JointData, end: Index, begin: Index, samples: int) -> tuple[Fl
 
 
 def _filtered_motion(
-    log: JointLog, low_pass: LowPass, t: Float, fresh: Bools | slice, valid: Bools, slope_gain: float
+    log: JointLog, low_pass: LowPass, t: Float, fresh: Bool | slice, valid: Bool, slope_gain: float
 ) -> tuple[list[Float], list[tuple[str, float, float, float]]]:
     """Position, velocity, acceleration, logged velocity, (n, j) each; per joint source, crossover, rounding, noise.
 
@@ -218,7 +203,7 @@ def _filtered_motion(
     of a slow joint read the same, and a median shows none of it.
     """
     coarse = coarse_log(log)
-    lag = find_lag(coarse, median_step(log.t))
+    lag = velocity.find_lag(coarse, median_step(log.t))
     acceleration = np.sqrt(np.mean(np.gradient(coarse.dq, coarse.t, axis=0) ** 2, axis=0))
 
     # One array each, not a list of columns that is stacked: half of the memory.
@@ -229,11 +214,11 @@ def _filtered_motion(
         q, slope = low_pass.with_slope(t, log.q[fresh, column])
         logged = low_pass.of(t, log.dq[fresh, column])
         derived = log.source.channels.get("dq") == DERIVATIVE
-        of_q, of_dq = (resolution(read[:, column]) / 12.0**0.5 for read in (log.q, log.dq))
+        of_q, of_dq = (data_audit.resolution(read[:, column]) / 12.0**0.5 for read in (log.q, log.dq))
         # The noise of a position by late or uneven stamps grows with the speed: rests, where they prevail, hide it.
         moves = np.abs(logged) > MOVING_RAD_S
         seen = moves if FEWEST_SAMPLES < np.count_nonzero(moves) < 0.5 * len(moves) else slice(None)
-        apart = noise_of_both(slope, logged, valid, low_pass.step_s, lag[column])
+        apart = velocity.noise_of_both(slope, logged, valid, low_pass.step_s, lag[column])
         white = apart * (slope_gain / np.sqrt(2.0 * median_step(log.t)), np.sqrt(low_pass.corner_hz))
         of_slope = max(grid_noise(slope[seen]), slope_gain * of_q, white[0])
         of_logged = np.hypot(max(grid_noise(logged[seen]), of_dq, white[1]), lag[column] * acceleration[column])
@@ -243,8 +228,8 @@ def _filtered_motion(
         else:
             dq, ddq = low_pass.with_slope(t - lag[column], log.dq[fresh, column])
             # With the logged velocity alone the inertial_coupling of a real Panda's joints 5 and 6 is ambiguous.
-            if crossover_hz := crossover_of(slope[seen], dq[seen], low_pass.step_s, apart):
-                dq = complementary_mean(slope, dq, valid, low_pass.step_s, crossover_hz)
+            if crossover_hz := velocity.crossover_of(slope[seen], dq[seen], low_pass.step_s, apart):
+                dq = velocity.complementary_mean(slope, dq, valid, low_pass.step_s, crossover_hz)
                 ddq = np.gradient(dq, low_pass.t)
         for every, own in zip(moved, (q, dq, ddq, logged), strict=True):
             every[:, column] = own
@@ -253,13 +238,7 @@ def _filtered_motion(
     return moved, per_joint(one, many)
 
 
-def _cycle_of(t: Float, cycles: EnergyCycles) -> Index:
-    """Number of the joint's cycle, half-open in time, -1 outside of any."""
-    number = np.searchsorted(cycles.start_s, t, side="right") - 1
-    return np.where(t < np.append(cycles.stop_s, -np.inf)[number], number, -1)
-
-
-def certain_direction(dq: Float, dead_speed: float, step_s: float) -> NDArray[np.bool_]:
+def certain_direction(dq: Float, dead_speed: float, step_s: float) -> Bool:
     """Samples whose direction of motion is certain, those of a quick reversal without a rest among them, shape (n,).
 
     A joint that its motor turns around rests until the torque has changed by twice the friction: some milliseconds of
@@ -278,7 +257,7 @@ def certain_direction(dq: Float, dead_speed: float, step_s: float) -> NDArray[np
     return np.asarray(sure, bool)
 
 
-def _rest_in_reversals(dq: Float, last: Index, first: Index, step_s: float) -> Float:
+def _rest_in_reversals(dq: Float, last: Int, first: Int, step_s: float) -> Float:
     """Time between the zeros of straight lines through the velocity before and after reversals, shape (r,). [s]
 
     Acceleration that changes steadily moves both zeros alike. Infinite where the joint turns again.
@@ -294,11 +273,11 @@ def _rest_in_reversals(dq: Float, last: Index, first: Index, step_s: float) -> F
     return np.where(whole, (first - last - into - out) * step_s, np.inf)
 
 
-def _time_to_zero(velocity: Float, away: Index) -> Float:
-    """Samples from 0 at which a straight line through velocities (r, k) reaches zero, shape (r,)."""
+def _time_to_zero(v: Float, away: Int) -> Float:
+    """Samples from 0 at which a straight line through velocities v, shape (r, k), reaches zero, shape (r,)."""
     centre = away - away.mean()
-    slope = velocity @ centre / (centre @ centre)
-    level = velocity.mean(axis=1)
+    slope = v @ centre / (centre @ centre)
+    level = v.mean(axis=1)
     distance = np.full(len(slope), np.inf)
     np.divide(level, slope, out=distance, where=slope * level > 0)
     return np.asarray(distance - float(away.mean()))
@@ -331,9 +310,9 @@ def subjects_of(
 ) -> tuple[Subject, ...]:
     """Prepare every joint of a log in the window of its interaction; of its samples nothing is needed afterwards."""
     inertias, subjects = known_inertias(arm, interaction.choice, log.q), []
-    clock, prepared = audit_clock(log), [*prepare(interaction, cycles, log, arm)]
+    clock, prepared = data_audit.audit_clock(log), [*prepare(interaction, cycles, log, arm)]
     joined: dict[str, Any] = {}
-    for findings in per_joint(lambda k: audit_data(log, interaction, prepared[k], clock), len(prepared)):
+    for findings in per_joint(lambda k: data_audit.audit_data(log, interaction, prepared[k], clock), len(prepared)):
         # The audit alone has looked at the logged velocity; of a long log, the rest is freed at once.
         data = spread_parts(replace(prepared.pop(0), logged_dq=None), settings.at_most_s, joined)
         number, found = interaction.joint_numbers[data.joint], friction.joints[data.joint]

@@ -9,12 +9,10 @@ from math import exp, sqrt
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.diagnosis.known_load import chain_basis, left_to_effects, with_gravity
 from friction_audit.diagnosis.samples import (
     SAMPLE_HZ,
-    Index,
     NominalModel,
     Samples,
     corner_for,
@@ -25,7 +23,7 @@ from friction_audit.diagnosis.samples import (
 from friction_audit.effects.joint_data import JointData, Nominal, displacement
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.errors import AnalysisError
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Bool, Float, Int
 from friction_audit.preprocessing.even_grid import first_order
 from friction_audit.preprocessing.interaction import Caution
 from friction_audit.robot.unknown_chain import project_out
@@ -103,8 +101,8 @@ class RegressionProblem:
     data: JointData  # the joint on the fine grid
     samples: Samples  # filter, times and cycles of the samples
     nominal: NominalModel  # the nominal model, its columns on the samples
-    age: Index  # samples before each one in its unbroken stretch, shape (m,)
-    fold: Index  # number of the fold of each sample, whole cycles, shape (m,)
+    age: Int  # samples before each one in its unbroken stretch, shape (m,)
+    fold: Int  # number of the fold of each sample, whole cycles, shape (m,)
     curves: tuple[Curve, ...]  # a curve over every quantity that varies
     # Rigid-body torque of an unknown chain, orthonormal, shape (k, m): response and columns are free of it
     # (R. Frisch, F. V. Waugh, Econometrica 1 (1933) 387).
@@ -169,7 +167,7 @@ class RegressionProblem:
         return self.nominal.y
 
     @cached_property
-    def order(self) -> Index:
+    def order(self) -> Int:
         """Samples fold by fold, in the order of time within each, shape (m,)."""
         return np.argsort(self.fold, kind="stable")
 
@@ -212,7 +210,7 @@ class RegressionProblem:
         return project_out(self.chain, np.ascontiguousarray(self.samples.of(fine).T))
 
     @cached_property
-    def near(self) -> tuple[Index, JointData, Callable[[Float], Float]]:
+    def near(self) -> tuple[Int, JointData, Callable[[Float], Float]]:
         """Where the filter reads the fine grid, the joint there, and what makes samples of its columns."""
         read, samples = self.samples.near(len(self.data.t))
         return read, self.data.at(read), lambda fine: project_out(self.chain, np.ascontiguousarray(samples.of(fine).T))
@@ -222,7 +220,7 @@ class RegressionProblem:
         """What the chain without a model leaves to effects, shape (e, m); without it friction is far off at first."""
         return self.columns(left_to_effects(self.data)) if len(self.chain) else np.empty((0, len(self.y)))
 
-    def without(self, dropped: NDArray[np.bool_]) -> "RegressionProblem":
+    def without(self, dropped: Bool) -> "RegressionProblem":
         """The problem without some samples, shape (m,)."""
         kept = np.flatnonzero(~dropped)
         follows = (np.diff(kept, prepend=-2) == 1) & (self.age[kept] > 0)
@@ -280,7 +278,7 @@ def refuse_few(data: JointData, samples: Samples) -> None:
         raise AnalysisError((Caution("too_few_samples", numbers=numbers | {"corner_hz": samples.corner_hz}),))
 
 
-def folds_of(cycle: Index) -> Index:
+def folds_of(cycle: Int) -> Int:
     """Fold of each sample, shape (m,): of every ten cycles that follow each other one in each fold, in mixed order."""
     numbers, place = np.unique(cycle, return_inverse=True)
     rng, folds = np.random.default_rng(0), min(FOLDS, len(numbers))  # the answer depends on no draw
@@ -288,7 +286,7 @@ def folds_of(cycle: Index) -> Index:
     return np.concatenate(blocks)[place].astype(np.int64)
 
 
-def _age(follows: NDArray[np.bool_]) -> Index:
+def _age(follows: Bool) -> Int:
     place = np.arange(len(follows))
     return (place - np.maximum.accumulate(np.where(follows, 0, place))).astype(np.int64)
 
@@ -306,7 +304,7 @@ def _curves(data: JointData, samples: Samples) -> tuple[Curve, ...]:
     return tuple(found)
 
 
-def knots_of(values: Float, counted: NDArray[np.bool_], most: int = KNOTS) -> Float:
+def knots_of(values: Float, counted: Bool, most: int = KNOTS) -> Float:
     """Quantiles of a quantity over the samples that count, without repetition, shape (k,); k below 2 if constant."""
     if not counted.any():
         return np.zeros(0)

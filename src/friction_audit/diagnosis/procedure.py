@@ -6,13 +6,12 @@ import numpy as np
 
 from friction_audit.diagnosis import contact_events, selection
 from friction_audit.diagnosis.dictionary import Block, Dictionary
-from friction_audit.diagnosis.fitted_model import FittedModel
+from friction_audit.diagnosis.fitted_model import FittedModel, gains
 from friction_audit.diagnosis.gram import Gram, Training
 from friction_audit.diagnosis.noise import NoiseModel
 from friction_audit.diagnosis.nonlinear import refine
 from friction_audit.diagnosis.problem import AXES, PLAUSIBLE_SD, SIGNS, Nuisance, RegressionProblem, curve, knots_of
 from friction_audit.diagnosis.samples import least_squares
-from friction_audit.diagnosis.validation import gains
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.joint_model import JointModel

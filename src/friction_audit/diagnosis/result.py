@@ -3,12 +3,9 @@
 from dataclasses import dataclass, field
 from typing import Literal, get_args
 
-import numpy as np
-from numpy.typing import NDArray
-
 from friction_audit.diagnosis.data_audit import DataFinding
 from friction_audit.friction.history import Coefficient
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Bool, Float, Int
 from friction_audit.preprocessing.interaction import Caution, Reason
 
 Verdict = Literal["adequate", "named", "ambiguous", "unexplained", "not_testable", "data_fault", "failed"]
@@ -111,9 +108,8 @@ class Traces:
     t: Float  # time [s]
     q: Float  # position [rad]
     dq: Float  # velocity [rad/s]
-    displacement: Float  # position less that at the last reversal [rad]
-    cycle: NDArray[np.int64]  # number of the cycle
-    held_out: NDArray[np.bool_]  # samples of held-out cycles
+    cycle: Int  # number of the cycle
+    held_out: Bool  # samples of held-out cycles
     measured: Float  # torque [N m]
     before: Float  # torque of the nominal model [N m]
     after: Float  # torque of the augmented model [N m]

@@ -15,20 +15,18 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.breakaway import FEWEST_BREAKAWAYS, Breakaways, breakaways_of, torque_known
 from friction_audit.effects.joint_data import CORNER_HZ, SIGMA_PER_MEDIAN, JointData, Nominal
 from friction_audit.effects.joint_model import FittedTerm, JointModel
-from friction_audit.effects.transmission import MOTION_BELOW_HZ, motion_below
+from friction_audit.effects.transmission import MOTION_BELOW_HZ
 from friction_audit.errors import AnalysisError
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Bool, Float, Int
 from friction_audit.preprocessing.even_grid import filtered, kaiser_low_pass, within
 from friction_audit.preprocessing.interaction import Caution
 from friction_audit.preprocessing.velocity import MEDIAN_OF_DENSITY, noise_density
 
-Index = NDArray[np.int64]
 INERTIA = "inertia_kg_m2"
 FRICTION = {"coulomb": "coulomb_nm", "viscous": "viscous_nms_per_rad"}  # terms with their one coefficient
 RINGING = ("spring", "gap")  # forward models of terms that amplify noise of the position
@@ -52,19 +50,19 @@ class Samples:
     onsets: Breakaways
     corner_hz: float  # frequency of which half the amplitude passes [Hz]
     every: int  # fine samples per place
-    place: Index  # number of each sample, counted with those that are left out, shape (m,)
-    breakaway: NDArray[np.bool_]  # whether the sample is the moment of a break-away, shape (m,)
+    place: Int  # number of each sample, counted with those that are left out, shape (m,)
+    breakaway: Bool  # whether the sample is the moment of a break-away, shape (m,)
     weight: Float  # factor of torque and columns that makes all samples equally noisy, shape (m,)
     t: Float  # times, shape (m,) [s]
     y: Float  # torque, shape (m,) [N m]
-    cycle: Index  # number of the cycle of each sample, shape (m,)
+    cycle: Int  # number of the cycle of each sample, shape (m,)
 
     @cached_property
-    def fine(self) -> Index:
+    def fine(self) -> Int:
         """Place of each sample on the fine grid, shape (m,)."""
         return self.place * self.every
 
-    def keep(self, kept: NDArray[np.bool_]) -> "Samples":
+    def keep(self, kept: Bool) -> "Samples":
         """Some of the samples, shape (m,)."""
         names = ("place", "breakaway", "weight", "t", "y", "cycle")
         onsets = self.onsets.take(kept[self.breakaway])
@@ -78,7 +76,7 @@ class Samples:
             out[:, np.flatnonzero(self.breakaway)] = self.onsets.of(rows.T).T
         return out[0] if columns.ndim == 1 else out.T
 
-    def near(self, n: int) -> tuple[Index, "Samples"]:
+    def near(self, n: int) -> tuple[Int, "Samples"]:
         """Where the filter reads a fine grid of n samples, and what makes the samples of columns given there alone."""
         half, last = len(self.kernel) // 2, self.onsets.samples
         begins = np.append(np.maximum(self.fine - half, 0), last[:, 0])
@@ -224,7 +222,7 @@ def nominal_model(data: JointData, samples: Samples, model: JointModel | None) -
 
 def _motion_of(term: FittedTerm, model: JointModel, data: JointData, samples: Samples) -> Motion:
     """The motion as measured or low-passed: the one with which the term explains more."""
-    every = [data.motion(), motion_below(data, MOTION_BELOW_HZ)]
+    every = [data.motion(), data.motion_below(MOTION_BELOW_HZ)]
     motions = [replace(motion, rest=model.rest(motion)) for motion in every]
     simple = (data.direction, data.dq, data.ddq)
     left = []

@@ -28,7 +28,6 @@ class DiagnosisSettings:
     model: "ArmModel | None" = None  # of each joint; None for inertia, Coulomb and viscous friction, fitted
 
     def __post_init__(self) -> None:
-        """Check names and numbers."""
         unknown = [name for name in self.candidates or () if name not in NAMES]
         if unknown:
             raise UsageError(f"candidates: {', '.join(unknown)}: expected some of {', '.join(NAMES)}")

@@ -95,9 +95,7 @@ def _judge(family: Sequence[Series], settings: DriftSettings) -> list[Verdict | 
 
 
 def _shown(series: Series, y: Float, sessions: Sequence[Session]) -> dict[str, Any]:
-    """Return what is shown of any series."""
-    ends = np.column_stack([y, NORMAL_95 * series.y_error]).tolist()
-    values = [Coefficient(value=one, low=one - half, high=one + half) for one, half in ends]
+    values = map(Coefficient.around, y, NORMAL_95 * series.y_error)
     return {
         "coefficient": series.coefficient,
         "sessions": tuple(series.session.tolist()),
@@ -136,11 +134,11 @@ def describe_series(
     last = fit if ends is model else regression.fit_model(counted, ends.columns, inflation)
     change = last.interval(ends.change) if np.any(ends.change) else UNDETERMINED
     smallest = smallest_change(counted, fit, critical=verdict.critical, growth=growth, power=settings.power)
-    least, least_share = to_change(Coefficient(value=smallest, low=smallest, high=smallest), level, series)
+    least, least_share = to_change(Coefficient.around(smallest, 0.0), level, series)
     absolute, total = to_change(change, level, series)
     over, slope = 1.0 if series.logarithmic else abs(level.value), UNDETERMINED
     if counted.temperature is not None and over:
-        slope = regression.each(fit.interval(np.eye(len(fit.value))[-1]), lambda end: end / over)
+        slope = fit.interval(np.eye(len(fit.value))[-1]).each(lambda end: end / over)
     relative_scatter = not series.logarithmic and not regression.is_near_zero(level)
     return CoefficientDrift(
         **_shown(series, y, sessions),

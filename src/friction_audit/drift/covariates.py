@@ -40,7 +40,6 @@ def choose_comparable(order: Order) -> tuple[tuple[int, ...], dict[int, Reason],
 
 
 def _repeated(sessions: dict[int, Session]) -> dict[int, Reason]:
-    """Find recordings that are there twice."""
     first: dict[tuple[object, ...], int] = {}
     twice: dict[int, Reason] = {}
     for i, session in sessions.items():

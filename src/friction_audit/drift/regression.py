@@ -1,8 +1,7 @@
 """Regression of one coefficient over the sessions: a random effect of each session, Huber's loss, robust intervals."""
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -82,7 +81,7 @@ class Fit:
 
         value, quantile = float(weights @ self.value), float(t.ppf(0.975, self.freedom or np.nan))
         half = quantile * float(np.sqrt(np.maximum(weights @ self.covariance @ weights, 0.0)))
-        return Coefficient(value=value, low=value - half, high=value + half)
+        return Coefficient.around(value, half)
 
     def p_value(self, weights: Float) -> float:
         """Return the p-value of a combination: at most 5 % where its interval excludes zero."""
@@ -163,27 +162,22 @@ def slope_over(series: Series, clock: Float | None, inflation: float) -> Coeffic
     fit = fit_model(series, columns, inflation)
     first, last = np.eye(columns.shape[1])[[0, -1]]
     level = to_level(fit.interval(first), series).value if series.logarithmic else 1.0
-    return each(fit.interval(last), lambda end: level * end)
-
-
-def each(found: Coefficient, of: Callable[[float], Any]) -> Coefficient:
-    """Return a rising function of a value and of the ends of its interval."""
-    return Coefficient(value=float(of(found.value)), low=float(of(found.low)), high=float(of(found.high)))
+    return fit.interval(last).each(lambda end: level * end)
 
 
 def to_level(y: Coefficient, series: Series) -> Coefficient:
     """Return a level of y in the unit of the coefficient."""
     with np.errstate(over="ignore"):
-        return each(y, np.exp) if series.logarithmic else y
+        return y.each(np.exp) if series.logarithmic else y
 
 
 def to_change(change: Coefficient, level: Coefficient, series: Series) -> tuple[Coefficient, Coefficient]:
     """Return a change of y in the unit of the coefficient, and over the level: NaN where the level is near zero."""
     if series.logarithmic:
         with np.errstate(over="ignore"):  # infinite, no limit, beyond all numbers
-            relative = each(change, np.expm1)
-        return each(relative, lambda end: level.value * end), relative
-    return change, UNDETERMINED if is_near_zero(level) else each(change, lambda end: end / abs(level.value))
+            relative = change.each(np.expm1)
+        return relative.each(lambda end: level.value * end), relative
+    return change, UNDETERMINED if is_near_zero(level) else change.each(lambda end: end / abs(level.value))
 
 
 def relative_change(first: Coefficient, last: Coefficient) -> Coefficient:
@@ -210,7 +204,7 @@ def change_within(sessions: Sequence[Session], joint: int, coefficient: str) -> 
     value, low, high = np.array([(c.value, c.low, c.high) for c in finite]).T
     mean, variance, _ = random_effects(value, ((high - low) / (2 * NORMAL_95)) ** 2)
     half = float(t.ppf(0.975, len(finite) - 1)) * variance**0.5
-    return Coefficient(value=mean, low=mean - half, high=mean + half)
+    return Coefficient.around(mean, half)
 
 
 def holm(p_values: Sequence[float]) -> list[float]:

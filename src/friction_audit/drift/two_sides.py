@@ -95,7 +95,7 @@ class _Mean:
 
     def interval(self) -> Coefficient:
         half = float(stdtrit(self.freedom, TWO_SIDED)) * self.variance**0.5
-        return Coefficient(value=self.value, low=self.value - half, high=self.value + half)
+        return Coefficient.around(self.value, half)
 
 
 _Sides = Sequence[Sequence[JointSummary]]  # a joint in the recordings of each side that have it
@@ -174,7 +174,6 @@ def _combined(joint: JointSummary, parts: tuple[float, float]) -> _Mean:
 
 
 def _random_effects(found: Sequence[_Mean]) -> _Mean:
-    """Return the random-effects mean of recordings."""
     known = [one for one in found if np.isfinite(one.value)]
     if len(known) <= 1:
         return known[0] if known else _Mean(value=NAN, variance=NAN, freedom=NAN, recordings=0)

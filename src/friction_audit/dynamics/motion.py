@@ -1,6 +1,5 @@
 """Motion of one joint, and what else is known of it: the input of every torque of a joint model."""
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
@@ -98,22 +97,7 @@ class Motion:
 Forward = Literal["instant", "bristle", "delay", "spring", "gap"]
 
 
-@dataclass(frozen=True, slots=True)
-class Term(ABC):
-    """A term of a joint model with its numbers: a torque curve."""
-
-    name: str
-    values: tuple[float, ...]  # of the ``parameters`` of its effect, in order
-
-    @property
-    @abstractmethod
-    def effect(self) -> Any:  # noqa: ANN401 - an ``effects.effect.Effect``, of which the dynamics know nothing else
-        """Its effect: names, bounds and formula."""
-
-    def torque(self, motion: Motion) -> Float:
-        """Return the torque. [N m], shape (n,)."""
-        return np.asarray(self.effect.torque(motion, self.values))
-
-
+# An ``effects.joint_model.FittedTerm``: ``name``, ``values``, its ``effect``, and ``torque(motion)``.
+Term: TypeAlias = Any
 # An ``effects.joint_model.JointModel``: ``inertia_kg_m2``, ``terms``, and ``rest(motion)``, its simple torque.
 Model: TypeAlias = Any

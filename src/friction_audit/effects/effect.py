@@ -104,14 +104,8 @@ class Effect:
     def regressors_of(
         self, data: JointData, nominals: Sequence[Nominal], grid: Sequence[Nonlinear], seen: Callable[[Float], Float]
     ) -> Iterator[tuple[Sequence[int], Float]]:
-        """Yield places and how their columns are seen, (n, k) as (k, m), each point with its own nominal model.
-
-        Points with one nominal model have their work in common.
-        """
-        for nominal in {id(one): one for one in nominals}.values():
-            places = [place for place, one in enumerate(nominals) if one is nominal]
-            found = self.regressors(data, nominal, [grid[place] for place in places])
-            yield from (([places[k]], seen(columns)) for k, columns in found)
+        """Yield places and how their columns are seen, (n, k) as (k, m), with the nominal models; one, but of links."""
+        yield from (([place], seen(columns)) for place, columns in self.regressors(data, nominals[0], grid))
 
     def regressor(self, data: JointData, nominal: Nominal, at: Nonlinear) -> Float:
         """Return the columns at one point."""

@@ -8,10 +8,12 @@ import numpy as np
 
 from friction_audit.dynamics.motion import Motion, Others
 from friction_audit.joint_log import Bool, Float, Int
+from friction_audit.preprocessing.even_grid import filtered, windowed_sinc
 from friction_audit.preprocessing.interaction import Caution
 
 CORNER_HZ = 25.0  # highest corner of the low-pass before a regression
 SIGMA_PER_MEDIAN = 1.4826
+SMOOTH_S = 0.2  # reach to either side of the low-pass of a motion below a frequency
 # Of noise that is white up to the corner, a fifth of the grid's rate, per RMS of its second and fourth difference.
 SIGMA_PER_BEND = {2: 1.0 / 0.643, 4: 1.0 / 0.670}
 
@@ -92,18 +94,29 @@ class JointData(Motion):
 
     def at(self, places: Int) -> "JointData":
         """The joint by itself at some of its samples, of which the first two follow each other."""
-        names = ("t", "q", "dq", "ddq", "torque", "temperature", "load", "logged_q", "cycle", "moving", "valid")
-        own: dict[str, Any] = {
-            name: None if (all_of := getattr(self, name)) is None else all_of[places] for name in names
-        }
+        pairs = ((one.name, getattr(self, one.name)) for one in fields(self))
+        own: dict[str, Any] = {name: values[places] for name, values in pairs if isinstance(values, np.ndarray)}
         nothing = np.empty((len(places), 0))
         others = Others(joint=self.others.joint, q=nothing, dq=nothing, ddq=nothing, sensed=nothing)
-        return replace(self, **own, others=others, logged_dq=None, rigid=None)
+        return replace(self, **own, others=others, rigid=None)
 
     def motion(self, rest: Float | None = None) -> Motion:
         """The input of an effect's columns; ``rest`` is the torque of the nominal model, shape (n,)."""
         own = {one.name: getattr(self, one.name) for one in fields(Motion)}
         return Motion(**own | {"rest": rest, "smooth_direction": self.direction})
+
+    def motion_below(self, below_hz: float) -> Motion:
+        """The motion below a frequency, at which half of the amplitude passes, without a torque."""
+        if below_hz not in self.smooth:
+            q, dq, ddq = signals = np.stack([self.q, self.dq, self.ddq])
+            if below_hz < 0.5 / self.step_s:  # the log holds nothing above its Nyquist frequency
+                kernel = windowed_sinc(2.0 * below_hz * self.step_s, np.hamming(2 * round(SMOOTH_S / self.step_s) + 1))
+                # Symmetrically, the ends held; from the first values, so that rest is rest to the last digit.
+                first = signals[:, :1]
+                q, dq, ddq = first + filtered(signals - first, kernel, np.arange(len(self.t)))
+            direction = mean_sign(self.t, dq, ddq)
+            self.smooth[below_hz] = replace(self.motion(), q=q, dq=dq, ddq=ddq, smooth_direction=direction)
+        return self.smooth[below_hz]
 
 
 def reach(data: JointData) -> tuple[float, float]:
@@ -155,6 +168,16 @@ def both_directions(data: JointData, _nominal: Nominal) -> Caution | None:
     """At least a tenth of the moving time in either direction."""
     mixed = 0.1 <= float(np.mean(data.dq[data.used] > 0)) <= 0.9  # noqa: PLR2004 - a tenth either way
     return None if mixed else Caution("one_direction")
+
+
+def long_enough(
+    data: JointData, nominal: Nominal, short: str, shortest_s: float = 0.0, fewest: int = 0
+) -> Caution | None:
+    """At least so many seconds and cycles, else a caution of the code ``short``; and both directions."""
+    length, cycles = float(np.ptp(data.t)), len(np.unique(data.cycle[data.used]))
+    if length >= shortest_s and cycles >= fewest:
+        return both_directions(data, nominal)
+    return Caution(short, numbers={"cycles": cycles, "length": length, "fewest": fewest, "shortest": shortest_s})
 
 
 def speed_range(data: JointData, _nominal: Nominal, ratio: float) -> Caution | None:

@@ -11,7 +11,7 @@ from typing import Any, cast, get_type_hints
 
 import numpy as np
 
-from friction_audit.dynamics.motion import Motion, Term
+from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.registry import term_of, terms
 from friction_audit.errors import AnalysisError, InputError, near_misses, shortened
@@ -27,8 +27,11 @@ MOST_FAULTS, LONGEST_VALUE = 50, 80  # faults that a message names, and characte
 
 
 @dataclass(frozen=True, slots=True)
-class FittedTerm(Term):
+class FittedTerm:
     """A term with its numbers; AnalysisError if there is none, or values are missing, superfluous or out of bounds."""
+
+    name: str
+    values: tuple[float, ...]  # of the ``parameters`` of its effect, in order
 
     def __post_init__(self) -> None:
         parameters = self.effect.parameters
@@ -49,6 +52,10 @@ class FittedTerm(Term):
     def numbers(self) -> dict[str, float]:
         """Its values by name."""
         return {one.name: value for one, value in zip(self.effect.parameters, self.values, strict=True)}
+
+    def torque(self, motion: Motion) -> Float:
+        """Return the torque. [N m], shape (n,)."""
+        return self.effect.torque(motion, self.values)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

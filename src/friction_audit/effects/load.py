@@ -83,7 +83,6 @@ OWN_ANGLE, TILT, SEVERAL = 0, -1, -2  # values of the source; from 1 on, the num
 OF_ANGLE, OF_LINK, OF_TILT = slice(0, 2), slice(2, 6), slice(6, 8)  # columns of the sources
 # Columns of the joint's own link, the next and the last where several are wrong.
 OF_LINKS = (OF_LINK, slice(8, 12), slice(12, 16))
-OF_ONE = 8  # columns in front that belong to an error of one source; the others are of several links only
 SOURCE = "gravity_error_source"
 PLACES = np.concatenate([np.arange(where.start, where.stop) for where in OF_LINKS])  # columns of several links
 # Of the largest column: what one must add to the others. A kg m, more than any arm's model is off, pulls with 10 N m;
@@ -161,10 +160,9 @@ class GravityError(Effect):
     def regressors(self, data: JointData, nominal: Nominal, grid: Sequence[Nonlinear]) -> Iterator[tuple[int, Float]]:
         """Yield the columns of one source; of several links the linearly independent ones, the others zero."""
         for place, found in super().regressors(data, nominal, grid):
-            several = round(grid[place][SOURCE]) == SEVERAL
-            if several:
+            if round(grid[place][SOURCE]) == SEVERAL:
                 found[:, PLACES[~independent(data)]] = 0.0
-            yield place, found if several else found[:, :OF_ONE]
+            yield place, found
 
     def tries(self, data: JointData) -> list[tuple[float]]:
         """Return the joint's angle, and what the model of the arm lets pull at it."""

@@ -43,7 +43,6 @@ class TorqueCrosstalk(Effect):
         return columns
 
     def tries(self, data: JointData) -> list[tuple[float]]:
-        """Return the neighbours that there are, each and both."""
         before, after = data.others.joint > 0, data.others.joint + 1 < data.others.sensed.shape[1]
         return [(side,) for side, there in ((-1.0, before), (1.0, after), (0.0, before and after)) if there]
 

@@ -1,6 +1,6 @@
 """Effects of the position: waves and patches of friction, ripple of the torque, a cable, stops."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
 from itertools import product
 
@@ -20,25 +20,19 @@ EVERYWHERE = 1e6  # width of a bell that does not matter
 SAME_STEP = 1e-12  # differences of the spacing of orders that are rounding, as a share of an order
 
 
-class Wave:
-    """exp(i k q) for one order k after the other: of evenly spaced ones by turning by the same angle.
+def waves(q: Float, orders: Iterable[float]) -> Iterator[NDArray[np.complex128]]:
+    """Yield exp(i k q), shape (n,), for one order k after the other: of evenly spaced ones by turning by one angle.
 
     That takes four products where cosine and sine take many; a turn is right to rounding, and so are a hundred.
     """
-
-    def __init__(self, q: Float) -> None:
-        """Begin at order 0."""
-        self._q, self._order, self._step = q, 0.0, 0.0
-        self._turn = self._wave = np.ones(len(q), np.complex128)
-
-    def of(self, order: float) -> NDArray[np.complex128]:
-        """Cosine and, as imaginary part, sine of an order, shape (n,)."""
-        step = order - self._order
-        if step != 0.0:
-            if abs(step - self._step) > SAME_STEP * abs(order):
-                self._step, self._turn = step, np.exp(1j * step * self._q)
-            self._order, self._wave = order, self._wave * self._turn
-        return self._wave
+    turn = wave = none = np.ones(len(q), np.complex128)
+    before, step = 0.0, 0.0
+    for order in orders:
+        if order not in (0.0, before):
+            if abs(order - before - step) > SAME_STEP * abs(order):
+                step, turn = order - before, np.exp(1j * (order - before) * q)
+            before, wave = order, wave * turn
+        yield wave if order else none
 
 
 class PositionDependentFriction(Effect):
@@ -68,21 +62,14 @@ class PositionDependentFriction(Effect):
     }
 
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
-        """Yield sgn(dq) exp(-((q - c) / w)^2 / 2) times cos and sin of k (q - c), two columns; equal bells are one."""
-        wave = Wave(motion.q)
-        for centre, width in dict.fromkeys((centre, width) for _, centre, width in many):
-            off = motion.q - centre
-            bell = motion.direction if width >= EVERYWHERE else motion.direction * np.exp(-0.5 * (off / width) ** 2)
-            for place, (order, *own) in enumerate(many):
-                if own != [centre, width]:
-                    continue
-                columns = np.zeros((2, len(bell)))
-                if order == 0.0:
-                    columns[0] = bell
-                else:  # neighbours under bells of one width have one order
-                    about_centre = wave.of(order) * np.exp(-1j * order * centre)
-                    columns[:] = bell * about_centre.real, bell * about_centre.imag
-                yield place, columns.T
+        """Yield sgn(dq) exp(-((q - c) / w)^2 / 2) times cos and sin of k (q - c), two columns."""
+        for place, wave in enumerate(waves(motion.q, (order for order, _, _ in many))):
+            order, centre, width = many[place]
+            bell = motion.direction
+            if width < EVERYWHERE:
+                bell = bell * np.exp(-0.5 * ((motion.q - centre) / width) ** 2)
+            about_centre = wave * np.exp(-1j * order * centre)
+            yield place, np.stack([bell * about_centre.real, bell * about_centre.imag]).T
 
     def tries(self, data: JointData) -> list[Nonlinear]:
         """Return waves from half a period over the range on, half a period apart; bells and waves in them, 1.5."""
@@ -126,9 +113,8 @@ class TorqueRipple(Effect):
     separate = {"joint_elasticity": "repeat slow, steady motions at two speeds: a ripple's frequency goes with speed"}
 
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
-        wave = Wave(motion.q)
-        for place, (order,) in enumerate(many):
-            yield place, np.stack([(at := wave.of(order)).real, at.imag]).T
+        for place, wave in enumerate(waves(motion.q, (order for (order,) in many))):
+            yield place, np.stack([wave.real, wave.imag]).T
 
     def tries(self, data: JointData) -> list[tuple[float]]:
         """Return orders so close to each other that none between two is missed, where the time of a search allows."""
@@ -255,7 +241,6 @@ class JointLimitStop(Effect):
         return columns.T
 
     def tries(self, data: JointData) -> list[Sequence[float]]:
-        """Return a stop at the upper end, at the lower one and at both, at several depths."""
         low, high = float(data.q.min()), float(data.q.max())
         length = high - low
         tried = product(((1.0, 0.0), (0.0, 1.0), (1.0, 1.0)), DEPTHS, EXPONENTS)

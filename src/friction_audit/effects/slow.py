@@ -1,12 +1,13 @@
 """Effects that come with the time of the recording: slowly, at one moment, or for stretches of it."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import Each, Effect, Points
-from friction_audit.effects.joint_data import JointData, Nominal, both_directions
+from friction_audit.effects.joint_data import JointData, long_enough
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.interaction import Caution
@@ -25,7 +26,6 @@ UNFELT_PER_K = 1e-6
 DECAYS = (0.3, 1.5, 5.0)  # how far friction fades over the range of the temperature, as exponents
 LEAST_K = 0.5  # least range of a temperature
 
-FEWEST_CYCLES = 8
 STEPS = 32
 AT_ONCE = 1e-5  # length of a step, as a share of the log's: less than a sample
 RAMPS = 16  # neighbours overlap by half, for from a step there is no way downhill to a ramp that lies between two
@@ -55,6 +55,9 @@ class TorqueDrift(Effect):
             optional=True,
         ),
     )
+    requires = staticmethod(
+        partial(long_enough, short="too_short_for_drift", shortest_s=SHORTEST_S, fewest=CYCLES_PER_HALF_TURN * WAVES)
+    )
     record = "let the joint rest unloaded for 2 s early and late"
     separate = {
         "warm_up": "pass the same places in both directions early and late, with rests",
@@ -63,24 +66,14 @@ class TorqueDrift(Effect):
     misses = "even"
     like_gravity = True  # as the other joints' poses change
 
-    def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
-        """Yield sin((i - 1/2) pi x) for i = 1..4, x the share of the recording that is over; 0 for waves not meant."""
-        length = motion.t[-1] - motion.t[0]
-        share = (motion.t - motion.t[0]) / (length if length > 0.0 else 1.0)
-        waves = np.sin(np.pi * share * (np.arange(WAVES)[:, None] + 0.5))
-        for place, (number,) in enumerate(many):
-            yield place, (waves * (np.arange(WAVES)[:, None] < (round(number) or WAVES))).T
+    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
+        """Return sin((i - 1/2) pi x) for i = 1..4, x the share of the recording that is over; 0 for waves not meant."""
+        share = (motion.t - motion.t[0]) / (np.ptp(motion.t) or 1.0)
+        number, meant = np.arange(WAVES)[:, None], round(values[0]) or WAVES
+        return np.asarray(np.sin(np.pi * share * (number + 0.5)) * (number < meant)).T
 
     def tries(self, data: JointData) -> list[tuple[float]]:
         return [(float(waves),) for waves in range(1, WAVES + 1)]
-
-    @staticmethod
-    def requires(data: JointData, nominal: Nominal) -> Caution | None:
-        length, found = float(np.ptp(data.t)), len(np.unique(data.cycle[data.used]))
-        needed = CYCLES_PER_HALF_TURN * WAVES
-        numbers = {"cycles": found, "length": length, "fewest": needed, "shortest": SHORTEST_S}
-        short = length < SHORTEST_S or found < needed
-        return Caution("too_short_for_drift", numbers=numbers) if short else both_directions(data, nominal)
 
 
 class WarmUp(Effect):
@@ -101,6 +94,7 @@ class WarmUp(Effect):
         Parameter("warm_up_per_k", "1/K", "share lost per kelvin", lower=0.0, upper=100.0),
     )
     friction = True
+    requires = staticmethod(partial(long_enough, short="too_short_to_warm_up", shortest_s=SHORTEST_S))
     record = "record from a cold start, slow and fast motions early and late"
     separate = {
         "friction_step": "record on for one and a half times as long: warming slows down, a step is over",
@@ -125,12 +119,6 @@ class WarmUp(Effect):
     def possible(self, coefficients: Float, at: Points) -> Each:
         return np.any(coefficients > 0, axis=0)  # a cold joint has more friction of one kind at least
 
-    @staticmethod
-    def requires(data: JointData, nominal: Nominal) -> Caution | None:
-        length = float(np.ptp(data.t))
-        short = Caution("too_short_to_warm_up", numbers={"length": length, "shortest": SHORTEST_S})
-        return short if length < SHORTEST_S else both_directions(data, nominal)
-
 
 class FrictionStep(Effect):
     """Friction that changes once, at a moment of the recording, at once or within some seconds."""
@@ -146,6 +134,7 @@ class FrictionStep(Effect):
         Parameter("step_length_s", "s", "duration of the change", lower=0.0),
     )
     friction = True
+    requires = staticmethod(partial(long_enough, short="few_cycles_around", fewest=8))
     record = "record at least 4 cycles before and after the change"
     separate = {"contact_event": "record at least 4 cycles before and after the moment: a contact passes"}
 
@@ -160,17 +149,10 @@ class FrictionStep(Effect):
         return columns.T
 
     def tries(self, data: JointData) -> list[Sequence[float]]:
-        """Return steps at many times, and ramps at some."""
         start, length = float(data.t[0]), float(np.ptp(data.t))
         steps = [(k / STEPS, AT_ONCE) for k in range(2, STEPS - 1)]
         ramps = [(k / RAMPS, LENGTH) for k in range(1, RAMPS)]
         return [(start + share * length, part * length) for share, part in (*steps, *ramps)]
-
-    @staticmethod
-    def requires(data: JointData, nominal: Nominal) -> Caution | None:
-        found = len(np.unique(data.cycle[data.used]))
-        few = Caution("few_cycles_around", numbers={"cycles": found, "fewest": FEWEST_CYCLES})
-        return few if found < FEWEST_CYCLES else both_directions(data, nominal)
 
 
 class ContactEvent(Effect):

@@ -4,7 +4,6 @@ Both have a far side, which carries friction and most of the inertia, and are fo
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
 from math import sqrt
 from typing import Any, ClassVar
 
@@ -22,23 +21,13 @@ from friction_audit.dynamics.transmission import (
     simple_torque,
 )
 from friction_audit.effects.effect import LARGEST_SHARE, Each, Effect, Nonlinear, Points
-from friction_audit.effects.joint_data import (
-    CORNER_HZ,
-    JointData,
-    Nominal,
-    grid_noise,
-    mean_sign,
-    reversals,
-    shares_of_span,
-)
+from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, grid_noise, reversals, shares_of_span
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
-from friction_audit.preprocessing.even_grid import filtered, windowed_sinc
 from friction_audit.preprocessing.interaction import Caution
 
 # Above, the noise of the position is amplified ten times and more; what people and motors mean to do is below 4 Hz.
 MOTION_BELOW_HZ = 18.0
-FILTER_S = 0.2  # reach of the low-pass to either side
 # Of the inertia, on the far side: a rotor may move with the measured side.
 FAR_SHARES = (0.8, 0.6)
 
@@ -83,7 +72,7 @@ class Link(Effect):
         # Points with ``motion_below_hz`` go along the motion below that frequency, all others as measured.
         for below_hz in dict.fromkeys(at.get("motion_below_hz") for at in grid):
             own = [place for place, at in enumerate(grid) if at.get("motion_below_hz") == below_hz]
-            motion = data.motion() if below_hz is None else motion_below(data, below_hz)
+            motion = data.motion() if below_hz is None else data.motion_below(below_hz)
             every = max(len(motion.t) // MANY_SAMPLES, 1)
             simple = np.stack([motion.ddq[::every], motion.direction[::every], motion.dq[::every]])
             usual = np.sqrt(np.mean((numbers[own] @ simple) ** 2, axis=1)).tolist()
@@ -110,19 +99,6 @@ class Link(Effect):
     def requires(data: JointData, nominal: Nominal) -> Caution | None:
         """Jumps of friction, which show a link, and an inertia that rings."""
         return reversals(data, nominal) or (None if nominal.inertia_kg_m2 > 0.0 else Caution("no_inertia"))
-
-
-def motion_below(data: JointData, below_hz: float) -> Motion:
-    """Return the motion below a frequency, at which half of the amplitude passes, without a torque."""
-    if below_hz not in data.smooth:
-        q, dq, ddq = signals = np.stack([data.q, data.dq, data.ddq])
-        if below_hz < 0.5 / data.step_s:  # the log holds nothing above its Nyquist frequency
-            kernel = windowed_sinc(2.0 * below_hz * data.step_s, np.hamming(2 * round(FILTER_S / data.step_s) + 1))
-            # Symmetrically, the ends held; from the first values, so that rest is rest to the last digit.
-            first = signals[:, :1]
-            q, dq, ddq = first + filtered(signals - first, kernel, np.arange(len(data.t)))
-        data.smooth[below_hz] = replace(data.motion(), q=q, dq=dq, ddq=ddq, smooth_direction=mean_sign(data.t, dq, ddq))
-    return data.smooth[below_hz]
 
 
 # Strain-wave gears damp little: a few hundredths (T. D. Tuttle, W. P. Seering, IEEE Trans. Robot. Autom. 12, 1996).

@@ -134,7 +134,7 @@ def _solve_paper(own: EnergyCycles, kept: EnergyCycles, model: str, window: int)
             for name, value in zip(used, solution / scale, strict=True):
                 found[name][first] = value
     medians = {
-        name: results.Coefficient(value=float(np.nanmedian(values)), low=results.NAN, high=results.NAN)
+        name: results.Coefficient.around(np.nanmedian(values))
         for name, values in found.items()
         if np.isfinite(values).any()
     }

@@ -1,5 +1,6 @@
 """FrictionHistory: friction coefficients per joint over time, with their uncertainty."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import isnan
 from typing import Any, NamedTuple
@@ -20,6 +21,15 @@ class Coefficient:
 
     def __str__(self) -> str:
         return "unknown" if isnan(self.value) else f"{self.value:.4g} [{self.low:.4g}, {self.high:.4g}]"
+
+    @classmethod
+    def around(cls, value: float, half: float = float("nan")) -> "Coefficient":
+        """Return a value with an interval of a half width to either side."""
+        return cls(value=float(value), low=float(value - half), high=float(value + half))
+
+    def each(self, of: Callable[[float], Any]) -> "Coefficient":
+        """Return a rising function of the value and of the ends of its interval."""
+        return Coefficient(value=float(of(self.value)), low=float(of(self.low)), high=float(of(self.high)))
 
 
 NAN = float("nan")

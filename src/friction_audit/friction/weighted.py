@@ -92,7 +92,7 @@ class Fit(NamedTuple):
         if name not in self.names:
             return UNDETERMINED
         value, half = (float(part[window]) for part in self.column(name))
-        return Coefficient(value=value, low=value - half, high=value + half)
+        return Coefficient.around(value, half)
 
     def column(self, name: str) -> tuple[Float, Float]:
         """Return the values of a column and the half widths of their intervals, shape (w,) each."""

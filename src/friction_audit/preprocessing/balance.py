@@ -46,9 +46,9 @@ class Balance(NamedTuple):
         removed += ["g"] if gravity in ("logged", "model") else []
         inside = ", gravity included" if gravity == "in-torque" else ""
         if self.drive == "hand":
-            return f"F_m = {''.join(f'{name} ' for name in removed)}-{' ' if removed else ''}tau_J{inside}"
-        listed = " + ".join(removed)
-        return "F_m = tau_J" + (f" - ({listed})" if len(removed) > 1 else f" - {listed}" if removed else "") + inside
+            return f"F_m = {'g - ' if removed else '-'}tau_J{inside}"
+        less = f" - ({' + '.join(removed)})" if len(removed) > 1 else "".join(f" - {name}" for name in removed)
+        return f"F_m = tau_J{less}{inside}"
 
     def driving(self, log: JointLog, coarse: CoarseLog) -> Float:
         """Return F_m + u of all joints at the coarse log's times, shape (m, j). [N m]"""
@@ -92,7 +92,7 @@ ENOUGH = 20_000  # means of 20 ms; more add nothing about what changes with the 
 SIGNIFICANCE = 0.01
 
 
-def not_used(log: JointLog, balance: Balance, settings: TorqueSettings, *, hand: bool) -> tuple[Caution, ...]:
+def not_used(log: JointLog, balance: Balance, settings: TorqueSettings, *, hand: bool) -> Iterator[Caution]:
     """Name options about the arm that change nothing, because the torque needs no model of it."""
     known = balance.plan.arm is not None
     if settings.urdf is not None and not known:
@@ -105,11 +105,9 @@ def not_used(log: JointLog, balance: Balance, settings: TorqueSettings, *, hand:
         ("--urdf", settings.urdf is not None and not (known or hand)),
         ("--gravity-vector", settings.gravity_vector != STANDARD_GRAVITY and not known),
     )
-    unused = [option for option, idle in given if idle]
-    if not unused:
-        return ()
-    numbers = {"options": unused, "formula": balance.formula, "has_tau_j": log.tau_J is not None}
-    return (Caution(code="model_not_used", numbers=numbers),)
+    if unused := [option for option, idle in given if idle]:
+        numbers = {"options": unused, "formula": balance.formula, "has_tau_j": log.tau_J is not None}
+        yield Caution("model_not_used", numbers=numbers)
 
 
 def sign_cautions(log: JointLog, balance: Balance, settings: TorqueSettings, *, turned: bool) -> Iterator[Caution]:

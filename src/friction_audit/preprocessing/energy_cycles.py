@@ -6,9 +6,9 @@ trapezoids over [t[start], t[stop]], on the real stamps; neighbours share the bo
 """
 
 import sys
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from typing import NamedTuple
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -78,16 +78,24 @@ class EnergyCycles:
 
     def rows(self, mask: Bool) -> "EnergyCycles":
         """Return the rows selected by a mask of shape (m,)."""
-        names = "start", "stop", "start_s", "stop_s", "peak_speed_rad_s", "products", "speeds", "open", "reason"
-        sums = EnergySums(*(one[mask] for one in self.sums))
-        return replace(self, **{name: getattr(self, name)[mask] for name in names}, sums=sums)
+        return self.made_of(lambda one: one[mask])
+
+    def followed_by(self, others: Sequence["EnergyCycles"]) -> "EnergyCycles":
+        """Return these cycles and later ones of the joint as one structure."""
+        return self.made_of(lambda *pieces: np.concatenate(pieces), others)
+
+    def made_of(self, of: Callable[..., Any], others: Sequence["EnergyCycles"] = ()) -> "EnergyCycles":
+        """Return the structure of which each array is a function of those of these cycles, and of others."""
+        every = [self, *others]
+        names = [one.name for one in fields(self) if isinstance(getattr(self, one.name), np.ndarray)]
+        arrays = {name: of(*(getattr(one, name) for one in every)) for name in names}
+        return replace(self, **arrays, sums=EnergySums(*map(of, *(one.sums for one in every))))
 
 
 # Sums of ``add_up``, with the names of ``EnergySums``.
 PRINTED = "printed_net_j", "rectified_path_rad", "square_speed_rad2_s"  # with dq dt, as in the paper
 SUMS = ("work_j", "compensation_j", "path_rad", "speed_over_path_rad2_s", *PRINTED)
 BLOCK = 1 << 17  # samples worked on at a time: of fewer, threads would mostly wait for the interpreter
-PIECE = 32  # samples whose path is added up before that of each
 
 
 def find_borders(
@@ -176,10 +184,12 @@ def cut_evenly(step: Float, speed: Float, borders: Int, parts: int) -> tuple[Int
         start, stop = own[:-1], own[1:]
         fast = np.abs(speed[begin : begin + int(stop[-1]) + 1])
         peak[group] = np.maximum.reduceat(fast[:-1], start)
-        gone = np.zeros(-(-len(fast) // PIECE) * PIECE)  # path since the sample before
-        np.add(fast[1:], fast[:-1], out=gone[1 : len(fast)])
-        gone[1 : len(fast)] *= step[begin : begin + len(fast) - 1]
-        place = _places_of_shares(gone.reshape(-1, PIECE), own, np.arange(1, parts) / parts)
+        gone = np.zeros(len(fast))
+        np.add(fast[1:], fast[:-1], out=gone[1:])
+        gone[1:] *= step[begin : begin + len(fast) - 1]
+        np.cumsum(gone, out=gone)
+        targets = gone[start, None] + np.diff(gone[own])[:, None] * (np.arange(1, parts) / parts)
+        place = np.searchsorted(gone, targets)  # the samples up to which these shares of the path are gone
         # A part holds one sample at least, as long as there are enough of them for the parts that are left.
         order = np.arange(parts - 1)
         place = np.maximum.accumulate(np.maximum(place, start[:, None] + 1) - order, axis=1) + order
@@ -187,21 +197,6 @@ def cut_evenly(step: Float, speed: Float, borders: Int, parts: int) -> tuple[Int
         inner = np.where(room, place, stop[:, None])
         edges[group] = begin + np.column_stack([start, inner, stop])
     return edges, peak
-
-
-def _places_of_shares(gone: Float, borders: Int, share: Float) -> Int:
-    """Return the samples up to which these shares of the path between neighbouring borders are gone, shape (m, k).
-
-    The path since the sample before is given in pieces: to add up all samples takes ten times as long as their sums.
-    """
-    total = np.append(0.0, np.cumsum(gone @ np.ones(PIECE)))  # at the begin of each piece
-    piece, last = np.divmod(borders, PIECE)
-    at_borders = total[piece] + np.cumsum(gone[piece], axis=1)[np.arange(len(borders)), last]
-    targets = (at_borders[:-1, None] + np.diff(at_borders)[:, None] * share).ravel()
-    piece = np.minimum(np.searchsorted(total[1:], targets), len(gone) - 1)
-    inside = total[piece, None] + np.cumsum(gone[piece], axis=1)
-    place: Int = piece * PIECE + np.count_nonzero(inside < targets[:, None], axis=1)
-    return place.reshape(-1, len(share))
 
 
 def add_up(

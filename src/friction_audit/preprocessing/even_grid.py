@@ -33,7 +33,6 @@ LEAST_COHERENCE = 0.5  # length of the mean phasor over a window, 1 for stamps e
 COMMON_EARLINESS, EARLIEST = 0.99, 2.0
 STEP_ERROR = 0.01  # of a period: ticks are even, and stamps on ticks, to this share
 HELD = 20  # samples beyond both ends of a spline, of which 0.27^20 is felt
-AT_ONCE = 8192  # samples of all joints
 LOST_AT_ONCE = 2000  # samples: a spline takes twenty times the memory of what it passes through
 MOST_MOVED = 0.1  # share of stamps that are a tick late: where there are more, they are no ticks of this clock
 # A position is of an earlier moment from this share of a step on, and this many standard deviations of the delay.
@@ -302,17 +301,13 @@ def times_of_samples(t: Float, q: Float, dq: Float) -> Float:
     late = t - ticks
     if np.ptp(late) < STEP_ERROR * usual or not np.any(even[1:] & even[:-1]):
         return ticks
-    inside, smallest = even[1:] & even[:-1], np.finfo(float).tiny
-    bend, sums = np.where(inside, np.diff(late, 2), 0.0), np.zeros((3, q.shape[1]))
-    for first in range(0, len(bend), AT_ONCE):  # rows of all joints: columns are read at an eighth of the speed
-        part = slice(first, first + AT_ONCE)
-        moved = dq[1:-1][part] * bend[part, None]
-        position = np.where(inside[part, None], np.diff(q[first : first + AT_ONCE + 2], 2, axis=0), 0.0)
-        for k, one in enumerate(((position, position), (position, moved), (moved, moved))):
-            sums[k] += np.einsum("nj,nj->j", *one)
-    noise = np.maximum(sums[0], smallest)  # each joint counts by its own
-    slope = np.sum(sums[1] / noise) / max(float(np.sum(sums[2] / noise)), smallest)
-    return t if slope > 0.5 else ticks  # noqa: PLR2004 - between 0 and 1
+    inside = even[1:] & even[:-1]
+    bend, along, squared = np.where(inside, np.diff(late, 2), 0.0), 0.0, float(np.finfo(float).tiny)
+    for position, speed in zip(q.T, dq.T, strict=True):  # one by one: a long log takes little memory
+        bent, moved = np.where(inside, np.diff(position, 2), 0.0), speed[1:-1] * bend
+        noise = max(float(bent @ bent), float(np.finfo(float).tiny))  # each joint counts by its own
+        along, squared = along + float(bent @ moved) / noise, squared + float(moved @ moved) / noise
+    return t if along / squared > 0.5 else ticks  # noqa: PLR2004 - between 0 and 1
 
 
 def belated_samples(t: Float, q: Float, dq: Float) -> Bool:

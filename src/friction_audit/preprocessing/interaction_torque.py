@@ -195,13 +195,11 @@ def _fits_opposite(measured: Float, left: Float) -> tuple[Bool, Bool]:
     return 2.0 * turned < as_is, 2.0 * as_is < turned
 
 
-def _flipped(balance: Balance) -> tuple[Caution, ...]:
+def _flipped(balance: Balance) -> Iterator[Caution]:
     """Warn of joints whose torque has the opposite sign of that of the others."""
-    if balance.plan.gravity not in ("model", "logged"):
-        return ()
     opposite, as_is = _fits_opposite(balance.source, balance.left)
-    joints = (np.flatnonzero(opposite) + 1).tolist()
-    return (Caution(code="torque_flipped", numbers={"joints": joints}),) if joints and as_is.any() else ()
+    if balance.plan.gravity in ("model", "logged") and opposite.any() and as_is.any():
+        yield Caution("torque_flipped", numbers={"joints": (np.flatnonzero(opposite) + 1).tolist()})
 
 
 def _choice(balance: Balance, settings: TorqueSettings, *, turned: bool) -> TorqueChoice:

@@ -1,8 +1,7 @@
 """Energy cycles of every joint: where they begin and end, their energies, and which of them count."""
 
 from collections.abc import Sequence
-from dataclasses import fields, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
@@ -93,7 +92,7 @@ class CycleSearch:
         if len(borders) > 1:
             self._found.append(self._cycles_between(part, borders))
             if len(self._found) > MOST_PIECES + self._joined:
-                self._found[self._joined :] = [join_cycles(self._found[self._joined :])]
+                self._found[self._joined :] = [self._found[self._joined].followed_by(self._found[self._joined + 1 :])]
                 self._joined += 1
             self._go_on(int(borders[-1]), moving=False)
             self._begun, self._at_border = None, True
@@ -192,7 +191,7 @@ class CycleSearch:
 
     def cycles(self) -> cycles.EnergyCycles:
         """Return the cycles, once, after the last part."""
-        found, self._found = join_cycles(self._found), []
+        found, self._found = self._found[0].followed_by(self._found[1:]), []
         samples = self.first + len(self._filtered)
         # The net path of a closed path is short against its length, whether it closes within one cycle or over several.
         one_way = abs(found.sums.displacement_rad.sum()) > ONE_WAY_SHARE * found.sums.path_rad.sum()
@@ -205,12 +204,8 @@ class CycleSearch:
         )
 
 
-def thresholds_of(
-    settings: CycleSettings, rate_hz: float, fixed: Thresholds, measured: Float, filtered: Float
-) -> Thresholds:
-    """Return the thresholds of a signal: fixed ones, or from samples of it that are spread evenly over the log."""
-    if settings.thresholds != "auto":
-        return fixed
+def automatic_thresholds(settings: CycleSettings, rate_hz: float, measured: Float, filtered: Float) -> Thresholds:
+    """Return thresholds from samples of a signal that are spread evenly over the log."""
     thin = slice(None, None, max(len(measured) // MOST_SAMPLES, 1))
     share = min(2.0 * settings.cutoff_hz / rate_hz, 1.0)  # of white noise that the filter passes
     # What the filter takes away, as a robust standard deviation, scaled to what it lets through.
@@ -228,8 +223,9 @@ def thresholds_of(
 def of_hand(speed: Float, rate_hz: float, settings: CycleSettings) -> Hand:
     """Return the thresholds of the hand and its filtered speed, given its speed, shape (n,). [m/s]"""
     signal = np.abs(filter_velocity(speed, rate_hz=rate_hz, cutoff_hz=settings.cutoff_hz))
-    fixed = settings.hand_initiation_m_s, settings.hand_termination_m_s
-    return thresholds_of(settings, rate_hz, fixed, speed, signal), signal
+    if settings.thresholds == "auto":
+        return automatic_thresholds(settings, rate_hz, speed, signal), signal
+    return (settings.hand_initiation_m_s, settings.hand_termination_m_s), signal
 
 
 def without_small(joints: Sequence[cycles.EnergyCycles], settings: CycleSettings) -> list[cycles.EnergyCycles]:
@@ -241,9 +237,9 @@ def without_small(joints: Sequence[cycles.EnergyCycles], settings: CycleSettings
 
 def thresholds_in_blocks(log: JointLog, columns: list[int], settings: CycleSettings) -> list[Thresholds]:
     """Return the thresholds of some joints (0-based) of a log; automatic ones take a pass over the velocities."""
-    rate_hz, fixed = log.rate_hz, (settings.initiation_rad_s, settings.termination_rad_s)
     if settings.thresholds != "auto":
-        return [fixed] * len(columns)
+        return [(settings.initiation_rad_s, settings.termination_rad_s)] * len(columns)
+    rate_hz = log.rate_hz
     margin, every, done = settling_samples(rate_hz, settings.cutoff_hz), max(log.samples // MOST_SAMPLES, 1), 0
     before = [np.empty(0) for _ in columns]
     found: list[list[tuple[Float, Float]]] = [[] for _ in columns]
@@ -262,7 +258,7 @@ def thresholds_in_blocks(log: JointLog, columns: list[int], settings: CycleSetti
         per_joint(work, len(columns))
         done = stop
     joined = ([np.concatenate(one) for one in zip(*own, strict=True)] for own in found)
-    return [thresholds_of(settings, rate_hz, fixed, *own) for own in joined]
+    return [automatic_thresholds(settings, rate_hz, *own) for own in joined]
 
 
 def _gravity_work(interaction: Interaction, column: int, edges: Int) -> tuple[Float, Float]:
@@ -287,11 +283,3 @@ def _moments(parts: cycles.EnergySums) -> tuple[Float, Float]:
     second = np.divide(square**2, path, out=np.zeros(path.shape), where=moves)
     speeds = np.stack([path * moves, square * moves, second], axis=-1).sum(axis=1)
     return (one * other).sum(axis=-1), speeds
-
-
-def join_cycles(pieces: Sequence[cycles.EnergyCycles]) -> cycles.EnergyCycles:
-    """Return the cycles of a joint that were found piece by piece as one structure."""
-    every = {one.name: [getattr(own, one.name) for own in pieces] for one in fields(pieces[0])}
-    joined: dict[str, Any] = {n: np.concatenate(some) for n, some in every.items() if isinstance(some[0], np.ndarray)}
-    sums = cycles.EnergySums(*map(np.concatenate, zip(*every["sums"], strict=True)))
-    return replace(pieces[0], **joined, sums=sums)

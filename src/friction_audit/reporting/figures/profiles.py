@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
 
-from friction_audit.diagnosis.profiles import ORDER
+from friction_audit.diagnosis.residual_checks import ORDER
 from friction_audit.diagnosis.result import CONTACT_EVENT, JointDiagnosis, NamedEffect, OwnAxis, Profile
 from friction_audit.effects.registry import GRAVITY
 from friction_audit.joint_log import Float
