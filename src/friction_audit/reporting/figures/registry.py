@@ -3,10 +3,7 @@
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from friction_audit.errors import UsageError
-
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
@@ -52,31 +49,3 @@ FIGURES = (
 def figures_of(*results: str) -> tuple[FigureKind, ...]:
     """Return the kinds of figures of some results."""
     return tuple(figure for figure in FIGURES if figure.result in results)
-
-
-def draw_result(result: Any, of: str, kind: str | None, joint: int | None, axes: "Axes | None") -> "Figure | Axes":
-    """Draw a kind of figure of a result (None: the first of one panel), or one joint of it into axes."""
-    own = {figure.name: figure for figure in figures_of(of)}
-    panels = [name for name, figure in own.items() if figure.panel]
-    figure = own.get(kind or panels[0])
-    if figure is None or (axes is not None and not figure.panel):
-        reason = f"expected one of {', '.join(own)}" if figure is None else f"into axes goes {', '.join(panels)} alone"
-        raise UsageError(f"plot: {kind}: {reason}")
-    estimate = result if of == "estimate" else result.estimate
-    from friction_audit.reporting.figures.panels import label_in_unit  # loads numerics, which the help does not need
-
-    if axes is None:
-        from friction_audit.reporting.figures.style import STYLE, style_in_force
-
-        token = STYLE.set(style_in_force())
-        try:
-            drawn: Figure | Axes = figure.draw(result, joint)
-        finally:
-            STYLE.reset(token)
-    else:
-        held = [one.joint for one in estimate.friction.joints]
-        if joint is None and len(held) > 1:
-            raise UsageError(f"plot: {len(held)} joints and one panel; choose one with joint={held[0]} ... {held[-1]}")
-        figure.layout().into(axes, result, held[0] if joint is None else joint)
-        drawn = axes
-    return label_in_unit(drawn, estimate.log.source.torque_unit)
