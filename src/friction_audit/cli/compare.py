@@ -73,4 +73,4 @@ def command(
     about["effects"] = hidden_effects(settings)
     about |= {"methods": result.rows, "sweeps": result.curves, "figures": files}
     lines = compare_lines(result.rows, len(result.seeds), len(result.tuning_seeds))
-    show(lambda: COMPARE.json(about), lambda: [*lines, *(path for _, path in files)], json=general.json)
+    show(lambda: COMPARE.json(about), lambda: [*lines, *(path for _, path in files)], voice)

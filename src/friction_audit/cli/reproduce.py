@@ -41,7 +41,7 @@ def command(
     from friction_audit.reporting.compare import CLAIM, REPRODUCE, count_line
     from friction_audit.reproduce import REPRODUCTIONS, simulate_figure
 
-    voice, json, persons = general.voice, general.json, simulation.persons
+    voice, persons = general.voice, simulation.persons
     names = [f"fig{number}" for number in simulation.figures]
     out = ResultFolder(folder=folder, figures=names, formats=drawing.formats, overwrite=overwrite)
     out.check()
@@ -55,9 +55,9 @@ def command(
             found = [asdict(claim) for claim in one.check(simulations)]
             paths = out.save_figure(f"fig{one.figure}", one.draw(simulations))
             files += [(one.figure, one.title, str(path)) for path in paths]
-        if not json:
+        if not voice.json:
             reasons = [f"{one['figure']}: {one['note']}" for one in found if not one["holds"] and one["note"]]
             say("\n".join([*CLAIM.people(found, "t").lines(), *reasons]))
         rows += found
     document = partial(REPRODUCE.json, {"seeds": persons, "claims": rows, "figures": files})
-    show(document, lambda: [count_line(rows), *(path for *_, path in files)], json=json)
+    show(document, lambda: [count_line(rows), *(path for *_, path in files)], voice)
