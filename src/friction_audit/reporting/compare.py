@@ -1,6 +1,6 @@
 """Comparison of compensation methods, and claims of the paper: their documents and their text."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from math import inf, isnan
 from typing import Any
 
@@ -127,7 +127,6 @@ def _losses(row: Row, seeds: int, tuning_seeds: int) -> Iterator[str]:
         yield f"{name}: no setting tried is stable; this one is unstable with {in_tuning} of {tuning_seeds} persons"
 
 
-Claim = Mapping[str, Any]
 CLAIM = Record(
     Column("figure", str, "figure of the paper", title="fig", on="jt"),
     Column("claim", str, "the claim", words=True, on="jt"),
@@ -148,8 +147,8 @@ REPRODUCE = Document(
 )
 
 
-def count_line(claims: Sequence[Claim]) -> str:
+def count_line(claims: Sequence[Any]) -> str:
     """Return how many claims of the paper hold, and apart from them how many experiments of this project."""
-    paper, own = ([bool(row["holds"]) for row in claims if row["own"] == kind] for kind in (False, True))
+    paper, own = ([bool(one.holds) for one in claims if one.own == kind] for kind in (False, True))
     apart = f"; own experiments, not claims of the paper: {sum(own)} of {len(own)}" if own else ""
     return f"{sum(paper)} of {len(paper)} claims of the paper hold{apart}"
