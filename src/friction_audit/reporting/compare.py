@@ -90,15 +90,15 @@ FIGURE = Record(Column("figure", str, "name", "0"), Column("path", str, "where i
 COMPARE = Document(
     "compare/1",
     "Compensation methods side by side",
-    Column("arm", ("joint", "panda"), "what the methods were tried on"),
-    Column("duration", float, "length of a trial", unit="s"),
-    Column("seeds", [int], "persons"),
-    Column("tuning_seeds", [int], "persons that the tunings were chosen for"),
-    Column("margin_seeds", [int], "persons that were asked for the stability margin"),
+    Column("arm", ("joint", "panda"), "what the methods were tried on", "compared.setup"),
+    Column("duration", float, "length of a trial", "compared.duration_s", unit="s"),
+    Column("seeds", [int], "persons", "compared.seeds"),
+    Column("tuning_seeds", [int], "persons that the tunings were chosen for", "compared.tuning_seeds"),
+    Column("margin_seeds", [int], "persons that were asked for the stability margin", "compared.margin_seeds"),
     Column("settings", dict, "settings of the simulation but the hidden effects"),
     Column("effects", [HIDDEN], "hidden effects"),
-    Column("methods", [METHOD], "per method and tuning"),
-    Column("sweeps", [SWEEP], "per sweep"),
+    Column("methods", [METHOD], "per method and tuning", "compared.rows"),
+    Column("sweeps", [SWEEP], "per sweep", "compared.curves"),
     Column("figures", [FIGURE], "what was drawn"),
 )
 
