@@ -28,7 +28,7 @@ from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.reporting import ENDINGS
 from friction_audit.reporting.diagnosis import DIAGNOSE
 from friction_audit.reporting.estimate import ESTIMATE
-from friction_audit.reporting.figures.registry import figures_of
+from friction_audit.reporting.figures import figures_of
 from friction_audit.reporting.notices import sentence_of
 from friction_audit.reporting.replay import REPLAY
 from friction_audit.reporting.report import LogReport, report_estimate, report_tables

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from friction_audit.cli.chain import check_outputs
 from friction_audit.cli.console import Voice, remark, say
 from friction_audit.errors import UsageError
-from friction_audit.reporting.figures.registry import FIGURES, FigureKind
+from friction_audit.reporting.figures import FIGURES, FigureKind
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
