@@ -25,9 +25,9 @@ from friction_audit.cli import main
 from friction_audit.diagnosis.result import Profile
 from friction_audit.io.readers import read_log
 from friction_audit.pipeline import AuditSettings, estimate_log
+from friction_audit.reporting.figures import figures_of
 from friction_audit.reporting.figures.estimate import filtered_loop, series_of
 from friction_audit.reporting.figures.profiles import mean_along
-from friction_audit.reporting.figures.registry import figures_of
 from friction_audit.reporting.figures.style import FILTERED, FITTED, MUTED, RAW, figure_style
 from friction_audit.reporting.words import format_coefficient
 from friction_audit.simulation.hide import hide

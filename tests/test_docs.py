@@ -21,7 +21,7 @@ from friction_audit.io.readers.clocks import find_time
 from friction_audit.joint_log import JOINT_CHANNELS
 from friction_audit.pipeline import AuditSettings, estimate_log
 from friction_audit.reporting.estimate import ESTIMATE
-from friction_audit.reporting.figures.registry import FIGURES
+from friction_audit.reporting.figures import FIGURES
 from friction_audit.simulation import EFFECTS
 from friction_audit.simulation.effects.effect import HiddenEffect
 from tests.documented_commands import PAGES, ROOT, Terminal, blocks, commands, examples, same

@@ -28,7 +28,7 @@ from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.reporting import ENDINGS
 from friction_audit.reporting.diagnosis import DIAGNOSE
 from friction_audit.reporting.estimate import ESTIMATE
-from friction_audit.reporting.figures.registry import draw_result
+from friction_audit.reporting.figures import figures_of
 from friction_audit.reporting.notices import sentence_of
 from friction_audit.reporting.replay import REPLAY
 from friction_audit.reporting.report import LogReport, report_estimate, report_tables
@@ -269,7 +269,29 @@ def plot(
     result; without ``ax`` any of ``friction-audit plot --help``. ``joint``: its number (1..n), None for all; with
     ``ax`` one joint. Your rcParams hold in the axes, and in the figure without them, which is unknown to pyplot.
     """
-    return draw_result(result, _of_kind(result, "plot", DRAWN), kind, joint, ax)
+    own = {figure.name: figure for figure in figures_of(_of_kind(result, "plot", DRAWN))}
+    panels = [name for name, figure in own.items() if figure.panel]
+    figure = own.get(kind or panels[0])
+    if figure is None or (ax is not None and not figure.panel):
+        reason = f"expected one of {', '.join(own)}" if figure is None else f"into axes goes {', '.join(panels)} alone"
+        raise UsageError(f"plot: {kind}: {reason}")
+    from friction_audit.reporting.figures.panels import label_in_unit
+    from friction_audit.reporting.figures.style import STYLE, style_in_force
+
+    estimate = result if isinstance(result, Estimate) else result.estimate
+    if ax is None:
+        token = STYLE.set(style_in_force())
+        try:
+            drawn: Figure | Axes = figure.draw(result, joint)
+        finally:
+            STYLE.reset(token)
+    else:
+        held = [one.joint for one in estimate.friction.joints]
+        if joint is None and len(held) > 1:
+            raise UsageError(f"plot: {len(held)} joints and one panel; choose one with joint={held[0]} ... {held[-1]}")
+        figure.layout().into(ax, result, held[0] if joint is None else joint)
+        drawn = ax
+    return label_in_unit(drawn, estimate.log.source.torque_unit)
 
 
 DRAWN: dict[type, str] = {Estimate: "estimate", LogReplay: "replay", Diagnosis: "diagnosis"}

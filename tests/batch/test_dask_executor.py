@@ -1,9 +1,8 @@
 """The same batch on a Dask cluster of this machine."""
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from importlib import import_module
-from importlib.metadata import PackageNotFoundError
 from importlib.util import find_spec
 from pathlib import Path
 from types import SimpleNamespace
@@ -11,7 +10,6 @@ from typing import Any
 
 import pytest
 
-from friction_audit import __version__
 from friction_audit.batch import executor as executors
 from friction_audit.batch.executor import DaskExecutor, Lost
 from friction_audit.batch.identity import Worked
@@ -54,34 +52,23 @@ def test_a_worker_killed_in_the_middle_costs_nothing(cluster: Any, tmp_path: Pat
     assert (tmp_path / "once").exists()
 
 
-class Workers:
-    """One worker, which has some versions installed; what asks for them is of the standard library."""
-
-    def __init__(self, **installed: str | Exception) -> None:
-        self.installed = installed
-
-    def run(self, function: Callable[..., object], name: str = "Python", **_: object) -> dict[str, object]:
-        assert function.__module__ in ("importlib.metadata", "sysconfig")  # a worker without this program has them
-        return {"tcp://w": self.installed.get(name.replace("-", "_"), function(*[name] if name != "Python" else []))}
+HERE: dict[str, str | None] = dict.fromkeys(executors.COMPARED, "1.0")
 
 
-@pytest.mark.parametrize(
-    ("workers", "message"),
-    [
-        (Workers(numpy="0.1"), r"worker tcp://w runs other versions: numpy 0\.1 there, .* here; .* install"),
-        (Workers(friction_audit="99.0"), r"friction-audit 99\.0 there, .* here; expected .* install friction-audit"),
-        (Workers(friction_audit=PackageNotFoundError("x")), "worker tcp://w has no friction-audit; .* install"),
-    ],
-)
-def test_other_versions_are_refused(workers: Workers, message: str) -> None:
-    executors._check_workers(Workers(friction_audit=__version__), "tcp://s")
+def cluster_of(*workers: dict[str, str | None]) -> Any:
+    """Return a client whose workers have some other versions than this process."""
+    its = {f"tcp://w{k}": {"packages": HERE | own} for k, own in enumerate(workers)}
+    return SimpleNamespace(get_versions=lambda **_: {"client": {"packages": HERE}, "workers": its})
+
+
+@pytest.mark.parametrize(("workers", "message"), [
+    (({}, {"numpy": "0.1"}), r"worker tcp://w1 runs other versions: numpy 0\.1 there, 1\.0 here; .* install"),
+    (({"friction_audit": None},), "worker tcp://w0 has no friction_audit; .* install friction-audit"),
+    ((), "the cluster has no workers"),
+])  # fmt: skip
+def test_other_versions_are_refused(workers: tuple[dict[str, str | None], ...], message: str) -> None:
     with pytest.raises(UsageError, match=message):
-        executors._check_workers(workers, "tcp://s")
-
-
-def test_a_cluster_without_workers_is_refused() -> None:
-    with pytest.raises(UsageError, match="the cluster has no workers"):
-        executors._check_workers(SimpleNamespace(run=lambda *_, **__: {}), "tcp://s")
+        executors._check_workers(cluster_of(*workers), "tcp://s")
 
 
 def test_no_scheduler(monkeypatch: pytest.MonkeyPatch) -> None:

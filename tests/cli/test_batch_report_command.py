@@ -21,7 +21,7 @@ from friction_audit.cli.batch_report import RESULTS
 from friction_audit.io.files import sha256_of
 from friction_audit.io.readers import read_log
 from friction_audit.io.writers.write_log import write_log
-from friction_audit.reporting.figures.registry import figures_of
+from friction_audit.reporting.figures import figures_of
 from friction_audit.reporting.html.batch_page import OF_A_TEST
 from friction_audit.simulation import BenchSettings, simulate
 from tests.in_this_process import Run

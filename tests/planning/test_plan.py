@@ -1,7 +1,6 @@
 """``plan``: limits kept by every candidate, designs that separate, and the command end to end."""
 
 import json
-from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
@@ -20,7 +19,8 @@ from friction_audit.planning import design, plan as plans
 from friction_audit.planning.design import Limits, candidates_of, limits_of
 from friction_audit.planning.plan import JointPlan, plan_task, plan_tasks, trajectory_of
 from friction_audit.planning.task import Arm, Joint, Task, subject_of, task_of
-from friction_audit.reporting.notices import sentences
+from friction_audit.preprocessing.interaction import Caution
+from friction_audit.reporting.notices import sentence_of
 from friction_audit.reporting.plan import Recording, plan_lines
 from tests.each_case import thorough
 from tests.in_this_process import Run
@@ -187,7 +187,8 @@ def test_the_command_separates_checks_and_writes_a_document_and_the_trajectory(
 
 def test_a_joint_at_rest_is_planned_for_only_by_its_number(run: Run, tmp_path: Path) -> None:
     document = json.loads(result(tmp_path / "diagnose.json", "adequate").read_text())
-    (moved,), still = document["joints"], sentences()["reasons"]["did_not_move"].format_map(defaultdict(float))
+    (moved,) = document["joints"]
+    still = sentence_of(Caution("did_not_move", numbers={"initiation": 0.2, "unit": "rad/s"}))
     at_rest = [moved | {"joint": k, "verdict": "not_testable", "message": f"0 cycles: {still}"} for k in (1, 3)]
     (tmp_path / "diagnose.json").write_text(json.dumps(document | {"joints": [at_rest[0], moved, at_rest[1]]}))
     text = run("plan", tmp_path, "--duration", "60").out

@@ -9,7 +9,7 @@ import pytest
 
 from friction_audit.cli.parameters import BATCH_FIGURES
 from friction_audit.reporting.drift import BatchSummary
-from friction_audit.reporting.figures.registry import figures_of
+from friction_audit.reporting.figures import figures_of
 from friction_audit.reporting.html import batch_page, log_page as page_of_log
 from friction_audit.reporting.html.batch_page import draw, drawings_of, write_page
 from friction_audit.reporting.html.log_page import LOG_FIGURES, log_page

@@ -7,8 +7,8 @@ import pytest
 
 from friction_audit.diagnosis.result import ContactTrace, OwnAxis
 from friction_audit.pipeline import without_samples
+from friction_audit.reporting.figures import FigureKind, figures_of
 from friction_audit.reporting.figures.profiles import EFFECTS, LADDER, RESIDUAL, STANDARD_ERRORS
-from friction_audit.reporting.figures.registry import FigureKind, figures_of
 from friction_audit.reporting.figures.simulation import SIMULATION, shown_cycles
 from tests.reporting import diagnosis_by_hand as by_hand
 from tests.reporting.diagnosis_by_hand import ALL, NAMED, TRACES, diagnosis

@@ -9,8 +9,8 @@ import pytest
 
 from friction_audit.drift.report import ArmDrift, CoefficientDrift
 from friction_audit.friction.history import UNDETERMINED, Coefficient
+from friction_audit.reporting.figures import FigureKind, figures_of
 from friction_audit.reporting.figures.drift import CONTROL, CURVES, DRIFT, MOST_MARKED, draw_changes, stretches
-from friction_audit.reporting.figures.registry import FigureKind, figures_of
 from friction_audit.reporting.figures.style import figure_bytes
 from friction_audit.reporting.html.batch_page import as_drawn, drawings_of, write_page
 from friction_audit.reporting.html.page import ON_A_SHEET

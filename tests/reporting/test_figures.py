@@ -20,9 +20,8 @@ from friction_audit.errors import UsageError
 from friction_audit.friction.history import UNDETERMINED
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import AuditSettings, Estimate, estimate_log, replay_estimate
-from friction_audit.reporting.figures import panels
+from friction_audit.reporting.figures import FIGURES, FigureKind, figures_of, panels
 from friction_audit.reporting.figures.estimate import COEFFICIENTS, ENERGY, SIGNALS, VELOCITY_TORQUE
-from friction_audit.reporting.figures.registry import FIGURES, FigureKind, figures_of
 from friction_audit.reporting.figures.style import COLUMN_IN, FORMATS, SHEET_IN, STYLE, figure_bytes, load_style
 from tests.each_case import thorough
 from tests.reporting import batch_by_hand

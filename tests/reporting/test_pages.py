@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 from friction_audit.errors import UsageError
+from friction_audit.reporting.figures import figures_of
 from friction_audit.reporting.figures.drift import DRIFT
-from friction_audit.reporting.figures.registry import figures_of
 from friction_audit.reporting.html import batch_page, log_page as page_of_log, page as html_page
 from friction_audit.reporting.html.batch_page import write_page
 from friction_audit.reporting.html.log_page import LOG_FIGURES, log_page

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from friction_audit.reporting.figures.registry import figures_of
+from friction_audit.reporting.figures import figures_of
 from friction_audit.reporting.html.log_page import LOG_FIGURES
 from tests.opened_page import Open, Opened
 from tests.reporting.pages import page

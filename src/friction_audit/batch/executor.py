@@ -10,9 +10,7 @@ from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass, field
 from functools import partial
 from importlib import import_module
-from importlib.metadata import version
 from itertools import islice
-from sysconfig import get_python_version
 from typing import Any, NamedTuple, Protocol, TypeVar
 
 from friction_audit import __version__
@@ -26,6 +24,7 @@ Done = TypeVar("Done")
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 PRELOAD = ("friction_audit.batch.work",)  # what every process needs, imported once
 PATIENCE_S = 15.0  # for the scheduler's first answer
+COMPARED = ("python", "friction_audit", "numpy", "scipy")  # versions of a worker and of this process
 PER_THREAD = 2  # tasks under way for every thread of the cluster: one is worked on, one is at hand
 
 
@@ -167,16 +166,14 @@ def _connect(address: str) -> Any:  # noqa: ANN401
 
 
 def _check_workers(client: Any, address: str) -> None:  # noqa: ANN401
-    """Compare what makes the numbers, by functions that any worker has: one that it lacks would never be answered."""
-    ours = {"friction-audit": __version__, **{name: version(name) for name in ("numpy", "scipy")}}
-    theirs = {name: client.run(version, name, on_error="return") for name in ours}
-    ours, theirs = ours | {"Python": get_python_version()}, theirs | {"Python": client.run(get_python_version)}
-    if not theirs["Python"]:
+    """Compare what makes the numbers: work for a worker that lacks the program would never be answered."""
+    found = client.get_versions(packages=COMPARED[1:])  # that of Python comes in any case
+    if not found["workers"]:
         raise UsageError(f"--scheduler {address}: the cluster has no workers; expected at least one; start one there")
-    for worker in theirs["Python"]:
-        found = {name: every[worker] for name, every in theirs.items()}
-        lacking = [name for name, there in found.items() if isinstance(there, Exception)]
-        unlike = [f"{name} {found[name]} there, {own} here" for name, own in ours.items() if found[name] != own]
+    ours = found["client"]["packages"]
+    for worker, theirs in ((worker, its["packages"]) for worker, its in found["workers"].items()):
+        lacking = [name for name in COMPARED if theirs[name] is None]
+        unlike = [f"{name} {theirs[name]} there, {ours[name]} here" for name in COMPARED if theirs[name] != ours[name]]
         if unlike:
             said = f"has no {', '.join(lacking)}" if lacking else f"runs other versions: {', '.join(unlike)}"
             raise UsageError(

@@ -115,8 +115,8 @@ def warn_about(log: "JointLog", notices: "Iterable[Notice]", voice: Voice, *, ma
     physics = notice_lines(one for one in shown if one.code not in NO_PHYSICS)
     kinds = [count_of(len(lines), f"{kind} warning") for lines, kind in ((data, "data"), (physics, "physics")) if lines]
     legend = f" (marked {MARK} below the table)" if marked and physics else ""
-    lines = data if marked else data + physics
-    voice.warn(lines, f"{', '.join(kinds)}{legend}" if len(data + physics) > 1 or (marked and physics) else "")
+    total = f"{', '.join(kinds)}{legend}" if len(data + physics) > 1 or legend else ""
+    voice.warn(data if marked else data + physics, total, held=True)
 
 
 def require_one(log: "JointLog", joints: "Sequence[Joint]", lack: str = "no joint has an estimate") -> None:

@@ -68,9 +68,7 @@ def command(
     with voice.step("draw"):
         drawn = draw_comparison(result, figures).items()
         files = [(name, str(path)) for name, figure in drawn for path in out.save_figure(name, figure)]
-    about: dict[str, object] = {"arm": result.setup, "settings": as_nested(settings)}
-    about |= {name: getattr(result, name) for name in ("duration_s", "seeds", "tuning_seeds", "margin_seeds")}
-    about["effects"] = hidden_effects(settings)
-    about |= {"methods": result.rows, "sweeps": result.curves, "figures": files}
+    settings, effects = as_nested(settings), hidden_effects(settings)
+    about = {"compared": result, "settings": settings, "effects": effects, "figures": files}
     lines = compare_lines(result.rows, len(result.seeds), len(result.tuning_seeds))
-    show(lambda: COMPARE.json(about), lambda: [*lines, *(path for _, path in files)], json=general.json)
+    show(lambda: COMPARE.json(about), lambda: [*lines, *(path for _, path in files)], voice)

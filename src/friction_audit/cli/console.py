@@ -69,11 +69,12 @@ class Voice(NamedTuple):
 
     quiet: bool  # no warnings and no progress
     verbose: bool  # every step and how long it took
+    json: bool = False  # a document is printed, which holds the warnings of the result
     course: "Course | None" = None  # the bar that steps move on, shown once the work takes long; None: each alone
 
-    def warn(self, messages: Iterable[str], total: str = "") -> None:
-        """Say warnings, one per line, under a line with their total if there is one."""
-        if not self.quiet:
+    def warn(self, messages: Iterable[str], total: str = "", *, held: bool = False) -> None:
+        """Say warnings, one per line, under a line with their total if there is one; ``held``: of the result."""
+        if not (self.quiet or (held and self.json)):
             for message in (total, *messages):
                 if message:
                     remark(f"{'  ' if total and message != total else 'warning: '}{' '.join(message.split())}")

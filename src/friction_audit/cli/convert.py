@@ -52,5 +52,5 @@ def command(
     with voice.step(f"write {out}"):
         write_log(kept, out, dialect=writer.name, overwrite=overwrite)
     document = CONVERT.json({"source": kept, "output": {"path": str(out), "writer": writer, "log": kept}})
-    show_written(document, [out], voice, json=general.json)
+    show_written(document, [out], voice)
     chain.conclude(kept)

@@ -91,18 +91,16 @@ def command(
         from friction_audit.reporting.diagnosis import DIAGNOSE, diagnose_lines
         from friction_audit.reporting.notices import diagnose_notices
 
-        json = shared.general.json
         answered = not all(joint.verdict in UNANSWERED and not joint.traceback for joint in joints)
-        if not json:
-            chain.warn_about(recorded, diagnose_notices(found), stages, marked=answered)
+        chain.warn_about(recorded, diagnose_notices(found), stages, marked=answered)
         if not answered:
             chain.require_one(recorded, joints, "no joint can be diagnosed")
         document = partial(DIAGNOSE.of, found, chain.reading_settings(reading))
-        text = out.write_document(DOCUMENT, document, json=json)
+        text = out.write_document(DOCUMENT, document, voice)
         _write_model(found, out, stages)
         out.write_figures({"diagnosis": found}, [one.joint for one in joints], recorded.source.torque_unit, stages)
         out.write_exports(DIAGNOSE.tables(found), recorded, stages)
-    show(text, lambda: diagnose_lines(found, verbose=voice.verbose), json=json)
+    show(text, lambda: diagnose_lines(found, verbose=voice.verbose), voice)
     chain.exit_for_bugs(joints, voice)
     chain.conclude(recorded, diagnose_notices(found), strict=strict)
 

@@ -57,8 +57,7 @@ def command(
     noticed: dict[str, list[str]] = {}
     of_log = partial(_of_log, shared, friction, noticed)
     sources = [_recordings(source, of_log, shared, folder) for source in (before, after)]
-    if not shared.general.json:
-        voice.warn(f"{', '.join(few(paths, MOST_NAMED))}: {line}" for line, paths in noticed.items())
+    voice.warn((f"{', '.join(few(paths, MOST_NAMED))}: {line}" for line, paths in noticed.items()), held=True)
     with voice.step("compare"):
         sides = compare_sides(*(found for found, _ in sources))
     notices = (*(one for _, lost in sources for one in lost), *diff_notices(sides))
@@ -130,17 +129,16 @@ def _report(
     from friction_audit.reporting.table import to_json
     from friction_audit.reporting.words import in_unit
 
-    voice, json = shared.general.voice, shared.general.json
+    voice = shared.general.voice
     beyond, unknown = ([in_unit(text, sides.unit) for text in some] for some in limit_sentences(sides.arms, limits))
     values = {"sides": sides, "settings": to_json(chain.audit_settings(shared, friction)), "warnings": warnings}
     document = partial(DIFF.json, values | {"exceeded": beyond, "cannot_tell": unknown}, sides.unit)
-    text = out.write_document(DOCUMENT, document, json=json)
+    text = out.write_document(DOCUMENT, document, voice)
     out.write_csv(TABLE, CHANGES.file(sides.joints, "coefficients"))
     out.write_figures({"diff": sides}, [joint.joint for joint in sides.joints], sides.unit, voice)
-    if not json:
-        unsaid = notice_lines(one for one in warnings if one.code != "not_compared")  # the result says that
-        voice.warn([*unsaid, *limits_beyond_all(sides.arms, limits)])
-    show(text, lambda: diff_lines(sides, beyond, unknown), json=json)
+    unsaid = notice_lines(one for one in warnings if one.code != "not_compared")  # the result says that
+    voice.warn([*unsaid, *limits_beyond_all(sides.arms, limits)], held=True)
+    show(text, lambda: diff_lines(sides, beyond, unknown), voice)
     if beyond or unknown:
         return EXCEEDED if beyond else UNTESTABLE
     damaged = any(one.damaged for one in (*sides.before, *sides.after))

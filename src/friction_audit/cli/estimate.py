@@ -44,15 +44,14 @@ def command(
         from friction_audit.reporting import estimate as output
         from friction_audit.reporting.notices import estimate_notices
 
-        joints, json = result.friction.joints, shared.general.json
-        if not json:
-            chain.warn_about(recorded, estimate_notices(result), stages, marked=not all(one.reason for one in joints))
+        joints = result.friction.joints
+        chain.warn_about(recorded, estimate_notices(result), stages, marked=not all(one.reason for one in joints))
         chain.require_one(recorded, joints)
         document = partial(output.ESTIMATE.of, result, chain.reading_settings(options))
-        text = out.write_document(DOCUMENT, document, json=json)
+        text = out.write_document(DOCUMENT, document, voice)
         out.write_csv(HISTORY, output.HISTORY.file(joints, "history", recorded.source.torque_unit))
         out.write_figures({"estimate": result}, [one.joint for one in joints], recorded.source.torque_unit, stages)
         if export:
             out.write_exports(output.ESTIMATE.tables(result), recorded, stages)
-    show(text, lambda: output.estimate_lines(result), json=json)
+    show(text, lambda: output.estimate_lines(result), voice)
     chain.conclude(recorded, estimate_notices(result), strict=strict)

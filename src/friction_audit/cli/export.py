@@ -75,11 +75,10 @@ def command(
     from friction_audit.reporting.export import EXPORT, export_lines, export_notices
     from friction_audit.reporting.notices import notice_lines
 
-    json = shared.general.json
-    if not json and estimate:
+    if estimate:
         chain.warn_about(estimate.log, export_notices(export), voice)
-    elif not json:
-        voice.warn(notice_lines(export_notices(export)))
-    show(lambda: EXPORT.json(export), lambda: export_lines(export), json=json)
+    else:
+        voice.warn(notice_lines(export_notices(export)), held=True)
+    show(lambda: EXPORT.json(export), lambda: export_lines(export), voice)
     if estimate:
         chain.conclude(estimate.log)

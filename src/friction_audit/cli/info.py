@@ -62,7 +62,7 @@ def command(
         except FrictionAuditError as error:
             codes.append(error.exit_code)
             entries.append(InfoEntry(path=str(path), topics=topics, message=str(error)))
-    _print(entries, voice, json=general.json)
+    _print(entries, voice)
     if codes:
         raise typer.Exit(max(codes) if len(codes) == len(entries) else DAMAGED)
     for entry in entries:
@@ -99,18 +99,18 @@ def _summary(log: "JointLog", settings: "AuditSettings") -> "LogSummary":
     return summarize_log(log, found.interaction, found.cycles)
 
 
-def _print(entries: "list[InfoEntry]", voice: Voice, *, json: bool) -> None:
+def _print(entries: "list[InfoEntry]", voice: Voice) -> None:
     from friction_audit.reporting.documents import write_document
     from friction_audit.reporting.info import INFO, SHOWN, info_lines
     from friction_audit.reporting.notices import notice_lines
 
-    if json:
+    if voice.json:
         say(write_document(INFO.json(entries)), nl=False)
     for entry in entries:
-        if not json and (entry.summary is not None or entry.topics):
+        if not voice.json and (entry.summary is not None or entry.topics):
             say("\n".join(info_lines(entry)))
-        if not json and entry.summary is not None:
+        if entry.summary is not None:
             shown = notice_lines(notice for notice in entry.summary.notices if notice.code not in SHOWN)
-            voice.warn(shown if len(entries) == 1 else [f"{entry.path}: {line}" for line in shown])
+            voice.warn(shown if len(entries) == 1 else [f"{entry.path}: {line}" for line in shown], held=True)
         if entry.summary is None:
             remark(f"error: {entry.message}")

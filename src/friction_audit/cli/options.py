@@ -168,7 +168,7 @@ class GeneralOptions:
     @property
     def voice(self) -> Voice:
         """What is printed on standard error."""
-        return Voice(quiet=self.quiet, verbose=self.verbose)
+        return Voice(quiet=self.quiet, verbose=self.verbose, json=self.json)
 
 
 @group(params.COMMON)

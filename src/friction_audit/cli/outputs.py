@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from friction_audit.cli.chain import check_outputs
 from friction_audit.cli.console import Voice, remark, say
 from friction_audit.errors import UsageError
-from friction_audit.reporting.figures.registry import FIGURES, FigureKind
+from friction_audit.reporting.figures import FIGURES, FigureKind
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -71,11 +71,11 @@ class ResultFolder(NamedTuple):
             with whole_file(self.folder / name, overwrite=self.overwrite) as draft:
                 draft.write_bytes(content) if isinstance(content, bytes) else content(draft)
 
-    def write_document(self, name: str, document: Callable[[], Mapping[str, Any]], *, json: bool) -> str:
+    def write_document(self, name: str, document: Callable[[], Mapping[str, Any]], voice: Voice) -> str:
         """Write a document; return its text for who asks for it: that of a day has 200 000 cycles."""
         from friction_audit.reporting.documents import write_document
 
-        text = write_document(document()) if json or self.folder else ""
+        text = write_document(document()) if voice.json or self.folder else ""
         self.write(name, text.encode())
         return text
 
@@ -172,16 +172,15 @@ def write_junit(path: Path | None, text: str, *, overwrite: bool) -> None:
             draft.write_text(text, encoding="utf-8")
 
 
-def show_written(document: Mapping[str, Any], paths: Iterable[Path], voice: Voice, *, json: bool) -> None:
+def show_written(document: Mapping[str, Any], paths: Iterable[Path], voice: Voice) -> None:
     """Print the document of files that were written, or its warnings and the files."""
-    if not json:
-        voice.warn(warning["message"] for warning in document["warnings"])
-    show(lambda: document, lambda: map(str, paths), json=json)
+    voice.warn((warning["message"] for warning in document["warnings"]), held=True)
+    show(lambda: document, lambda: map(str, paths), voice)
 
 
-def show(document: str | Callable[[], Mapping[str, Any]], lines: Callable[[], Iterable[str]], *, json: bool) -> None:
+def show(document: str | Callable[[], Mapping[str, Any]], lines: Callable[[], Iterable[str]], voice: Voice) -> None:
     """Print the document, or the table for people."""
-    if not json:
+    if not voice.json:
         say("\n".join(lines()))
         return
     from friction_audit.reporting.documents import write_document

@@ -19,8 +19,7 @@ from friction_audit.errors import UsageError, few, near_misses, printable, short
 from friction_audit.io.files import read_toml
 from friction_audit.joint_numbers import parse_joint_numbers
 from friction_audit.preprocessing.settings import GIVEN, TorqueSettings
-from friction_audit.reporting.figures import style as figure_style
-from friction_audit.reporting.figures.registry import figures_of
+from friction_audit.reporting.figures import figures_of, style as figure_style
 
 FIGURES, REPLAY_FIGURES, DIAGNOSIS_FIGURES, BATCH_FIGURES, DIFF_FIGURES = (
     tuple(figure.name for figure in figures_of(result))

@@ -95,11 +95,9 @@ def command(
     settled = [one for one in tasks if one.purpose is None]
     warnings = list(plan_notices(recordings, known_start=arm.known_start))
     values = {"source": str(source or ""), "recordings": recordings, "settled": settled, "warnings": warnings}
-    json = shared.general.json
-    text = out.write_document(DOCUMENT, partial(PLAN.json, values), json=json)
-    if not json:
-        voice.warn(notice_lines(warnings))
-    show(text, lambda: plan_lines(recordings, settled), json=json)
+    text = out.write_document(DOCUMENT, partial(PLAN.json, values), voice)
+    voice.warn(notice_lines(warnings), held=True)
+    show(text, lambda: plan_lines(recordings, settled), voice)
 
 
 def _tasks(source: Path | None, motion: MotionOptions, shared: opt.LogOptions) -> "tuple[Arm, list[Task]]":

@@ -34,9 +34,7 @@ def command(
     from friction_audit.reporting.notices import estimate_notices
 
     warnings = estimate_notices(result)
-    if not shared.general.json:
-        chain.warn_about(result.log, warnings, voice)
-
+    chain.warn_about(result.log, warnings, voice)
     results: dict[str, object] = {"estimate": result}
     # Replay and diagnosis, where a figure draws them, with default settings otherwise.
     if set(figures) & set(REPLAY_FIGURES):
@@ -55,5 +53,5 @@ def command(
     written = out.write_figures(results, joints, unit, voice, each_joint=True)
     plot = SimpleNamespace(estimate=result, figures=written)
     document = partial(PLOT.of, plot, chain.reading_settings(options))
-    show(document, lambda: [path for *_, path in written], json=shared.general.json)
+    show(document, lambda: [path for *_, path in written], voice)
     chain.conclude(result.log, warnings, strict=strict)

@@ -136,17 +136,16 @@ def command(
 
         with stages.step("replay"):
             found = replay_estimate(estimated, settings)
-        joints, json = found.replay.joints, shared.general.json
-        if not json:
-            chain.warn_about(recorded, replay_notices(found), stages, marked=not all(one.reason for one in joints))
-            _warn_of_times(settings.joint_model, recorded, stages)
+        joints = found.replay.joints
+        chain.warn_about(recorded, replay_notices(found), stages, marked=not all(one.reason for one in joints))
+        _warn_of_times(settings.joint_model, recorded, stages)
         chain.require_one(recorded, joints, "no joint can be replayed")
         document = partial(output.REPLAY.of, found, chain.reading_settings(reading))
-        text = out.write_document(DOCUMENT, document, json=json)
+        text = out.write_document(DOCUMENT, document, voice)
         out.write_csv(HISTORY, output.HISTORY.file(joints, "history", recorded.source.torque_unit))
         out.write_figures({"replay": found}, [joint.joint for joint in joints], recorded.source.torque_unit, stages)
         out.write_exports(output.REPLAY.tables(found), recorded, stages)
-    show(text, lambda: output.replay_lines(found), json=json)
+    show(text, lambda: output.replay_lines(found), voice)
     chain.conclude(recorded, replay_notices(found), strict=strict)
 
 
@@ -157,7 +156,7 @@ def _warn_of_times(given: "ModelFile | None", log: "JointLog", voice: Voice) -> 
             continue
         if names := ", ".join(term.name for term in joint.terms if term.name in TIMED):
             held = f"holds for moments of {joint.provenance.log}, not of this log"
-            voice.warn([f"joint {number}: {names} of the model {held}"])
+            voice.warn([f"joint {number}: {names} of the model {held}"], held=True)
 
 
 def replay_settings(options: ReplayOptions, cycles: opt.CycleOptions) -> "ReplaySettings":

@@ -54,12 +54,12 @@ def command(
     voice = shared.general.voice
     settings, options = chain.audit_settings(shared, friction), chain.read_options(shared.reading, shared.selection)
     sections = wanted.sections or SECTIONS
-    json, again = shared.general.json, shared.overwrite
+    again = shared.overwrite
     from friction_audit.reporting import report as reports
 
     name = f"{reports.name_of_log(log) if log.is_dir() else Path(reports.name_of_log(log)).stem}.report"
     # Where the document is printed and nothing else was asked for, there is no file.
-    kinds = wanted.formats or ([] if json and folder is None else [DEFAULT])
+    kinds = wanted.formats or ([] if voice.json and folder is None else [DEFAULT])
     by_ending = {ending: kind for kind, ending in ENDINGS.items()}
     if folder is not None and folder.suffix in by_ending and not folder.is_dir():
         kinds, name, folder = wanted.formats or [by_ending[folder.suffix]], folder.stem, folder.parent
@@ -70,10 +70,9 @@ def command(
     with voice.stages([*lengths, *[WRITING] * (len(files) + out.stages)]) as stages:
         recorded = chain.read(log, options, stages)
         estimate = chain.estimate(recorded, settings, stages)
-        if not json:
-            from friction_audit.reporting.notices import estimate_notices
+        from friction_audit.reporting.notices import estimate_notices
 
-            chain.warn_about(recorded, estimate_notices(estimate), stages)
+        chain.warn_about(recorded, estimate_notices(estimate), stages)
         given = command_line(context, leave_out=NOT_PART_OF_IT)
         from friction_audit.diagnosis.settings import DiagnosisSettings
         from friction_audit.io.files import whole_file
@@ -90,7 +89,7 @@ def command(
                 draft.write_bytes(WRITERS[kind](report))
         exported = out.write_exports(reports.report_tables(report), recorded, stages)
     lines = [reports.lead_sentence(report), *map(str, (*files.values(), *exported))]
-    show(lambda: reports.REPORT.json(report, report.unit), lambda: lines, json=json)
+    show(lambda: reports.REPORT.json(report, report.unit), lambda: lines, voice)
     joints = () if report.diagnosis is None else report.diagnosis.joints
     chain.exit_for_bugs(joints, voice, report.unanswered)
     chain.require_one(estimate.log, estimate.friction.joints)

@@ -1,9 +1,8 @@
 """``friction-audit reproduce``."""
 
-from dataclasses import asdict
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from friction_audit.cli import options as opt
 from friction_audit.cli.console import say
@@ -12,6 +11,7 @@ from friction_audit.cli.parameters import SIMULATION, group, option
 
 if TYPE_CHECKING:
     from friction_audit.reproduce import Simulations
+    from friction_audit.reproduce.claims import Claim
 
 EXAMPLES = """Examples:
   friction-audit reproduce
@@ -41,23 +41,23 @@ def command(
     from friction_audit.reporting.compare import CLAIM, REPRODUCE, count_line
     from friction_audit.reproduce import REPRODUCTIONS, simulate_figure
 
-    voice, json, persons = general.voice, general.json, simulation.persons
+    voice, persons = general.voice, simulation.persons
     names = [f"fig{number}" for number in simulation.figures]
     out = ResultFolder(folder=folder, figures=names, formats=drawing.formats, overwrite=overwrite)
     out.check()
     files: list[tuple[str, str, str]] = []
-    rows: list[dict[str, Any]] = []
+    claims: list[Claim] = []
     simulations: Simulations = {}
     for one in (one for one in REPRODUCTIONS if one.figure in simulation.figures):
         with voice.step(f"simulate figure {one.figure}") as progress:
             simulations = simulate_figure(one, persons, progress, simulations)
         with voice.step(f"check and draw figure {one.figure}"):
-            found = [asdict(claim) for claim in one.check(simulations)]
+            found = one.check(simulations)
             paths = out.save_figure(f"fig{one.figure}", one.draw(simulations))
             files += [(one.figure, one.title, str(path)) for path in paths]
-        if not json:
-            reasons = [f"{one['figure']}: {one['note']}" for one in found if not one["holds"] and one["note"]]
+        if not voice.json:
+            reasons = [f"{claim.figure}: {claim.note}" for claim in found if not claim.holds and claim.note]
             say("\n".join([*CLAIM.people(found, "t").lines(), *reasons]))
-        rows += found
-    document = partial(REPRODUCE.json, {"seeds": persons, "claims": rows, "figures": files})
-    show(document, lambda: [count_line(rows), *(path for *_, path in files)], json=json)
+        claims += found
+    document = partial(REPRODUCE.json, {"seeds": persons, "claims": claims, "figures": files})
+    show(document, lambda: [count_line(claims), *(path for *_, path in files)], voice)

@@ -88,7 +88,7 @@ def command(
                 text = documents.write_document(documents.TRUTH.json(simulated))
                 other.write_text(text, encoding="utf-8")
     written = [path] if truth is None else [path, truth]
-    show_written(documents.SIMULATE.json(simulated), written, voice, json=general.json)
+    show_written(documents.SIMULATE.json(simulated), written, voice)
 
 
 def _choose_output(out: Path | None, dialect: str | None, truth: Path | None, overwrite: bool) -> "tuple[Path, Writer]":

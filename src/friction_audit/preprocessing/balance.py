@@ -123,7 +123,7 @@ def sign_cautions(log: JointLog, balance: Balance, settings: TorqueSettings, *, 
     if balance.inertia_left:
         # Where gravity is left too, its caution has the commands.
         command = "" if plan.gravity == "in-torque" else with_a_model(log, replace(settings, inertia="auto"))
-        yield Caution(code="inertia_in_torque", numbers={"command": command, "lead": ""})
+        yield Caution(code="inertia_in_torque", numbers={"command": command})
     minority = "falls" if most(evidence, "rises") else "rises" if most(evidence, "falls") else ""
     for one in voting(evidence):
         if one.verdict == minority:

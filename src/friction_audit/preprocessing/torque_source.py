@@ -178,7 +178,7 @@ def _cautions(
     if robot in PRESETS and robot not in MODELS:
         yield Caution(code="no_model", numbers={"arm": PRESETS[robot].label})
     command = _with_gravity_removed(log, coarse, settings) if log.source.torque_unit == "N m" else ""
-    yield Caution(code="gravity_in_torque", numbers={"command": command, "lead": "remove it: "})
+    yield Caution(code="gravity_in_torque", numbers={"command": command})
 
 
 def _with_gravity_removed(log: JointLog, coarse: CoarseLog, settings: TorqueSettings) -> str:

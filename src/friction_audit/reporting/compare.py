@@ -1,6 +1,6 @@
 """Comparison of compensation methods, and claims of the paper: their documents and their text."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from math import inf, isnan
 from typing import Any
 
@@ -90,15 +90,15 @@ FIGURE = Record(Column("figure", str, "name", "0"), Column("path", str, "where i
 COMPARE = Document(
     "compare/1",
     "Compensation methods side by side",
-    Column("arm", ("joint", "panda"), "what the methods were tried on"),
-    Column("duration", float, "length of a trial", unit="s"),
-    Column("seeds", [int], "persons"),
-    Column("tuning_seeds", [int], "persons that the tunings were chosen for"),
-    Column("margin_seeds", [int], "persons that were asked for the stability margin"),
+    Column("arm", ("joint", "panda"), "what the methods were tried on", "compared.setup"),
+    Column("duration", float, "length of a trial", "compared.duration_s", unit="s"),
+    Column("seeds", [int], "persons", "compared.seeds"),
+    Column("tuning_seeds", [int], "persons that the tunings were chosen for", "compared.tuning_seeds"),
+    Column("margin_seeds", [int], "persons that were asked for the stability margin", "compared.margin_seeds"),
     Column("settings", dict, "settings of the simulation but the hidden effects"),
     Column("effects", [HIDDEN], "hidden effects"),
-    Column("methods", [METHOD], "per method and tuning"),
-    Column("sweeps", [SWEEP], "per sweep"),
+    Column("methods", [METHOD], "per method and tuning", "compared.rows"),
+    Column("sweeps", [SWEEP], "per sweep", "compared.curves"),
     Column("figures", [FIGURE], "what was drawn"),
 )
 
@@ -127,7 +127,6 @@ def _losses(row: Row, seeds: int, tuning_seeds: int) -> Iterator[str]:
         yield f"{name}: no setting tried is stable; this one is unstable with {in_tuning} of {tuning_seeds} persons"
 
 
-Claim = Mapping[str, Any]
 CLAIM = Record(
     Column("figure", str, "figure of the paper", title="fig", on="jt"),
     Column("claim", str, "the claim", words=True, on="jt"),
@@ -148,8 +147,8 @@ REPRODUCE = Document(
 )
 
 
-def count_line(claims: Sequence[Claim]) -> str:
+def count_line(claims: Sequence[Any]) -> str:
     """Return how many claims of the paper hold, and apart from them how many experiments of this project."""
-    paper, own = ([bool(row["holds"]) for row in claims if row["own"] == kind] for kind in (False, True))
+    paper, own = ([bool(one.holds) for one in claims if one.own == kind] for kind in (False, True))
     apart = f"; own experiments, not claims of the paper: {sum(own)} of {len(own)}" if own else ""
     return f"{sum(paper)} of {len(paper)} claims of the paper hold{apart}"

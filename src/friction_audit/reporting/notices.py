@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from math import inf
 from pathlib import Path
+from string import Formatter
 from typing import Any, NamedTuple
 
 from friction_audit.joint_log import Finding, JointLog
@@ -27,57 +28,34 @@ def sentences() -> dict[str, dict[str, str]]:
     return texts | {"warnings": {code: row if isinstance(row, str) else row[0] for code, row in every.items()}}
 
 
-# What the numbers of a caution are in words, where the sentence has some. Where it has one of several, these stand in
-# a table of the caution's name, by the ``case``.
-WORDS: Mapping[str, Callable[[Mapping[str, Any]], dict[str, str]]] = {
-    **dict.fromkeys(
-        ("dq_late", "dq_other_clock"), lambda one: {"lags": range_of(one["lags_s"], lambda lag: f"{1e3 * lag:.1f}")}
+# Words that numbers of a caution become, by what stands behind their names in its sentence: ``{cycles:count cycle}``.
+WORDS: Mapping[str, Callable[[Any, str], str]] = {
+    "case": lambda value, table: sentences()[table].get(value, ""),
+    "count": count_of,
+    "intervals": lambda found, _: ", ".join(
+        f"{name} {one.value:.3g} (95 % {one.low:.3g} to {one.high:.3g})" for name, one in found.items()
     ),
-    "torque_flipped": lambda one: {"numbers": ",".join(map(str, one["joints"]))},
-    **dict.fromkeys(
-        ("gravity_in_torque", "inertia_in_torque"),
-        lambda one: {"remedy": one["command"] and f"; {one['lead']}{one['command']}"},
-    ),
-    "model_not_used": lambda one: {"options": ", ".join(one["options"])},
-    "torque_constant": lambda one: {
-        "level": range_of(one["reads"], lambda read: f"{read:.3g}" if len({*one["reads"]}) > 1 else f"{read:.4g}")
-    },
-    **dict.fromkeys(
-        ("did_not_move", "moved_too_slowly", "no_pause"),
-        lambda one: {"speed": "the speed" if one["unit"] == "rad/s" else "the hand's speed"},
-    ),
-    **dict.fromkeys(
-        ("negative_coulomb", "negative_viscous"), lambda one: {"case": sentences()["negative"][one["case"]]}
-    ),
-    **dict.fromkeys(
-        ("all_rejected", "most_rejected"), lambda one: {"case": sentences()["rejected"].get(one["case"], "")}
-    ),
-    "too_few_cycles": lambda one: {
-        "count": count_of(one["cycles"], "energy cycle"),
-        "lacking": text_of(one["lacking"] or (Caution("more_cycles"),)),
-    },
-    **dict.fromkeys(
-        ("temperature_not_used", "temperature_not_known"),
-        lambda one: {"joints": one["only"] and f"joint{'' if one['only'].isdecimal() else 's'} {one['only']}: "},
-    ),
-    **dict.fromkeys(
-        ("rate_hides_operator", "few_quick_reversals", "operator_not_determined"),
-        lambda one: {
-            "typical": sentences()["operator"]["typical"],
-            "loose": ", ".join(
-                f"{name} {found.value:.3g} (95 % {found.low:.3g} to {found.high:.3g})"
-                for name, found in one.get("loose", {}).items()
-            ),
-        },
-    ),
-    **dict.fromkeys(
-        ("no_cycle_estimates", "fewer_than_window"), lambda one: {"cycles": count_of(one["cycles"], "cycle")}
-    ),
-    **dict.fromkeys(
-        ("same-motion", "same-torque", "same-operator"),
-        lambda one: {name: sentences()["assumed"][one[name]] for name in ("person", "joint")},
-    ),
+    "join": lambda values, between: between.join(map(str, values)),
+    "joints": lambda joints, _: joints_label(joints),
+    "led": lambda text, by: text and f"{by}{text}",
+    "ms": lambda lags_s, _: range_of(lags_s, lambda lag: f"{1e3 * lag:.1f}"),
+    "of": lambda joints, _: joints and f"joint{'' if joints.isdecimal() else 's'} {joints}: ",
+    "or": lambda reason, code: text_of(reason or (Caution(code),)),
+    "reads": lambda reads, _: range_of(reads, lambda read: f"{read:.3g}" if len({*reads}) > 1 else f"{read:.4g}"),
 }
+
+
+class _Sentence(Formatter):
+    def format_field(self, value: Any, format_spec: str) -> str:  # noqa: ANN401 - a number of any caution
+        how, _, more = format_spec.partition(" ")
+        if how in WORDS:
+            return WORDS[how](value, more)
+        return text_of(value) if isinstance(value, tuple) else format(value, format_spec)
+
+
+FILL = _Sentence().vformat  # takes a sentence, nothing, and numbers by name
+
+
 AS_ASKED = ("torque_converted",)  # codes about the physics that only repeat what the user asked for
 # Detected and taken into account, as the table shows.
 CORRECTED = ("dq_late", "held_values", "sign_turned", "joints_left_out")
@@ -94,14 +72,11 @@ SMALL_SHARE = 0.1  # of the samples (or of a step) lost or irregular: below it n
 
 def sentence_of(caution: Caution) -> str:
     """Return a caution as one sentence."""
-    code, numbers, texts = caution.code, caution.numbers, sentences()
-    words = {"joint": caution.joint, "joints": joints_label(numbers.get("joints", ()))}
-    reasons = ((name, one) for name, one in numbers.items() if isinstance(one, tuple))
-    words |= {name: text_of(one) for name, one in reasons if all(isinstance(part, Caution) for part in one)}
-    words |= WORDS[code](numbers) if code in WORDS else {}
+    code, texts = caution.code, sentences()
+    numbers = {"joint": caution.joint, **texts["operator"], **caution.numbers}
     if code in texts:
-        words["case"] = texts[code].get(numbers["case"], texts[code].get("else", "")).format(**numbers)
-    return (texts["warnings"].get(code) or texts["reasons"][code]).format(**{**numbers, **words})
+        numbers["case"] = FILL(texts[code].get(numbers["case"], texts[code].get("else", "")), (), numbers)
+    return FILL(texts["warnings"].get(code) or texts["reasons"][code], (), numbers)
 
 
 def text_of(reason: Reason) -> str:
@@ -125,7 +100,7 @@ class Notice(NamedTuple):
 
 def notice(code: str, joint: int | None = None, **numbers: object) -> Notice:
     """Return a warning with its sentence."""
-    return Notice(code, joint, sentences()["warnings"][code].format(joint=joint, **numbers))
+    return Notice(code, joint, FILL(sentences()["warnings"][code], (), {"joint": joint, **numbers}))
 
 
 Joint = Any  # of a result: its number is ``joint``, why it has none ``reason``

@@ -227,8 +227,7 @@ class Table(NamedTuple):
 
         drawn = RichTable(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False, collapse_padding=True)
         for column in self.columns:
-            head = Text(column.short or column.title or column.name.replace("_", " "))
-            head.append(f"\n[{in_unit(column.unit, self.unit)}]" if column.unit else "")
+            head = Text(column.head(self.unit, narrow=True))
             drawn.add_column(head, justify="right" if column.number else "left", no_wrap=not column.words)
         for number, row in enumerate(self.rows):
             first, *others = (column.text(row) for column in self.columns)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from friction_audit.drift.report import ArmDrift
 from friction_audit.reporting import drift as tables, drift_words as phrases
 from friction_audit.reporting.drift_sessions import LEFT_OUT, NUMBER, SESSION, SessionRow, coefficient_column
-from friction_audit.reporting.figures.registry import FigureKind, figures_of
+from friction_audit.reporting.figures import FigureKind, figures_of
 from friction_audit.reporting.html import page as html
 from friction_audit.reporting.notices import sentence_of, sentences, text_of
 from friction_audit.reporting.table import Record, Table

@@ -12,8 +12,8 @@ from friction_audit.parallel import in_processes, workers_for
 from friction_audit.reporting import diagnosis_tables as tables, diagnosis_words as words, notices, report as reports
 from friction_audit.reporting.documents import write_document
 from friction_audit.reporting.estimate import FRICTION
+from friction_audit.reporting.figures import FigureKind, figures_of
 from friction_audit.reporting.figures.panels import label_in_unit
-from friction_audit.reporting.figures.registry import FigureKind, figures_of
 from friction_audit.reporting.html import page as html
 from friction_audit.reporting.info import MOTION, facts_of, summarize_log
 from friction_audit.reporting.replay import JOINT_REPLAY, describe_compensator
