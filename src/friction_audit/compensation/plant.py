@@ -107,19 +107,13 @@ def fitted_joint(friction: JointFriction) -> tuple[TorqueRegression, JointModel]
 
 
 def tabulate_model(model: JointModel, motion: Motion) -> Tables:
-    """Tabulate a joint's model; for Coulomb and viscous friction the limits of the recorded motion are enough."""
-    if {term.name for term in model.terms} <= {"coulomb", "viscous"}:
+    """Tabulate a joint's model along a motion; AnalysisError if it cannot be simulated."""
+    competitors.check_runnable(model.terms)
+    if {term.name for term in model.terms} <= {"coulomb", "viscous"}:  # the limits of the motion are enough
         few = np.unique([0, 1, np.argmin(motion.q), np.argmax(motion.q), np.argmax(np.abs(motion.dq))])
         motion = Motion(t=motion.t[few], q=motion.q[few], dq=motion.dq[few], ddq=motion.ddq[few])
     tables, past = tabulate(model.inertia_kg_m2, model.terms, motion)
     competitors.check_runnable((), past)
-    return tables
-
-
-def tabulate_given_model(model: JointModel, motion: Motion) -> Tables:
-    """Tabulate a joint of a model file, and check that it can be simulated."""
-    competitors.check_runnable(model.terms)
-    tables = tabulate_model(model, motion)
     if not tables.inertia_kg_m2 > LEAST_INERTIA_KG_M2:
         raise AnalysisError((Caution("inertia_taken_out", numbers={"inertia": tables.inertia_kg_m2}),))
     friction = [term for term in model.terms if term.effect.axis == "speed"]
@@ -153,10 +147,9 @@ def make_part(
         return ReplayPart(recorded=recorded, cycle_ends=cycle_ends, motion=motion)
     if settings.joint_model is None:
         fitted, model = fitted_joint(friction)
-        tables = tabulate_model(model, motion)
     else:
         model = settings.joint_model.joint(friction.joint)
-        tables = tabulate_given_model(model, motion)
+    tables = tabulate_model(model, motion)
     operator = _operator_impedance(interaction, settings, recorded)
     restart = np.zeros(len(recorded.t), np.bool_)
     if operator is None:

@@ -174,7 +174,11 @@ def tune(competitor: Competitor, friction: JointFriction, robot: str, model: Joi
     if competitor.name in FEEDBACK:
         return _tune_feedback(competitor, friction)
     if competitor.name == MODEL and model is not None:
-        return _model_feedforward(model)
+        terms = tuple(one for one in model.terms if one.effect.friction or one.name in competitors.FRICTION_TERMS)
+        if not terms:
+            raise AnalysisError((Caution("nothing_to_apply"),))
+        competitors.check_runnable(terms)
+        return competitors.JointModelCompensation(terms=terms)
     if competitor.name == "sigmoid" and robot in FRANKA and friction.joint <= len(competitors.PANDA_SIGMOIDS):
         return competitors.PANDA_SIGMOIDS[friction.joint - 1]
     coulomb, viscous = friction.coulomb.value, friction.viscous.value
@@ -186,14 +190,6 @@ def tune(competitor: Competitor, friction: JointFriction, robot: str, model: Joi
         return competitors.LugreCompensation(coulomb_nm=coulomb, breakaway_nm=coulomb, viscous_nms_per_rad=viscous)
     forced = Coefficients(coulomb_nm=coulomb, viscous_nms_per_rad=viscous)
     return EnergyCompensator(forced=forced, forced_from_cycle=1, forced_until_acted=False, passivity=False)
-
-
-def _model_feedforward(model: JointModel) -> Compensator:
-    terms = tuple(term for term in model.terms if term.effect.friction or term.name in competitors.FRICTION_TERMS)
-    if not terms:
-        raise AnalysisError((Caution("nothing_to_apply"),))
-    competitors.check_runnable(terms)
-    return competitors.JointModelCompensation(terms=terms)
 
 
 def _tune_feedback(competitor: Competitor, friction: JointFriction) -> Compensator:
