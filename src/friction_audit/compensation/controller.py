@@ -29,7 +29,6 @@ SPEED_BOUND_RAD_S, TORQUE_BOUND_NM = 100.0, 1e4  # beyond all arms with torque s
 MOST_REVERSALS = 50
 # A longer hole in the log adds no energy, and a joint in a closed loop starts again from the recording after it. [s]
 HOLE_S = 1.0
-EVEN_STEP = 1e-8  # difference between a step of the clock and its period, in time constants of the filter
 
 
 @compiled()
@@ -113,13 +112,7 @@ def detect_cycle_end(settings: Record, state: Record, dq: float, dt: float) -> b
 
     It ends when the filtered speed is below the other threshold and the joint rests by its measured velocity.
     """
-    late = settings.corner_rad_s * (dt - settings.period_s)
-    if state.ticks == 1:
-        gain = 1.0
-    elif abs(late) < EVEN_STEP:  # the exponential to first order is exact within rounding
-        gain = settings.gain + (1.0 - settings.gain) * late
-    else:
-        gain = 1.0 - math.exp(-settings.corner_rad_s * dt)
+    gain = 1.0 if state.ticks == 1 else 1.0 - math.exp(-settings.corner_rad_s * dt)
     state.filtered_rad_s += gain * (dq - state.filtered_rad_s)
     direction = state.direction
     ended = (
