@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from math import isnan
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,8 +25,14 @@ class Coefficient:
 NAN = float("nan")
 UNDETERMINED = Coefficient(value=NAN, low=NAN, high=NAN)
 UNITS = {"coulomb": "nm", "viscous": "nms_per_rad"}
-# Names of value, low and high of each coefficient over time.
-COLUMNS = {name: tuple(f"{name}{part}_{unit}" for part in ("", "_low", "_high")) for name, unit in UNITS.items()}
+
+
+class Band(NamedTuple):
+    """A coefficient over time and its 95 % intervals, shape (m,) each."""
+
+    value: Float
+    low: Float
+    high: Float
 
 
 class CoefficientHistory(NamedTuple):
@@ -35,28 +41,16 @@ class CoefficientHistory(NamedTuple):
     cycle: Int  # number of the cycle among all of the joint's cycles, from 1, shape (m,)
     start_s: Float  # start of the cycle [s]
     stop_s: Float  # stop of the cycle: the moment at which the estimate becomes known [s]
-    coulomb_nm: Float  # Coulomb coefficient, shape (m,) [N m]
-    coulomb_low_nm: Float  # lower end of its 95 % interval
-    coulomb_high_nm: Float  # upper end
-    viscous_nms_per_rad: Float  # viscous coefficient [N m s/rad]
-    viscous_low_nms_per_rad: Float  # lower end of its 95 % interval
-    viscous_high_nms_per_rad: Float  # upper end
+    coulomb: Band  # Coulomb coefficient [N m]
+    viscous: Band  # viscous coefficient [N m s/rad]
     net_energy_j: Float  # net energy input since the first cycle's start, E_cyclic of the paper [J]
     dissipated_j: Float  # what friction took in this cycle, as the estimator counts it [J]
     path_rad: Float  # its path, the column of (18) that belongs to the Coulomb coefficient [rad]
     square_speed_rad2_s: Float  # integral of its squared velocity, the column of the viscous one [rad^2/s]
 
-    def of(self, name: str) -> tuple[Float, Float, Float]:
-        """Return value, low and high of ``"coulomb"`` or ``"viscous"``, shape (m,) each."""
-        value, low, high = (getattr(self, column) for column in COLUMNS[name])
-        return value, low, high
 
-    def with_coefficient(self, name: str, value: Float, low: Float, high: Float) -> "CoefficientHistory":
-        """Return the history with another value, low and high of ``"coulomb"`` or ``"viscous"``."""
-        return self._replace(**dict[str, Any](zip(COLUMNS[name], (value, low, high), strict=True)))
-
-
-NO_HISTORY = CoefficientHistory(np.empty(0, np.int64), *[np.empty(0)] * (len(CoefficientHistory._fields) - 1))
+NONE, NO_BAND = np.empty(0), Band(*[np.empty(0)] * 3)
+NO_HISTORY = CoefficientHistory(np.empty(0, np.int64), NONE, NONE, NO_BAND, NO_BAND, NONE, NONE, NONE, NONE)
 
 
 class TorqueRegression(NamedTuple):
