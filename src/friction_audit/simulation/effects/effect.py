@@ -1,4 +1,4 @@
-"""What a hidden effect is: something that real joints and sensors do, as the simulator's own formula."""
+"""Hidden effects: deviations of real joints and sensors from the nominal model, with the simulator's own formulas."""
 
 from collections.abc import Mapping
 from contextlib import suppress
@@ -13,7 +13,7 @@ from friction_audit.errors import UsageError, kind_name, near_misses
 from friction_audit.simulation.settings import JointParameters
 
 FORM = "form"
-LARGEST = 1e4  # no parameter of a joint comes near it, in any unit: larger numbers are slips, infinite ones no numbers
+LARGEST = 1e4  # of a parameter, in any unit: far above those of any joint
 
 Values = Mapping[str, float]  # parameters of a term of a joint model, by name
 Given = dict[str, float | str]  # parameters of a hidden effect, the form as its word
@@ -23,7 +23,7 @@ alike = partial(isclose, rel_tol=ALIKE)
 
 
 class Setting(NamedTuple):
-    """What the meaning of a term of a joint model depends on."""
+    """Joint and recording, on which the parameters that equal a term of a joint model depend."""
 
     joint: JointParameters  # inertia and friction of the joint
     start_rad: float  # where the joint is at the start; the simulator counts some positions from there [rad]
@@ -41,7 +41,7 @@ class NoEqualError(Exception):
 
 
 def number(usual: float, meaning: str, unit: str = "1", *, off: bool = False, **bounds: Any) -> Any:  # noqa: ANN401
-    """Return a field of a hidden effect, at least zero unless bounds are given, and what is usual where it is named.
+    """Return a field of a hidden effect: usual value, meaning, unit and bounds, by default at least zero.
 
     Unit and bounds are those of the parameter ``like`` of the effect of the same name, where there is one.
     """
@@ -55,10 +55,10 @@ strength = partial(number, off=True)  # the first field: at zero, where it is no
 @dataclass_transform(frozen_default=True, kw_only_default=True)
 @dataclass(frozen=True, kw_only=True)
 class HiddenEffect:
-    """A group of numbers that the mechanics read; made without arguments it does nothing.
+    """Parameters of a hidden effect; with their defaults it has no influence.
 
-    Its name is that of its class and of the effect that a diagnosis names, from which it has family and bounds. Each is
-    a frozen dataclass, without a decorator.
+    Its name is that of its class and of the effect in a diagnosis, from which it has family and bounds. Each subclass
+    is a frozen dataclass, without a decorator.
     """
 
     summary: ClassVar[str] = ""  # one line
