@@ -22,7 +22,7 @@ from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Caution, Interaction
 from friction_audit.preprocessing.velocity import filter_velocity
 
-CUTOFF_HZ = 20.0  # of the velocity, without phase shift, as in the torque regression
+CUTOFF_HZ = 20.0  # of the velocity, without phase shift, as in the torque regression; a reversal is found with it too
 SHORTEST_CYCLE = 4  # samples
 LEAST_INERTIA_KG_M2 = 1e-3  # of a motor with its gear; where less is fitted, the torque was recorded without inertia
 
@@ -227,13 +227,13 @@ WIDEST = 0.3  # relative half-width of the jackknife interval beyond which a num
 # Relative errors of inertia, damping and stiffness by intended motion in the band, on logs without noise: 95 % of
 # persons are below. From 47 simulated persons, none of whom is in ``bench_operator_fit``.
 INTENTION = (0.06, 0.07, 0.21)
-# Samples per period of the band's upper end: also above twice the 20 Hz of the low-pass that finds reversals.
+# Samples per period of the band's upper end: also above twice CUTOFF_HZ.
 LEAST_PERIODS = 2.75
 NORMAL_95 = 1.96
 
 
 def fit_operator(recorded: loops.RecordedJoint) -> FittedOperator:
-    """Fit the operator's impedance at a joint."""
+    """Fit the operator's impedance at a joint, around its quick reversals."""
     from scipy.signal import butter, sosfiltfilt
 
     step = median_step(recorded.t)
@@ -241,30 +241,20 @@ def fit_operator(recorded: loops.RecordedJoint) -> FittedOperator:
         raise AnalysisError((Caution("rate_hides_operator", numbers={"rate": 1.0 / step}),))
     t = np.arange(recorded.t[0], recorded.t[-1], step)
     dq = np.interp(t, recorded.t, recorded.dq)
-    reversals, direction = _find_reversals(dq, step)
+    smooth = sosfiltfilt(butter(ORDER, CUTOFF_HZ, fs=1.0 / step, output="sos"), dq)
+    definite = np.flatnonzero(np.abs(smooth) > DEFINITE_RAD_S)
+    signs = np.sign(smooth[definite])
+    turns = np.flatnonzero((np.diff(signs) != 0.0) & (np.diff(definite) * step < LONGEST_REVERSAL_S)) + 1
     before, after = int(BEFORE_S / step), int(AFTER_S / step)
-    inside = (reversals >= before) & (reversals + after <= len(t))
-    reversals, direction = reversals[inside], direction[inside]
-    if len(reversals) < FEWEST_REVERSALS:
-        numbers = {"found": len(reversals), "fewest": FEWEST_REVERSALS}
+    turns = turns[(definite[turns] >= before) & (definite[turns] + after <= len(t))]
+    if len(turns) < FEWEST_REVERSALS:
+        numbers = {"found": len(turns), "fewest": FEWEST_REVERSALS}
         raise AnalysisError((Caution("few_quick_reversals", numbers=numbers),))
-    rows = reversals[:, None] + np.arange(-before, after)
+    rows, direction = definite[turns][:, None] + np.arange(-before, after), signs[turns][:, None]
     torque, position = (np.interp(t, recorded.t, one) for one in (recorded.torque, recorded.q))
     band = butter(ORDER, BAND_HZ, "band", fs=1.0 / step, output="sos")
     signals = (np.gradient(dq, step), dq, position, -torque)
-    return _fit_impedance(np.stack([sosfiltfilt(band, one)[rows] * direction[:, None] for one in signals], axis=2))
-
-
-def _find_reversals(dq: Float, step: float) -> tuple[NDArray[np.int64], Float]:
-    """Return the samples at which the joint moves again after a quick reversal, and its direction there."""
-    from scipy.signal import butter, sosfiltfilt
-
-    smooth = sosfiltfilt(butter(ORDER, 20.0, fs=1.0 / step, output="sos"), dq)
-    definite = np.flatnonzero(np.abs(smooth) > DEFINITE_RAD_S)
-    direction = np.sign(smooth[definite])
-    turns = np.flatnonzero(np.diff(direction) != 0.0)
-    quick = np.diff(definite)[turns] * step < LONGEST_REVERSAL_S
-    return definite[turns + 1][quick], direction[turns + 1][quick]
+    return _fit_impedance(np.stack([sosfiltfilt(band, one)[rows] * direction for one in signals], axis=2))
 
 
 def _fit_impedance(windows: Float) -> FittedOperator:

@@ -43,7 +43,6 @@ class Course:
     interaction_nm: Float  # interaction torque, shape (n, j) [N m]
     energy_j: Float  # net energy input of the person, all joints, shape (n,) [J]
     from_s: float  # end of the second cycle [s]
-    lost_s: float  # time at which the loop became unstable, or infinity [s]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -150,15 +149,14 @@ def find_instability(simulation: Simulation, reference: Reference) -> float:
 
 def make_course(simulation: Simulation, reference: Reference) -> Course:
     """Return the signals of a trial for figures, as long as it was stable."""
-    motion, lost = simulation.truth.motion, find_instability(simulation, reference)
-    shown = motion.t <= lost
+    motion = simulation.truth.motion
+    shown = motion.t <= find_instability(simulation, reference)
     return Course(
         t=motion.t[shown],
         dq=motion.dq[shown],
         interaction_nm=motion.interaction_nm[shown],
         energy_j=net_energy_j(motion)[shown],
         from_s=float(motion.t[reference.ends[SECOND]]),
-        lost_s=lost,
     )
 
 
