@@ -17,12 +17,12 @@ from friction_audit.dynamics.torque_tables import Tables, steps_per_sample, tabu
 from friction_audit.effects.joint_model import JointModel, simple_model
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import Coefficient, JointFriction, TorqueRegression
+from friction_audit.friction.torque_regression import CUTOFF_HZ
 from friction_audit.joint_log import Float, median_step, read_only
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Caution, Interaction
 from friction_audit.preprocessing.velocity import filter_velocity
 
-CUTOFF_HZ = 20.0  # of the velocity, without phase shift, as in the torque regression; a reversal is found with it too
 SHORTEST_CYCLE = 4  # samples
 LEAST_INERTIA_KG_M2 = 1e-3  # of a motor with its gear; where less is fitted, the torque was recorded without inertia
 

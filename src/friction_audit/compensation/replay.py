@@ -23,9 +23,9 @@ from friction_audit.joint_log import Float, Recording, read_only
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Caution, Interaction, Reason, reason_of
+from friction_audit.preprocessing.segmentation import LONGEST_STEP
 from friction_audit.presets import FRANKA
 
-LONGEST_STEP = 3.5  # a step of the clock of this many median steps is a gap, at any rate
 LEAST_OF_PUBLISHED = 0.25  # share of the published Coulomb friction that joints of a Panda have at least
 LEAST_OF_TORQUE = 0.03  # mean friction torque over rms torque, at least; a geared joint moved fast by hand has 0.3
 LEAST_OF_BEGINNING = 0.1  # friction in the later half of a log over that at its beginning; warming up keeps half of it

@@ -18,8 +18,6 @@ from friction_audit.simulation.bench import Progress
 from friction_audit.simulation.scenarios import PAPER_SCENARIOS
 from friction_audit.simulation.settings import CONTROL_RATE_HZ, Simulation
 
-SECOND = 1  # row of the second cycle
-
 
 @dataclass(frozen=True, slots=True)
 class Claim:

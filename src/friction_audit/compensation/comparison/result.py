@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from friction_audit.compensation.comparison.methods import Tuning
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import UNDETERMINED, Coefficient
+from friction_audit.friction.weighted import CONFIDENCE, t_quantile
 from friction_audit.joint_log import Float
 from friction_audit.simulation.settings import CONTROL_RATE_HZ, Simulation, TrueMotion
 
@@ -168,18 +169,14 @@ def _rms(values: Float) -> Float:
 
 # Over persons.
 
-CONFIDENCE = 0.95
-
 
 def mean_interval(values: Sequence[float]) -> Coefficient:
     """Return the mean of independent values and its 95 % interval (Student's t)."""
-    from scipy.stats import t
-
     known = [value for value in values if isfinite(value)]
     if len(known) < 2:  # noqa: PLR2004
         return Coefficient(value=known[0] if known else nan, low=nan, high=nan)
     mean = float(np.mean(known))
-    half = float(t.ppf(0.5 + CONFIDENCE / 2, len(known) - 1) * np.std(known, ddof=1) / sqrt(len(known)))
+    half = t_quantile(len(known) - 1) * float(np.std(known, ddof=1)) / sqrt(len(known))
     return Coefficient(value=mean, low=mean - half, high=mean + half)
 
 
