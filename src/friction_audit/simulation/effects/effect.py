@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field, fields
+from dataclasses import field, fields
 from functools import partial
 from math import inf, isclose, nan, sqrt
-from typing import Any, ClassVar, NamedTuple, Self, dataclass_transform
+from typing import Any, ClassVar, NamedTuple, Self
 
+from friction_audit.compensation.law import Checked
 from friction_audit.effects.parameter import Parameter
 from friction_audit.effects.registry import FAMILY_OF, effect_of
 from friction_audit.errors import UsageError, kind_name, near_misses
@@ -52,13 +53,10 @@ def number(usual: float, meaning: str, unit: str = "1", *, off: bool = False, **
 strength = partial(number, off=True)  # the first field: at zero, where it is not named, the effect does nothing
 
 
-@dataclass_transform(frozen_default=True, kw_only_default=True)
-@dataclass(frozen=True, kw_only=True)
-class HiddenEffect:
+class HiddenEffect(Checked):
     """Parameters of a hidden effect; with their defaults it has no influence.
 
-    Its name is that of its class and of the effect in a diagnosis, from which it has family and bounds. Each subclass
-    is a frozen dataclass, without a decorator.
+    Its name is that of its class and of the effect in a diagnosis, from which it has family and bounds.
     """
 
     summary: ClassVar[str] = ""  # one line
@@ -75,9 +73,9 @@ class HiddenEffect:
     form: int = 0  # index into ``forms``
 
     def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
         cls.name = kind_name(cls)
         cls.family = FAMILY_OF.get(cls.name, "")
-        dataclass(frozen=True, kw_only=True)(cls)
         cls.strength_name = fields(cls)[1].name
 
     @classmethod
