@@ -262,8 +262,7 @@ def _values(joint: ExportedJoint) -> dict[str, object]:
     return {
         "joint": law.joint,
         "name": joint.name,
-        # At the onset of motion, with what Stribeck adds; a simulator expects no less than in motion.
-        "static": max(float(law.torque(np.array([friction_law.SLOWEST]))[0]), coulomb),
+        "static": joint.static_nm,
         "coulomb": coulomb,
         "viscous": viscous,
         "damping": joint.damping,

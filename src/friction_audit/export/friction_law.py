@@ -161,6 +161,11 @@ class ExportedJoint:
         return {n: replace(one if isclose(one.value, value) else UNDETERMINED, value=value) for n, one, value in pairs}
 
     @property
+    def static_nm(self) -> float:
+        """Friction at the onset of motion, with what Stribeck adds; a simulator wants no less than in motion. [N m]"""
+        return max(float(self.law.torque(np.array([SLOWEST]))[0]), self.fitted.coefficients[0])
+
+    @property
     def damping(self) -> list[float]:
         """Coefficients of dq, dq |dq| and dq^3 as MuJoCo 4 takes them; where the first is enough, as every version."""
         found = list(self.fitted.coefficients[1:])
