@@ -265,7 +265,7 @@ def _of_document(document: Mapping[str, Any], path: Path) -> Joints:
     for one in document["joints"]:
         fitted = one["regression"] or {"inertia_kg_m2": None}
         inertia = {"value": fitted["inertia_kg_m2"], "ci95": fitted.get("inertia_kg_m2_ci95")}
-        found = [_coefficient(each) for each in (inertia, *(one[name] for name in COEFFICIENTS))]
+        found = [Coefficient.read(each) for each in (inertia, *(one[name] for name in COEFFICIENTS))]
         rows.append((int(one["joint"]), str(one["name"]), found, quoted(str(one["reason"] or ""))))
     return _joints(rows, chosen["drive"], chosen["inertia"])
 
@@ -279,19 +279,11 @@ def _of_batch(document: Mapping[str, Any], path: Path, arm: str | None) -> Joint
         raise UsageError(f"{path}: {asked}; it holds {', '.join(arms)}; choose one with --arm")
     rows = []
     for one in (one for one in document["joints"] if one["robot"] == chosen):
-        levels = [_coefficient(one["coefficients"].get(name, {}).get("level")) for name in COEFFICIENTS]
+        levels = [Coefficient.read(one["coefficients"].get(name, {}).get("level")) for name in COEFFICIENTS]
         lacking = all(np.isnan(level.value) for level in levels)
         reason = quoted("no session of the reference has its friction" if lacking else "")
         rows.append((int(one["joint"]), str(one["name"]), (UNDETERMINED, *levels), reason))
     return _joints(rows, "robot", "none")
-
-
-def _coefficient(found: Mapping[str, Any] | None) -> Coefficient:
-    """Return a coefficient of a document, in which null is a number that is not known."""
-    one = found or {"value": None}
-    three = (one["value"], *(one.get("ci95") or (None, None)))
-    value, low, high = (NAN if number is None else float(number) for number in three)
-    return Coefficient(value=value, low=low, high=high)
 
 
 def _joints(rows: Iterable[tuple[int, str, Sequence[Coefficient], Reason]], drive: str, inertia: str) -> Joints:

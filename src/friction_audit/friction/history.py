@@ -1,13 +1,15 @@
 """FrictionHistory: friction coefficients per joint over time, with their uncertainty."""
 
 from dataclasses import dataclass
-from math import isnan
-from typing import NamedTuple
+from math import isinf, isnan
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from friction_audit.joint_log import Float, Int
 from friction_audit.preprocessing.interaction import Caution, Reason
+
+NAN = float("nan")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -18,11 +20,23 @@ class Coefficient:
     low: float
     high: float
 
+    @classmethod
+    def read(cls, found: Any) -> "Coefficient":  # noqa: ANN401 - any part of a document
+        """Return a coefficient of a document: an object with its interval, a number, or null where it is not known.
+
+        ValueError if a number is infinite or none.
+        """
+        one = found if isinstance(found, dict) else {"value": found}
+        three = one["value"], *(one.get("ci95") or (None, None))
+        value, low, high = (NAN if number is None else float(number) for number in three)
+        if isinf(value) or isinf(low) or isinf(high):
+            raise ValueError(found)
+        return cls(value=value, low=low, high=high)
+
     def __str__(self) -> str:
         return "unknown" if isnan(self.value) else f"{self.value:.4g} [{self.low:.4g}, {self.high:.4g}]"
 
 
-NAN = float("nan")
 UNDETERMINED = Coefficient(value=NAN, low=NAN, high=NAN)
 UNITS = {"coulomb": "nm", "viscous": "nms_per_rad"}
 
