@@ -9,7 +9,7 @@ from typing import Any, ClassVar, NamedTuple, Self
 
 from friction_audit.compensation.law import Checked
 from friction_audit.effects.parameter import Parameter
-from friction_audit.effects.registry import FAMILY_OF, effect_of
+from friction_audit.effects.registry import effect_of
 from friction_audit.errors import UsageError, kind_name, near_misses
 from friction_audit.simulation.settings import JointParameters
 
@@ -56,7 +56,7 @@ strength = partial(number, off=True)  # the first field: at zero, where it is no
 class HiddenEffect(Checked):
     """Parameters of a hidden effect; with their defaults it has no influence.
 
-    Its name is that of its class and of the effect in a diagnosis, from which it has family and bounds.
+    Its name is that of its class and of the effect in a diagnosis, from which it has bounds.
     """
 
     summary: ClassVar[str] = ""  # one line
@@ -68,14 +68,12 @@ class HiddenEffect(Checked):
     stands_for: ClassVar[tuple[str, ...]] = ()  # other terms of a joint model that it equals
     name: ClassVar[str] = ""
     strength_name: ClassVar[str]  # of the parameter that switches it off at zero
-    family: ClassVar[str] = ""  # ``velocity``, ``load and place``, ``sensors``, ``structure`` or ``slow and events``
 
     form: int = 0  # index into ``forms``
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
         cls.name = kind_name(cls)
-        cls.family = FAMILY_OF.get(cls.name, "")
         cls.strength_name = fields(cls)[1].name
 
     @classmethod
