@@ -8,12 +8,11 @@ E_net = E_n - E_(n-1) + sum u dq with the whole torque u; the work of its passiv
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.compensation import competitors, law, records
 from friction_audit.compensation.competitors import Compensator
 from friction_audit.compiled import Record, compiled
-from friction_audit.joint_log import Float, read_only
+from friction_audit.joint_log import Float, Int, read_only
 
 EPSILON = 4.0 * 2.0**-52  # a relative determinant up to this is zero within rounding
 DETECT = -1  # value of ``cycle_end``: the joint detects its cycles itself
@@ -302,7 +301,7 @@ def hand_cycle_ends(hand: Float, speed: float, dt: float, thresholds: tuple[floa
 @compiled()
 def detect_hand_cycles(
     t: Float, speed: Float, dq: Float, thresholds: tuple[float, float], rest_rad_s: float, minimum_path_rad: float
-) -> NDArray[np.int64]:
+) -> Int:
     """Return where a controller would have ended the cycles of all joints: 1 where a cycle ends, else 0, shape (n,).
 
     Speed of the end effector, shape (n,) [m/s], velocity of every joint, shape (n, j) [rad/s]; the thresholds are the

@@ -4,7 +4,6 @@ from dataclasses import astuple, dataclass
 from math import isfinite, isnan, nan
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.compensation import SAME_MOTION, SAME_OPERATOR, competitors, replay_loops as loops
 from friction_audit.compensation.competitors import Compensator
@@ -18,7 +17,7 @@ from friction_audit.effects.joint_model import JointModel, simple_model
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import Coefficient, JointFriction, TorqueRegression
 from friction_audit.friction.torque_regression import CUTOFF_HZ
-from friction_audit.joint_log import Float, median_step, read_only
+from friction_audit.joint_log import Bool, Float, Int, median_step, read_only
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Caution, Interaction
 from friction_audit.preprocessing.velocity import filter_velocity
@@ -32,7 +31,7 @@ class ReplayPart:
     """One joint's recording or a part of it, n samples; and the plant that is simulated in its place, if any."""
 
     recorded: loops.RecordedJoint
-    cycle_ends: NDArray[np.int64]  # per sample DETECT, or where cycles end, shape (n,) or (1,)
+    cycle_ends: Int  # per sample DETECT, or where cycles end, shape (n,) or (1,)
     motion: Motion | None = None  # the recorded motion for a joint's model; None without a model
     fitted: TorqueRegression | None = None  # the fit to the log that the plant is made of, or None
     operator: FittedOperator | None = None  # the operator's impedance, or None where the torque stays as recorded
@@ -128,7 +127,7 @@ def make_part(
     cycles: EnergyCycles,
     friction: JointFriction,
     settings: ReplaySettings,
-    cycle_ends: NDArray[np.int64],
+    cycle_ends: Int,
     *,
     modelled: bool,
 ) -> ReplayPart:
@@ -196,7 +195,7 @@ def _make_plant(
     joint: Tables,
     operator: FittedOperator | None,
     unmodelled: Float,
-    restart: NDArray[np.bool_],
+    restart: Bool,
 ) -> loops.Plant:
     """Return the joint with its operator, driven by the recorded torque or by the operator's intention."""
     inertia, damping, stiffness = (one.value for one in operator[:3]) if operator else (0.0, 0.0, 0.0)

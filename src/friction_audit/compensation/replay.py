@@ -6,7 +6,6 @@ from math import isnan
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.compensation import FEEDBACK, MODEL, competitors, result
 from friction_audit.compensation.competitors import Compensator
@@ -19,7 +18,7 @@ from friction_audit.compensation.settings import Competitor, Limits, ReplaySetti
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import FrictionHistory, JointFriction
-from friction_audit.joint_log import Float, Recording, read_only
+from friction_audit.joint_log import Float, Int, Recording, read_only
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Caution, Interaction, Reason, reason_of
@@ -114,7 +113,7 @@ class _JointRun:
         self._run, self._idle = (CompensatorRun(one, step_s, self.cycles.peak_power_w) for one in (chosen, None))
         self._recorded_sums, self._total_sums = np.zeros(2, TORQUE_SUMS)
 
-    def add(self, interaction: Interaction, cycle_ends: NDArray[np.int64]) -> None:
+    def add(self, interaction: Interaction, cycle_ends: Int) -> None:
         """Run through the next part of the recording."""
         torque = interaction.torque[:, self._column]
         borders = np.clip(np.stack([self.cycles.start, self.cycles.stop], axis=1) - interaction.first, 0, len(torque))

@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from friction_audit.dynamics.motion import INERTIAL_PARAMETERS, RigidBody
 from friction_audit.effects.joint_data import JointData
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, Int
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.even_grid import on_finer_grid
 from friction_audit.preprocessing.interaction import TorqueChoice
 from friction_audit.robot import unknown_chain
 from friction_audit.robot.arm import Arm, chunks
-from friction_audit.robot.regressor import Index, Motion, random_motion, regressor_entries, significant, tilt_torque
+from friction_audit.robot.regressor import Motion, random_motion, regressor_entries, significant, tilt_torque
 
 # Above twice the bandwidth of the motion on the grid; at 100 Hz the noise of accelerations folds back: the floor of a
 # measured Panda's joints 1 to 4 rises by half, and joint 4 is unexplained.
@@ -112,7 +112,7 @@ def _tips(arm: Arm, motion: Motion, sign: int) -> list[NDArray[np.float32]]:
 
 
 def _columns(
-    arm: Arm, motion: Motion, entries: tuple[Index, Index, Index], kept: NDArray[np.bool_], sign: int
+    arm: Arm, motion: Motion, entries: tuple[Int, Int, Int], kept: NDArray[np.bool_], sign: int
 ) -> NDArray[np.float32]:
     """Entries (p,) of the regressor, zero if not kept, by chunks, so that few are there as doubles, (p, n)."""
     out = np.zeros((len(kept), len(motion[0])), np.float32)

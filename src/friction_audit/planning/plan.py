@@ -13,13 +13,13 @@ from friction_audit.diagnosis.diagnose import diagnose_joint
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.problem import RegressionProblem
 from friction_audit.diagnosis.result import Verdict
-from friction_audit.diagnosis.samples import Index
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.effects.registry import effect_of, effects, same_as
 from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.friction.history import Coefficient
 from friction_audit.io.writers.tables import Trajectory
+from friction_audit.joint_log import Int
 from friction_audit.pipeline import estimate_log
 from friction_audit.planning import design
 from friction_audit.planning.design import Candidate, Limits, candidates_of
@@ -165,7 +165,7 @@ def plan_task(task: Task, limits: Limits, duration_s: float = DURATION_S, *, che
     return replace(plan, answers=tuple(answer(plan, name, terms) for name, terms in there.items() if check))
 
 
-def _designed(about: design.Information, duration_s: float) -> tuple[Index, bool]:
+def _designed(about: design.Information, duration_s: float) -> tuple[Int, bool]:
     """Return how often each candidate is run, and whether at both ends of the time, where an offset may drift."""
     share, fewest = AT_AN_END
     known = [effect_of(name) for name in about.truths]
@@ -178,7 +178,7 @@ def _designed(about: design.Information, duration_s: float) -> tuple[Index, bool
     return _filled(about, design.value_of_separation, duration_s), False
 
 
-def _filled(about: design.Information, criterion: design.Criterion, duration_s: float) -> Index:
+def _filled(about: design.Information, criterion: design.Criterion, duration_s: float) -> Int:
     counts = design.exchange(about, criterion, duration_s - AROUND_S)
     if counts.sum() < FEWEST_RUNS:
         room = f"room for {counts.sum()} candidate motions, the shortest of {about.seconds.min():.1f} s"

@@ -7,9 +7,8 @@ International Journal of Robotics Research 5(3), 1986.
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Bool, Float, Int
 from friction_audit.robot.arm import Arm
 
 # Of a link, in its own frame: mass, first moments x, y, z, moments of inertia xx, xy, yy, xz, yz, zz.
@@ -18,13 +17,12 @@ SEED = 0
 POSES = 60
 SIGNIFICANT = 1e-7  # squared residual of an independent column, over the largest squared norm
 
-Index = NDArray[np.int64]
 Motion = tuple[Float, Float, Float]
 # Vectors (3, n) times matrices (3, k, n), shape (k, n).
 _times = partial(np.einsum, "in,ikn->kn")
 
 
-def regressor_entries(arm: Arm, motion: Motion, joints: Index, links: Index, places: Index) -> Float:
+def regressor_entries(arm: Arm, motion: Motion, joints: Int, links: Int, places: Int) -> Float:
     """Return entries of the regressor: a joint's torque per unit of one of the ten parameters of a link, shape (n, e).
 
     For each entry, shape (e,): the log's column of its joint, that of the joint that carries its link, the parameter.
@@ -100,7 +98,7 @@ def _inertia_columns(v: Float) -> Float:
     return np.array([[x, y, zero, z, zero, zero], [zero, x, y, zero, z, zero], [zero, zero, zero, x, y, z]])
 
 
-def significant(columns: Float) -> NDArray[np.bool_]:
+def significant(columns: Float) -> Bool:
     """Return which columns are linearly independent of those before them, shape (p,)."""
     size = float(np.max(np.sum(columns**2, axis=0), initial=0.0))
     kept = np.zeros(columns.shape[1], bool)

@@ -12,7 +12,7 @@ from friction_audit.compensation.comparison.methods import Tuning
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.friction.weighted import CONFIDENCE, t_quantile
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Bool, Float
 from friction_audit.simulation.settings import CONTROL_RATE_HZ, Simulation, TrueMotion
 
 VIBRATION_S = 0.1  # moving average over this time: the difference from it is vibration, too fast for a person. [s]
@@ -31,7 +31,7 @@ class Reference:
     """The trial without compensation, the reference of all trials of a seed."""
 
     ends: NDArray[np.intp]  # ticks at which cycles end, shape (m,)
-    resting: NDArray[np.bool_]  # ticks at the end of long rests of a joint, shape (n + 1, j)
+    resting: Bool  # ticks at the end of long rests of a joint, shape (n + 1, j)
     rms_torque_nm: Float  # rms interaction torque after the second cycle, shape (j,) [N m]
 
 
