@@ -162,7 +162,7 @@ def points_of_the_paper(recordings: int) -> str:
     for seed in range(recordings):
         log = simulate(BenchSettings(sensors=(IDEAL_SENSORS,)), seed).log
         history = estimate_log(log, AuditSettings(friction=friction)).friction.joints[0].history
-        pairs = zip((history.coulomb_nm, history.viscous_nms_per_rad), TRUTH[:2], strict=True)
+        pairs = zip((history.coulomb.value, history.viscous.value), TRUTH[:2], strict=True)
         errors.append(np.abs([value / truth - 1 for value, truth in pairs]))
     every = np.concatenate(errors, axis=1)
     near, worst = 100 * np.mean(every < CLOSE, axis=1), 100 * every.max(axis=1)

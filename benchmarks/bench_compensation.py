@@ -20,12 +20,12 @@ from friction_audit.compensation.comparison.methods import (
     Joint,
     Tuning,
 )
-from friction_audit.compensation.comparison.result import find_reference, measure, vibration_nm
+from friction_audit.compensation.comparison.result import SECOND, find_reference, measure, vibration_nm
 from friction_audit.compensation.competitors import DisturbanceObserver
 from friction_audit.compensation.law import NO_RIDGE, RIDGE, Coefficients, EnergyCompensator, payback_s
 from friction_audit.parallel import own_process
 from friction_audit.reproduce.checks import LOW_PEAK_NM, compensated, peak_nm
-from friction_audit.reproduce.claims import SECOND, make_course
+from friction_audit.reproduce.claims import make_course
 from friction_audit.simulation import PANDA_SENSORS, JointParameters, Operator
 from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.bench import BenchSettings

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from friction_audit.compensation.competitors import NOT_RUNNABLE, make_feedforward, update_feedforward
-from friction_audit.compensation.plant import tabulate_given_model
+from friction_audit.compensation.plant import tabulate_model
 from friction_audit.compensation.records import initial_states
 from friction_audit.compensation.result import dissipation_removed, find_step
 from friction_audit.compensation.settings import Competitor, ModelFile, ReplaySettings, energy_compensator
@@ -237,7 +237,7 @@ def test_every_term_runs_or_is_refused_by_name() -> None:
         if term.name not in {*NOT_RUNNABLE, "inertia"}:
             one = FittedTerm(term.name, plain[term.name]) if term.name in plain else typical_term(term)
             kept = tuple(own for own in firm.terms if own.name != term.name)
-            assert tabulate_given_model(replace(firm, terms=(*kept, one)), motion).inertia_kg_m2 >= 1.0
+            assert tabulate_model(replace(firm, terms=(*kept, one)), motion).inertia_kg_m2 >= 1.0
 
 
 @pytest.mark.parametrize("name", sorted(NOT_RUNNABLE))

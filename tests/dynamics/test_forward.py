@@ -6,13 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from friction_audit.dynamics.bristles import fit_bristles
 from friction_audit.dynamics.motion import Motion, Term
 from friction_audit.effects.joint_model import FittedTerm, JointModel
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, Int
 from tests.dynamics.joints import invent, joint_with, make_recording, recording_of, simulate, simulate_segments
 
 RATE_HZ = 400.0
@@ -23,7 +22,7 @@ def clock(seconds: float) -> Float:
     return np.arange(round(seconds * RATE_HZ) + 1) / RATE_HZ
 
 
-def whole(t: Float) -> NDArray[np.int64]:
+def whole(t: Float) -> Int:
     return np.array([[0, len(t) - 1]])
 
 

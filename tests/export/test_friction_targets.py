@@ -21,7 +21,7 @@ from friction_audit.effects.registry import terms
 from friction_audit.errors import InputError, UsageError
 from friction_audit.export import export as made
 from friction_audit.export.export import TARGETS, Export, Target
-from friction_audit.export.friction_law import FrictionLaw, Joints, even_speeds, friction_law
+from friction_audit.export.friction_law import FrictionLaw, Joints, SourceJoint, even_speeds, friction_law
 from friction_audit.export.robot_xml import XmlText
 
 PANDA_URDF = Path(friction_audit.__file__).parent / "robot" / "panda.urdf"
@@ -48,11 +48,11 @@ ARM = """<?xml version="1.0"?>
 
 
 def joints(*models: JointModel, names: tuple[str, ...] = ("shoulder", "elbow")) -> Joints:
-    return Joints(tuple(zip(range(1, len(models) + 1), names, models, strict=False)), reflected=True)
+    return Joints(tuple(map(SourceJoint, range(1, len(models) + 1), names, models)), reflected=True)
 
 
 def law(model: JointModel) -> FrictionLaw:
-    return friction_law(1, "joint1", model, even_speeds(0.0, 2.0), armature=True)
+    return friction_law(SourceJoint(1, "joint1", model), even_speeds(0.0, 2.0), armature=True)
 
 
 def export(source: Joints, out: Path, into: Path | None = None) -> Export:

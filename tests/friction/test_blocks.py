@@ -89,7 +89,7 @@ def assert_same(found: Estimate, expected: Estimate) -> None:
     for own, other in zip(found.friction.joints, expected.friction.joints, strict=True):
         assert (own.cycles, own.method) == (other.cycles, other.method)
         for name in ("coulomb", "viscous"):
-            pairs = ((getattr(joint, name), joint.history.of(name)) for joint in (own, other))
+            pairs = ((getattr(joint, name), getattr(joint.history, name)) for joint in (own, other))
             of_own, of_other = (np.column_stack([(one.value, one.low, one.high), past]) for one, past in pairs)
             # Bounds that are farther apart than the coefficient is large come from residuals of few cycles that nearly
             # vanish, which magnify the last digit of the filtered velocity (seeds 1, 642, 873).

@@ -46,10 +46,10 @@ def test_noise_free_coefficients_are_exact(estimator: str, model: str, coulomb: 
     joint = alone(T, V, friction(V, A, coulomb, viscous), estimator=estimator, model=model)
     if model != "viscous":
         assert joint.coulomb.value == pytest.approx(coulomb, rel=1e-4)
-        np.testing.assert_allclose(joint.history.coulomb_nm, coulomb, rtol=1e-3)
+        np.testing.assert_allclose(joint.history.coulomb.value, coulomb, rtol=1e-3)
     if model != "coulomb":
         assert joint.viscous.value == pytest.approx(viscous, rel=1e-4)
-        np.testing.assert_allclose(joint.history.viscous_nms_per_rad, viscous, rtol=1e-3)
+        np.testing.assert_allclose(joint.history.viscous.value, viscous, rtol=1e-3)
 
 
 def test_the_paper_needs_k_cycles_and_then_estimates_after_each() -> None:
@@ -61,7 +61,7 @@ def test_the_paper_needs_k_cycles_and_then_estimates_after_each() -> None:
 def test_the_paper_gives_nothing_where_its_cycles_are_copies() -> None:
     t, v, a = strokes([0.8, -0.8] * 4, [1.0] * 8)
     joint = alone(t, v, friction(v, a), estimator="paper")
-    assert np.isnan(joint.history.coulomb_nm).all()
+    assert np.isnan(joint.history.coulomb.value).all()
     assert np.isnan(joint.coulomb.value)
 
 
@@ -85,8 +85,8 @@ def test_a_logged_compensator_is_corrected_for() -> None:
 def test_a_step_of_friction_is_seen_once_the_window_has_passed_it() -> None:
     coulomb = np.where(T[-1] / 2 > T, 0.3, 0.6)
     joint = alone(T, V, friction(V, A) + (coulomb - 0.3) * np.sign(V), window=6)
-    assert joint.history.coulomb_nm[4] == pytest.approx(0.3, rel=0.01)
-    assert joint.history.coulomb_nm[-1] == pytest.approx(0.6, rel=0.01)
+    assert joint.history.coulomb.value[4] == pytest.approx(0.3, rel=0.01)
+    assert joint.history.coulomb.value[-1] == pytest.approx(0.6, rel=0.01)
 
 
 def test_the_torque_regression_agrees_without_a_hidden_effect() -> None:
@@ -238,8 +238,7 @@ def test_a_torque_of_noise_is_not_answered_by_a_regression() -> None:
 def covers(joint: JointFriction, name: str) -> bool:
     """Whether the interval of the log and of the last point of its history hold the regression's interval."""
     one, other = getattr(joint, name), getattr(joint.regression, name)
-    unit = {"coulomb": "nm", "viscous": "nms_per_rad"}[name]
-    last = [getattr(joint.history, f"{name}_{end}_{unit}")[-1] for end in ("low", "high")]
+    _, *last = (ends[-1] for ends in getattr(joint.history, name))
     own = bool(one.low <= min(one.value, other.low) and max(one.value, other.high) <= one.high)
     return own and bool(last[1] - last[0] >= one.high - one.low - 1e-9)
 
@@ -275,7 +274,7 @@ def test_a_coefficient_with_an_interval_beyond_any_torque_is_not_determined() ->
     (joint,) = estimated(interaction(t, v, noise), compare=False).joints
     assert np.isnan([joint.coulomb.value, joint.viscous.value]).all()
     assert "do not determine its friction" in text_of(joint.reason)
-    assert np.isnan(joint.history.viscous_nms_per_rad).any()
+    assert np.isnan(joint.history.viscous.value).any()
 
 
 def test_a_dead_velocity_is_named_and_not_taken_for_standstill() -> None:

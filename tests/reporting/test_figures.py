@@ -17,7 +17,7 @@ from friction_audit.batch.work import session_of
 from friction_audit.compensation.settings import ReplaySettings
 from friction_audit.drift.two_sides import compare_sides
 from friction_audit.errors import UsageError
-from friction_audit.friction.history import UNDETERMINED
+from friction_audit.friction.history import UNDETERMINED, Band
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import AuditSettings, Estimate, estimate_log, replay_estimate
 from friction_audit.reporting.figures import FIGURES, FigureKind, figures_of, panels
@@ -245,7 +245,6 @@ def test_many_cycles_are_not_shaded() -> None:
 
 def test_a_coefficient_that_the_model_lacks_is_no_failure(single: Estimate) -> None:
     history = single.friction.joints[0].history
-    nothing = np.full_like(history.coulomb_nm, np.nan)
-    history = history.with_coefficient("viscous", nothing, nothing, nothing)
+    history = history._replace(viscous=Band(*np.full_like(history.viscous, np.nan)))
     figure = COEFFICIENTS(with_friction(single, model="coulomb", viscous=UNDETERMINED, history=history), 1)
     assert [text.get_text() for axes in figure.axes for text in axes.texts] == ["not in the coulomb model"]

@@ -1,6 +1,5 @@
 """What a worker, here or on another machine, does with one log: all that goes in and comes out can be pickled."""
 
-import math
 import socket
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext, suppress
@@ -213,24 +212,13 @@ def session_of_document(document: Mapping[str, Any], path: Path, wanted: tuple[i
 
 def _joint(found: Mapping[str, Any]) -> JointSummary:
     by_energy = found["method"] == "energy"
-    known = {name: found[name] for name in COEFFICIENTS if by_energy and found[name] is not None}
-    values = {
-        name: Coefficient(value=float(one["value"]), low=_number(one["ci95"][0]), high=_number(one["ci95"][1]))
-        for name, one in known.items()
-    }
     return JointSummary(
         joint=int(found["joint"]),
         name=str(found["name"]),
-        coefficients=dict.fromkeys(COEFFICIENTS, UNDETERMINED) | values,
+        coefficients={name: Coefficient.read(found[name] if by_energy else None) for name in COEFFICIENTS},
         cycles=int(found["cycles"]),
         moving_s=float(found["moving_s"]),
         speed_rad_s=(NAN, NAN, NAN),
         reason=quoted(str(found["reason"] or "")) if by_energy else BY_REGRESSION,
-        correlation=_number(found["correlation"]),
+        correlation=Coefficient.read(found["correlation"]).value,
     )
-
-
-def _number(found: float | None) -> float:
-    if math.isinf(number := NAN if found is None else float(found)):
-        raise ValueError(number)
-    return number

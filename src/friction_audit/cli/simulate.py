@@ -134,6 +134,7 @@ def changed(settings: Any, change: opt.ChangeOptions, model: Path | None = None,
 
 def _list(name: str | None, lists: ListOptions, *, json: bool) -> None:
     """Print the scenarios, or the settings of one as ``--set`` takes them, and the effects."""
+    from friction_audit.effects.registry import FAMILIES
     from friction_audit.simulation.assign import Kind, paths, write_value
     from friction_audit.simulation.effects import EFFECTS
     from friction_audit.simulation.effects.effect import described
@@ -154,9 +155,9 @@ def _list(name: str | None, lists: ListOptions, *, json: bool) -> None:
             others = f"  (or {', '.join(value.others)})" if isinstance(value, Kind) and value.others else ""
             rows.append((path, write_value(value) + others))
         say_table(rows, margin="  ")
-    for family in dict.fromkeys(effect.family for effect in EFFECTS) if lists.effects_there_are else ():
+    for family, members in FAMILIES.items() if lists.effects_there_are else ():
         say(family)
-        for effect in (one for one in EFFECTS if one.family == family):
+        for effect in (one for one in EFFECTS if one.name in members):
             say(f"  {effect.name}: {effect.summary}{'; takes several joints' if effect.needs_neighbours else ''}")
             known = [(one.name, f"{one.default:g}", described(one)) for one in effect.parameters()]
             forms = [("form", effect.forms[0], f"one of {', '.join(effect.forms)}")] if effect.forms else []

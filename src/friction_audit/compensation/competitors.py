@@ -165,14 +165,9 @@ class JointModelCompensation(CompensatorSettings):
 
     name, summary = "joint_model", "model-based: the terms of friction of a joint's model"
 
-    terms: tuple[FittedTerm, ...]
+    terms: tuple[FittedTerm, ...]  # of friction, at least one
     dead_band_rad_s: float = within(0.01)  # speed up to which dry friction is zero [rad/s]
     ramp_rad_s: float = within(0.03)  # range of speed over which it then rises to all of it [rad/s]
-
-    def __post_init__(self) -> None:
-        if not self.terms:
-            raise UsageError("compensation by a joint's model: no term of friction; expected one at least")
-        CompensatorSettings.__post_init__(self)
 
 
 class DisturbanceObserver(CompensatorSettings):

@@ -8,12 +8,11 @@ E_net = E_n - E_(n-1) + sum u dq with the whole torque u; the work of its passiv
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.compensation import competitors, law, records
 from friction_audit.compensation.competitors import Compensator
 from friction_audit.compiled import Record, compiled
-from friction_audit.joint_log import Float, read_only
+from friction_audit.joint_log import Float, Int, read_only
 
 EPSILON = 4.0 * 2.0**-52  # a relative determinant up to this is zero within rounding
 DETECT = -1  # value of ``cycle_end``: the joint detects its cycles itself
@@ -29,7 +28,6 @@ SPEED_BOUND_RAD_S, TORQUE_BOUND_NM = 100.0, 1e4  # beyond all arms with torque s
 MOST_REVERSALS = 50
 # A longer hole in the log adds no energy, and a joint in a closed loop starts again from the recording after it. [s]
 HOLE_S = 1.0
-EVEN_STEP = 1e-8  # difference between a step of the clock and its period, in time constants of the filter
 
 
 @compiled()
@@ -113,13 +111,7 @@ def detect_cycle_end(settings: Record, state: Record, dq: float, dt: float) -> b
 
     It ends when the filtered speed is below the other threshold and the joint rests by its measured velocity.
     """
-    late = settings.corner_rad_s * (dt - settings.period_s)
-    if state.ticks == 1:
-        gain = 1.0
-    elif abs(late) < EVEN_STEP:  # the exponential to first order is exact within rounding
-        gain = settings.gain + (1.0 - settings.gain) * late
-    else:
-        gain = 1.0 - math.exp(-settings.corner_rad_s * dt)
+    gain = 1.0 if state.ticks == 1 else 1.0 - math.exp(-settings.corner_rad_s * dt)
     state.filtered_rad_s += gain * (dq - state.filtered_rad_s)
     direction = state.direction
     ended = (
@@ -309,7 +301,7 @@ def hand_cycle_ends(hand: Float, speed: float, dt: float, thresholds: tuple[floa
 @compiled()
 def detect_hand_cycles(
     t: Float, speed: Float, dq: Float, thresholds: tuple[float, float], rest_rad_s: float, minimum_path_rad: float
-) -> NDArray[np.int64]:
+) -> Int:
     """Return where a controller would have ended the cycles of all joints: 1 where a cycle ends, else 0, shape (n,).
 
     Speed of the end effector, shape (n,) [m/s], velocity of every joint, shape (n, j) [rad/s]; the thresholds are the

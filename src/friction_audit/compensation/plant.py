@@ -4,7 +4,6 @@ from dataclasses import astuple, dataclass
 from math import isfinite, isnan, nan
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.compensation import SAME_MOTION, SAME_OPERATOR, competitors, replay_loops as loops
 from friction_audit.compensation.competitors import Compensator
@@ -17,12 +16,12 @@ from friction_audit.dynamics.torque_tables import Tables, steps_per_sample, tabu
 from friction_audit.effects.joint_model import JointModel, simple_model
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import Coefficient, JointFriction, TorqueRegression
-from friction_audit.joint_log import Float, median_step, read_only
+from friction_audit.friction.torque_regression import CUTOFF_HZ
+from friction_audit.joint_log import Bool, Float, Int, median_step, read_only
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Caution, Interaction
 from friction_audit.preprocessing.velocity import filter_velocity
 
-CUTOFF_HZ = 20.0  # of the velocity, without phase shift, as in the torque regression
 SHORTEST_CYCLE = 4  # samples
 LEAST_INERTIA_KG_M2 = 1e-3  # of a motor with its gear; where less is fitted, the torque was recorded without inertia
 
@@ -32,7 +31,7 @@ class ReplayPart:
     """One joint's recording or a part of it, n samples; and the plant that is simulated in its place, if any."""
 
     recorded: loops.RecordedJoint
-    cycle_ends: NDArray[np.int64]  # per sample DETECT, or where cycles end, shape (n,) or (1,)
+    cycle_ends: Int  # per sample DETECT, or where cycles end, shape (n,) or (1,)
     motion: Motion | None = None  # the recorded motion for a joint's model; None without a model
     fitted: TorqueRegression | None = None  # the fit to the log that the plant is made of, or None
     operator: FittedOperator | None = None  # the operator's impedance, or None where the torque stays as recorded
@@ -107,19 +106,13 @@ def fitted_joint(friction: JointFriction) -> tuple[TorqueRegression, JointModel]
 
 
 def tabulate_model(model: JointModel, motion: Motion) -> Tables:
-    """Tabulate a joint's model; for Coulomb and viscous friction the limits of the recorded motion are enough."""
-    if {term.name for term in model.terms} <= {"coulomb", "viscous"}:
+    """Tabulate a joint's model along a motion; AnalysisError if it cannot be simulated."""
+    competitors.check_runnable(model.terms)
+    if {term.name for term in model.terms} <= {"coulomb", "viscous"}:  # the limits of the motion are enough
         few = np.unique([0, 1, np.argmin(motion.q), np.argmax(motion.q), np.argmax(np.abs(motion.dq))])
         motion = Motion(t=motion.t[few], q=motion.q[few], dq=motion.dq[few], ddq=motion.ddq[few])
     tables, past = tabulate(model.inertia_kg_m2, model.terms, motion)
     competitors.check_runnable((), past)
-    return tables
-
-
-def tabulate_given_model(model: JointModel, motion: Motion) -> Tables:
-    """Tabulate a joint of a model file, and check that it can be simulated."""
-    competitors.check_runnable(model.terms)
-    tables = tabulate_model(model, motion)
     if not tables.inertia_kg_m2 > LEAST_INERTIA_KG_M2:
         raise AnalysisError((Caution("inertia_taken_out", numbers={"inertia": tables.inertia_kg_m2}),))
     friction = [term for term in model.terms if term.effect.axis == "speed"]
@@ -134,7 +127,7 @@ def make_part(
     cycles: EnergyCycles,
     friction: JointFriction,
     settings: ReplaySettings,
-    cycle_ends: NDArray[np.int64],
+    cycle_ends: Int,
     *,
     modelled: bool,
 ) -> ReplayPart:
@@ -153,10 +146,9 @@ def make_part(
         return ReplayPart(recorded=recorded, cycle_ends=cycle_ends, motion=motion)
     if settings.joint_model is None:
         fitted, model = fitted_joint(friction)
-        tables = tabulate_model(model, motion)
     else:
         model = settings.joint_model.joint(friction.joint)
-        tables = tabulate_given_model(model, motion)
+    tables = tabulate_model(model, motion)
     operator = _operator_impedance(interaction, settings, recorded)
     restart = np.zeros(len(recorded.t), np.bool_)
     if operator is None:
@@ -203,7 +195,7 @@ def _make_plant(
     joint: Tables,
     operator: FittedOperator | None,
     unmodelled: Float,
-    restart: NDArray[np.bool_],
+    restart: Bool,
 ) -> loops.Plant:
     """Return the joint with its operator, driven by the recorded torque or by the operator's intention."""
     inertia, damping, stiffness = (one.value for one in operator[:3]) if operator else (0.0, 0.0, 0.0)
@@ -234,13 +226,13 @@ WIDEST = 0.3  # relative half-width of the jackknife interval beyond which a num
 # Relative errors of inertia, damping and stiffness by intended motion in the band, on logs without noise: 95 % of
 # persons are below. From 47 simulated persons, none of whom is in ``bench_operator_fit``.
 INTENTION = (0.06, 0.07, 0.21)
-# Samples per period of the band's upper end: also above twice the 20 Hz of the low-pass that finds reversals.
+# Samples per period of the band's upper end: also above twice CUTOFF_HZ.
 LEAST_PERIODS = 2.75
 NORMAL_95 = 1.96
 
 
 def fit_operator(recorded: loops.RecordedJoint) -> FittedOperator:
-    """Fit the operator's impedance at a joint."""
+    """Fit the operator's impedance at a joint, around its quick reversals."""
     from scipy.signal import butter, sosfiltfilt
 
     step = median_step(recorded.t)
@@ -248,30 +240,20 @@ def fit_operator(recorded: loops.RecordedJoint) -> FittedOperator:
         raise AnalysisError((Caution("rate_hides_operator", numbers={"rate": 1.0 / step}),))
     t = np.arange(recorded.t[0], recorded.t[-1], step)
     dq = np.interp(t, recorded.t, recorded.dq)
-    reversals, direction = _find_reversals(dq, step)
+    smooth = sosfiltfilt(butter(ORDER, CUTOFF_HZ, fs=1.0 / step, output="sos"), dq)
+    definite = np.flatnonzero(np.abs(smooth) > DEFINITE_RAD_S)
+    signs = np.sign(smooth[definite])
+    turns = np.flatnonzero((np.diff(signs) != 0.0) & (np.diff(definite) * step < LONGEST_REVERSAL_S)) + 1
     before, after = int(BEFORE_S / step), int(AFTER_S / step)
-    inside = (reversals >= before) & (reversals + after <= len(t))
-    reversals, direction = reversals[inside], direction[inside]
-    if len(reversals) < FEWEST_REVERSALS:
-        numbers = {"found": len(reversals), "fewest": FEWEST_REVERSALS}
+    turns = turns[(definite[turns] >= before) & (definite[turns] + after <= len(t))]
+    if len(turns) < FEWEST_REVERSALS:
+        numbers = {"found": len(turns), "fewest": FEWEST_REVERSALS}
         raise AnalysisError((Caution("few_quick_reversals", numbers=numbers),))
-    rows = reversals[:, None] + np.arange(-before, after)
+    rows, direction = definite[turns][:, None] + np.arange(-before, after), signs[turns][:, None]
     torque, position = (np.interp(t, recorded.t, one) for one in (recorded.torque, recorded.q))
     band = butter(ORDER, BAND_HZ, "band", fs=1.0 / step, output="sos")
     signals = (np.gradient(dq, step), dq, position, -torque)
-    return _fit_impedance(np.stack([sosfiltfilt(band, one)[rows] * direction[:, None] for one in signals], axis=2))
-
-
-def _find_reversals(dq: Float, step: float) -> tuple[NDArray[np.int64], Float]:
-    """Return the samples at which the joint moves again after a quick reversal, and its direction there."""
-    from scipy.signal import butter, sosfiltfilt
-
-    smooth = sosfiltfilt(butter(ORDER, 20.0, fs=1.0 / step, output="sos"), dq)
-    definite = np.flatnonzero(np.abs(smooth) > DEFINITE_RAD_S)
-    direction = np.sign(smooth[definite])
-    turns = np.flatnonzero(np.diff(direction) != 0.0)
-    quick = np.diff(definite)[turns] * step < LONGEST_REVERSAL_S
-    return definite[turns + 1][quick], direction[turns + 1][quick]
+    return _fit_impedance(np.stack([sosfiltfilt(band, one)[rows] * direction for one in signals], axis=2))
 
 
 def _fit_impedance(windows: Float) -> FittedOperator:

@@ -29,7 +29,7 @@ OWN = {
 SETTINGS = np.dtype(
     [
         *((name, "i8") for name in ("kind", "model", "window", "forced_from_cycle", "forced_until_acted", "passivity")),
-        *((name, "f8") for name in ("period_s", "rest_rad_s", "corner_rad_s", "gain")),
+        *((name, "f8") for name in ("period_s", "rest_rad_s", "corner_rad_s")),
         *((name, "f8") for name in ("forced_coulomb_nm", "forced_viscous_nms_per_rad")),
         *((item.name, "f8") for item in fields(CompensatorSettings) if item.type is float),
         *OWN[EnergyCompensator],
@@ -99,7 +99,6 @@ def settings_records(compensators: Sequence[Compensator | None], rate: float) ->
             "termination_rad_s": inf if crossing else energy.termination_rad_s,
             "rest_rad_s": 0.0 if crossing else energy.dead_band_rad_s,
             "corner_rad_s": inf if crossing else 2.0 * np.pi * energy.cutoff_hz,
-            "gain": 1.0 if crossing else 1.0 - np.exp(-2.0 * np.pi * energy.cutoff_hz / rate),  # over a period
         }
         if compensator is not None:
             values |= {name: getattr(compensator, name) for name in SHARED}

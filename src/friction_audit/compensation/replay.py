@@ -6,7 +6,6 @@ from math import isnan
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.compensation import FEEDBACK, MODEL, competitors, result
 from friction_audit.compensation.competitors import Compensator
@@ -19,13 +18,13 @@ from friction_audit.compensation.settings import Competitor, Limits, ReplaySetti
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import FrictionHistory, JointFriction
-from friction_audit.joint_log import Float, Recording, read_only
+from friction_audit.joint_log import Float, Int, Recording, read_only
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Caution, Interaction, Reason, reason_of
+from friction_audit.preprocessing.segmentation import LONGEST_STEP
 from friction_audit.presets import FRANKA
 
-LONGEST_STEP = 3.5  # a step of the clock of this many median steps is a gap, at any rate
 LEAST_OF_PUBLISHED = 0.25  # share of the published Coulomb friction that joints of a Panda have at least
 LEAST_OF_TORQUE = 0.03  # mean friction torque over rms torque, at least; a geared joint moved fast by hand has 0.3
 LEAST_OF_BEGINNING = 0.1  # friction in the later half of a log over that at its beginning; warming up keeps half of it
@@ -114,7 +113,7 @@ class _JointRun:
         self._run, self._idle = (CompensatorRun(one, step_s, self.cycles.peak_power_w) for one in (chosen, None))
         self._recorded_sums, self._total_sums = np.zeros(2, TORQUE_SUMS)
 
-    def add(self, interaction: Interaction, cycle_ends: NDArray[np.int64]) -> None:
+    def add(self, interaction: Interaction, cycle_ends: Int) -> None:
         """Run through the next part of the recording."""
         torque = interaction.torque[:, self._column]
         borders = np.clip(np.stack([self.cycles.start, self.cycles.stop], axis=1) - interaction.first, 0, len(torque))
@@ -174,7 +173,11 @@ def tune(competitor: Competitor, friction: JointFriction, robot: str, model: Joi
     if competitor.name in FEEDBACK:
         return _tune_feedback(competitor, friction)
     if competitor.name == MODEL and model is not None:
-        return _model_feedforward(model)
+        terms = tuple(one for one in model.terms if one.effect.friction or one.name in competitors.FRICTION_TERMS)
+        if not terms:
+            raise AnalysisError((Caution("nothing_to_apply"),))
+        competitors.check_runnable(terms)
+        return competitors.JointModelCompensation(terms=terms)
     if competitor.name == "sigmoid" and robot in FRANKA and friction.joint <= len(competitors.PANDA_SIGMOIDS):
         return competitors.PANDA_SIGMOIDS[friction.joint - 1]
     coulomb, viscous = friction.coulomb.value, friction.viscous.value
@@ -186,14 +189,6 @@ def tune(competitor: Competitor, friction: JointFriction, robot: str, model: Joi
         return competitors.LugreCompensation(coulomb_nm=coulomb, breakaway_nm=coulomb, viscous_nms_per_rad=viscous)
     forced = Coefficients(coulomb_nm=coulomb, viscous_nms_per_rad=viscous)
     return EnergyCompensator(forced=forced, forced_from_cycle=1, forced_until_acted=False, passivity=False)
-
-
-def _model_feedforward(model: JointModel) -> Compensator:
-    terms = tuple(term for term in model.terms if term.effect.friction or term.name in competitors.FRICTION_TERMS)
-    if not terms:
-        raise AnalysisError((Caution("nothing_to_apply"),))
-    competitors.check_runnable(terms)
-    return competitors.JointModelCompensation(terms=terms)
 
 
 def _tune_feedback(competitor: Competitor, friction: JointFriction) -> Compensator:

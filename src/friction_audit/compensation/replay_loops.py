@@ -4,7 +4,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.compensation.competitors import Feedforward, update_feedforward
 from friction_audit.compensation.controller import HOLE_S, step
@@ -13,7 +12,7 @@ from friction_audit.compiled import Record, compiled
 from friction_audit.dynamics.bristles import bristle_damping, bristle_nm
 from friction_audit.dynamics.stick_slip import Step, advance
 from friction_audit.dynamics.torque_tables import Tables, lookup_nm
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Bool, Float, Int
 
 # A cycle of the compensator.
 CYCLE = np.dtype(
@@ -138,7 +137,7 @@ class Controller(NamedTuple):
     statistics: Record  # record of STATISTICS; updated
     feedforward: Feedforward  # of a compensator with a joint's model
     # per sample DETECT, or 1 where a cycle ends and 0 elsewhere, shape (n,); or one entry for all samples
-    cycle_ends: NDArray[np.int64]
+    cycle_ends: Int
     torques: Float  # zeros; receives torques in force: operator, law, passivity controller, limits, shape (4, n) [N m]
     cycles: Record  # receives a record of CYCLE for every cycle that ends in this part, shape (m,)
 
@@ -154,7 +153,7 @@ class Plant(NamedTuple):
     longest_step_s: float  # of the integration [s]
     drive: Float  # torque on the joint with the operator at position zero and at rest, linear between samples [N m]
     unmodelled: Float  # torque that the joint's model lacks: F_m contains it, ``drive`` does not [N m]
-    restart: NDArray[np.bool_]  # True where the joint starts again from the recorded state, shape (n,)
+    restart: Bool  # True where the joint starts again from the recorded state, shape (n,)
     deflections: Float  # state of the bristles at the first sample and at every restart, shape (r, 1 + m)
 
 

@@ -5,7 +5,6 @@ from dataclasses import dataclass, fields
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.compensation.competitors import Compensator
 from friction_audit.compensation.law import Coefficients, EnergyCompensator
@@ -15,7 +14,7 @@ from friction_audit.compensation.settings import Limits
 from friction_audit.compiled import Record
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.friction.history import Coefficient, JointFriction, TorqueRegression
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, Int
 from friction_audit.preprocessing.interaction import Caution, Reason
 
 CONVERGED_SHARE = 0.1  # net energy of a converged cycle over its dissipation, at most
@@ -225,7 +224,7 @@ def find_step(path: Float, square: Float, friction: Float) -> tuple[int, float] 
         return None
     rows = np.stack([np.ones(cycles), square / path, friction / path], axis=1)
     whole = np.cumsum(rows[:, :, None] * rows[:, None, :], axis=0)
-    splits: NDArray[np.int64] = np.arange(CONVERGED_CYCLES, cycles - CONVERGED_CYCLES + 1)
+    splits: Int = np.arange(CONVERGED_CYCLES, cycles - CONVERGED_CYCLES + 1)
     (before, left_before), (after, left_after) = (
         _fit_friction(whole[splits - 1]),
         _fit_friction(whole[-1] - whole[splits - 1]),

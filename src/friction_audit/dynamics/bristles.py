@@ -115,17 +115,12 @@ def _interval(torque: float, curve: Float) -> int:
 
 
 @compiled(inline=True)
-def deflect(deflection: float, displacement: float, yield_rad: float) -> float:
-    """Return the deflection of a Maxwell-slip element after a displacement. [rad]"""
-    return min(yield_rad, max(-yield_rad, deflection + displacement))
-
-
-@compiled(inline=True)
 def bristle_nm(state: Float, displacement: float, bristles: Bristles) -> float:
     """Return the torque of the bristles after a displacement from their state, without damping. [N m]"""
     torque = dahl_torque(state[0], displacement, bristles)
     for k in range(len(bristles.yield_rad)):
-        torque += bristles.stiffness[k] * deflect(state[1 + k], displacement, bristles.yield_rad[k])
+        most = bristles.yield_rad[k]  # deflection of a Maxwell-slip element
+        torque += bristles.stiffness[k] * min(most, max(-most, state[1 + k] + displacement))
     return torque
 
 
@@ -134,7 +129,8 @@ def advance_bristles(state: Float, displacement: float, bristles: Bristles) -> N
     """Move the state of the bristles on by a displacement, in place."""
     state[0] = dahl_torque(state[0], displacement, bristles)
     for k in range(len(bristles.yield_rad)):
-        state[1 + k] = deflect(state[1 + k], displacement, bristles.yield_rad[k])
+        most = bristles.yield_rad[k]
+        state[1 + k] = min(most, max(-most, state[1 + k] + displacement))
 
 
 @compiled(inline=True)

@@ -60,7 +60,6 @@ PART_OF = {
 GRAVITY = "gravity_error"  # which is large where the torque holds gravity
 MODULES = {name: module for members in FAMILIES.values() for name, module in members.items()}
 NAMES = tuple(MODULES)
-FAMILY_OF = {name: family for family, members in FAMILIES.items() for name in members}
 
 
 @cache

@@ -15,7 +15,6 @@ import numpy as np
 
 from friction_audit import __version__
 from friction_audit.effects.effect import SpeedFriction
-from friction_audit.effects.joint_model import JointModel
 from friction_audit.errors import InputError, UsageError
 from friction_audit.export import friction_law, robot_xml as xml
 from friction_audit.export.friction_law import ExportedJoint, FrictionLaw, Joints
@@ -141,8 +140,9 @@ def export_friction(
         names, by_order = friction_law.match_names(laws, len(joints.every), known, into.where)
         tags = dict(there)
     fitted = [one.fit(target.highest_power) for one in laws]
-    found = [joints.found.get(one.joint, {}) for one in laws]
-    written = tuple(ExportedJoint(*one) for one in zip(names, laws, fitted, found, strict=True))
+    found = {one.number: one.found for one in joints.every}
+    pairs = zip(names, laws, fitted, strict=True)
+    written = tuple(ExportedJoint(name, law, powers, found[law.joint]) for name, law, powers in pairs)
     if into is None or target.edits is None:
         content = render(target.name, written)
     else:
@@ -174,12 +174,12 @@ def _simulated(laws: Sequence[FrictionLaw], joints: Joints, estimate: Estimate) 
             signals = (arm.to_model(signal) for signal in (log.q, log.dq, log.tau_J))
             yield from _gaps(arm.model, [column + 1 for column in arm.columns], friction, log.t, *signals)
         return
-    for number, _, model in joints.every:
-        if number in friction and isinstance(model, JointModel) and model.inertia_kg_m2 > 0.0:
-            k = [seen.joint_numbers.index(number)]
-            hinge = mujoco.MjModel.from_xml_string(HINGE.format(model.inertia_kg_m2))
+    for joint in (one for one in joints.every if one.number in friction):
+        inertia, k = joint.found["inertia_kg_m2"].value, [seen.joint_numbers.index(joint.number)]
+        if inertia > 0.0:
+            hinge = mujoco.MjModel.from_xml_string(HINGE.format(inertia))
             signals = (signal[:, k] for signal in (seen.q, seen.dq, seen.torque))
-            yield from _gaps(hinge, [number], friction, seen.t, *signals)
+            yield from _gaps(hinge, [joint.number], friction, seen.t, *signals)
 
 
 def _gaps(

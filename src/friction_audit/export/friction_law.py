@@ -6,11 +6,10 @@ Least Squares Problems, 1974, chapter 23), so that the simulated joint dissipate
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from itertools import count
+from dataclasses import dataclass, replace
 from math import isclose
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -44,7 +43,7 @@ class FittedFriction:
     error_share: float  # the same over the root mean square of the law
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+@dataclass(frozen=True, eq=False, slots=True)
 class FrictionLaw:
     """Friction of one joint as a function of its velocity."""
 
@@ -87,21 +86,46 @@ class FrictionLaw:
         return FittedFriction(coefficients=tuple(found.tolist()), error_nm=error, error_share=share)
 
 
-def friction_law(joint: int, name: str, model: JointModel | Reason, speeds: Float, *, armature: bool) -> FrictionLaw:
-    """Return the friction law of a joint's model over speeds; ``armature``: its inertia is the motor's, reflected."""
-    if isinstance(model, tuple):
-        raise AnalysisError(model)
+class SourceJoint(NamedTuple):
+    """One joint of a source: its model, or the coefficients of an estimate by ``FOUND``, or why it has neither."""
+
+    number: int  # 1..n
+    name: str
+    known: JointModel | Mapping[str, Coefficient]
+    reason: Reason = ()  # empty where it has friction
+
+    @property
+    def found(self) -> Mapping[str, Coefficient]:
+        """Coefficients with their intervals; empty for a model, which has none."""
+        return {} if isinstance(self.known, JointModel) else self.known
+
+
+def friction_law(joint: SourceJoint, speeds: Float, *, armature: bool) -> FrictionLaw:
+    """Return the friction law of a joint over speeds; ``armature``: its inertia is the motor's, reflected.
+
+    Where an estimate has found Coulomb or viscous friction below zero, both are fitted anew over the speeds.
+    """
+    if joint.reason:
+        raise AnalysisError(joint.reason)
+    model, where = joint.known, f"joint {joint.number} ({joint.name})"
+    if not isinstance(model, JointModel):
+        own, *friction = np.nan_to_num([model[name].value for name in FOUND]).tolist()
+        if min(friction) < 0.0:
+            from scipy.optimize import nnls
+
+            columns = speeds[:, None] ** np.array(POWERS[:2])
+            friction = nnls(columns, columns @ friction)[0].tolist()
+        model = simple_model(inertia_kg_m2=own, coulomb_nm=friction[0], viscous_nms_per_rad=friction[1])
     terms = tuple(term for term in model.terms if isinstance(term.effect, SpeedFriction))
     if not terms:
-        raise AnalysisError(f"joint {joint} ({name}): its model has no friction that follows from the velocity")
+        raise AnalysisError(f"{where}: its model has no friction that follows from the velocity")
     left_out = tuple(term.name for term in model.terms if term not in terms)
     inertia = model.inertia_kg_m2 if armature and model.inertia_kg_m2 > 0.0 else None
-    law = FrictionLaw(joint=joint, name=name, terms=terms, left_out=left_out, inertia_kg_m2=inertia, speeds=speeds)
-    lowest = float(np.min(law.torque(speeds)))
-    if lowest < 0.0:
-        where = float(speeds[np.argmin(law.torque(speeds))])
-        what = f"friction is {lowest:.3g} N m at {where:.3g} rad/s; expected none below zero"
-        raise AnalysisError(f"joint {joint} ({name}): {what}; give speeds that the log holds (--speeds LOW,HIGH)")
+    law = FrictionLaw(joint.number, joint.name, terms, left_out, inertia, speeds)
+    torque = law.torque(speeds)
+    if (lowest := float(torque.min())) < 0.0:
+        what = f"friction is {lowest:.3g} N m at {speeds[torque.argmin()]:.3g} rad/s; expected none below zero"
+        raise AnalysisError(f"{where}: {what}; give speeds that the log holds (--speeds LOW,HIGH)")
     return law
 
 
@@ -170,14 +194,11 @@ def match_names(laws: Sequence[FrictionLaw], joints: int, found: Sequence[str], 
     )
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Joints:
+class Joints(NamedTuple):
     """What a source says of its joints."""
 
-    every: tuple[tuple[int, str, JointModel | Reason], ...]  # number (1..n), name and model of each, or why it has none
+    every: tuple[SourceJoint, ...]
     reflected: bool | None  # whether the inertias are the reflected ones of the motors; None if not known
-    # what the source found of each by ``FOUND``, by number; empty for a model
-    found: Mapping[int, Mapping[str, Coefficient]] = field(default_factory=dict)
 
 
 def result_file(source: Path) -> Path | None:
@@ -198,8 +219,10 @@ def read_result(path: Path, arm: str | None = None) -> Joints:
         raise UsageError(f"--arm {arm}: {path} is no document of batch-report and holds one arm; leave the option out")
     if is_model:
         arm_model = load_model(path)
-        models = [quoted("no model in the file") if one is None else one for one in arm_model.joints]
-        return Joints(tuple(zip(count(1), arm_model.names, models, strict=False)), reflected=None)
+        lacking = quoted("no model in the file")
+        known = zip(arm_model.names, arm_model.joints, strict=True)
+        every = (SourceJoint(k, name, one or {}, () if one else lacking) for k, (name, one) in enumerate(known, 1))
+        return Joints(tuple(every), reflected=None)
     try:
         return _of_batch(document, path, arm) if is_batch else _of_document(document, path)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
@@ -208,7 +231,7 @@ def read_result(path: Path, arm: str | None = None) -> Joints:
 
 
 def of_estimate(estimate: Estimate) -> Joints:
-    """Return the models that an estimate amounts to: inertia, Coulomb and viscous friction."""
+    """Return the coefficients of an estimate: inertia, Coulomb and viscous friction."""
     choice, rows = estimate.interaction.choice, []
     for one in estimate.friction.joints:
         inertia = UNDETERMINED if one.regression is None else one.regression.inertia
@@ -220,32 +243,18 @@ def laws_of(
     joints: Joints, speeds: Mapping[int, Float], usual: Float, *, wanted: Sequence[int] | None, armature: bool
 ) -> tuple[list[FrictionLaw], list[tuple[int, Reason]]]:
     """Return the friction laws of the joints wanted, each over its speeds, and number and reason of those without."""
-    numbers = [number for number, *_ in joints.every]
+    numbers = [one.number for one in joints.every]
     if absent := ", ".join(str(number) for number in wanted or () if number not in numbers):
         raise UsageError(f"--joints {absent}: not in the source; its joints are {', '.join(map(str, numbers))}")
     laws, lacking = [], []
-    for number, name, model in (one for one in joints.every if wanted is None or one[0] in wanted):
-        own = speeds.get(number, usual)
-        within = _within_bounds(model, joints.found.get(number, {}), own)
+    for one in (one for one in joints.every if wanted is None or one.number in wanted):
         try:
-            laws.append(friction_law(number, name, within, own, armature=armature))
+            laws.append(friction_law(one, speeds.get(one.number, usual), armature=armature))
         except AnalysisError as error:
-            lacking.append((number, reason_of(error)))
+            lacking.append((one.number, reason_of(error)))
     if not laws:
         raise AnalysisError("no joint has friction to export:", lacking)
     return laws, lacking
-
-
-def _within_bounds(model: JointModel | Reason, found: Mapping[str, Coefficient], speeds: Float) -> JointModel | Reason:
-    """Fit Coulomb and viscous friction anew, none below zero, where the source has found one of them below zero."""
-    values = np.nan_to_num([found[name].value for name in COEFFICIENTS if name in found])
-    if isinstance(model, tuple) or not np.any(values < 0.0):
-        return model
-    from scipy.optimize import nnls
-
-    columns = speeds[:, None] ** np.array(POWERS[:2])
-    coulomb, viscous = nnls(columns, columns @ values)[0].tolist()
-    return simple_model(inertia_kg_m2=model.inertia_kg_m2, coulomb_nm=coulomb, viscous_nms_per_rad=viscous)
 
 
 def _of_document(document: Mapping[str, Any], path: Path) -> Joints:
@@ -256,7 +265,7 @@ def _of_document(document: Mapping[str, Any], path: Path) -> Joints:
     for one in document["joints"]:
         fitted = one["regression"] or {"inertia_kg_m2": None}
         inertia = {"value": fitted["inertia_kg_m2"], "ci95": fitted.get("inertia_kg_m2_ci95")}
-        found = [_coefficient(each) for each in (inertia, *(one[name] for name in COEFFICIENTS))]
+        found = [Coefficient.read(each) for each in (inertia, *(one[name] for name in COEFFICIENTS))]
         rows.append((int(one["joint"]), str(one["name"]), found, quoted(str(one["reason"] or ""))))
     return _joints(rows, chosen["drive"], chosen["inertia"])
 
@@ -270,32 +279,18 @@ def _of_batch(document: Mapping[str, Any], path: Path, arm: str | None) -> Joint
         raise UsageError(f"{path}: {asked}; it holds {', '.join(arms)}; choose one with --arm")
     rows = []
     for one in (one for one in document["joints"] if one["robot"] == chosen):
-        levels = [_coefficient(one["coefficients"].get(name, {}).get("level")) for name in COEFFICIENTS]
+        levels = [Coefficient.read(one["coefficients"].get(name, {}).get("level")) for name in COEFFICIENTS]
         lacking = all(np.isnan(level.value) for level in levels)
         reason = quoted("no session of the reference has its friction" if lacking else "")
         rows.append((int(one["joint"]), str(one["name"]), (UNDETERMINED, *levels), reason))
     return _joints(rows, "robot", "none")
 
 
-def _coefficient(found: Mapping[str, Any] | None) -> Coefficient:
-    """Return a coefficient of a document, in which null is a number that is not known."""
-    one = found or {"value": None}
-    three = (one["value"], *(one.get("ci95") or (None, None)))
-    value, low, high = (NAN if number is None else float(number) for number in three)
-    return Coefficient(value=value, low=low, high=high)
-
-
 def _joints(rows: Iterable[tuple[int, str, Sequence[Coefficient], Reason]], drive: str, inertia: str) -> Joints:
-    """Return the joints that have a model, and why the others have none; a number that is not known is zero.
+    """Return the joints of an estimate.
 
     Their inertia is that of the motor alone where a person drives the link, for then the sensor is between the two, and
     where a rigid-body model has taken the inertia of the links out.
     """
-    every, known = [], dict[int, Mapping[str, Coefficient]]()
-    for number, name, found, reason in rows:
-        values = [one.value if np.isfinite(one.value) else 0.0 for one in found]
-        coulomb, viscous = (max(value, 0.0) for value in values[1:])
-        numbers = {"inertia_kg_m2": values[0], "coulomb_nm": coulomb, "viscous_nms_per_rad": viscous}
-        known[number] = dict(zip(FOUND, found, strict=True))
-        every.append((number, name, reason or simple_model(**numbers)))
-    return Joints(tuple(every), reflected=drive == "hand" or inertia == "model", found=known)
+    every = (SourceJoint(number, name, dict(zip(FOUND, found, strict=True)), why) for number, name, found, why in rows)
+    return Joints(tuple(every), reflected=drive == "hand" or inertia == "model")

@@ -11,7 +11,7 @@ from friction_audit.friction import history as results, reasons
 from friction_audit.friction.settings import PARTS, FrictionSettings
 from friction_audit.friction.torque_regression import CUTOFF_HZ, HIGHEST_CONDITION, RegressionRows, regress_torque
 from friction_audit.friction.weighted import FRICTION, fit_windows, normal_equations
-from friction_audit.joint_log import Float, JointLog
+from friction_audit.joint_log import JointLog
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.energy_cycles import KEPT, EnergyCycles
 from friction_audit.preprocessing.interaction import Caution, Interaction
@@ -22,8 +22,6 @@ from friction_audit.preprocessing.velocity import filter_velocity, settling_samp
 # A half interval of so many times the torque in motion (the viscous one: per rms speed) excludes no friction at all.
 MOST_UNCERTAIN = 2.0
 RANK_CUTOFF = 1e-6  # share of the largest singular value below which others are zero: cycles that are copies
-
-Columns = dict[str, tuple[Float, Float, Float]]
 
 
 class JointPass:
@@ -107,7 +105,7 @@ def _solve_weighted(own: EnergyCycles, kept: EnergyCycles, model: str, window: i
     offset, x, y = (whole.coefficient(name).value for name in ("offset", "gravity_x", "gravity_y"))
     moved = fit_windows(equations, window)  # over the first cycles together a change would hide in the mean
     found = ((name, *moved.column(name)) for name in results.UNITS)
-    columns = {name: (value, value - half, value + half) for name, value, half in found}
+    bands: dict[str, Any] = {name: results.Band(value, value - half, value + half) for name, value, half in found}
     return {
         "coulomb": whole.coefficient("coulomb"),
         "viscous": whole.coefficient("viscous"),
@@ -115,7 +113,7 @@ def _solve_weighted(own: EnergyCycles, kept: EnergyCycles, model: str, window: i
         "gravity_error_nm": float(np.hypot(np.nan_to_num(x), np.nan_to_num(y))),
         "condition_number": condition,
         "correlation": correlation,
-        "history": _history(own, window, columns),
+        "history": _history(own, window, bands),
     }
 
 
@@ -139,19 +137,18 @@ def _solve_paper(own: EnergyCycles, kept: EnergyCycles, model: str, window: int)
         if np.isfinite(values).any()
     }
     nothing = np.full(len(found["coulomb"]), results.NAN)
-    history = _history(own, window, {name: (values, nothing, nothing) for name, values in found.items()})
+    history = _history(own, window, {n: results.Band(values, nothing, nothing) for n, values in found.items()})
     return {**medians, "history": history._replace(dissipated_j=own.sums.printed_net_j[history.cycle - 1])}
 
 
-def _history(own: EnergyCycles, first: int, columns: Columns) -> results.CoefficientHistory:
+def _history(own: EnergyCycles, first: int, bands: dict[str, Any]) -> results.CoefficientHistory:
     """Return one row per cycle that counts, from the first one with an estimate on."""
     kept = np.flatnonzero(own.reason == KEPT)[first - 1 :]
     return results.CoefficientHistory(
         kept + 1,
         own.start_s[kept],
         own.stop_s[kept],
-        *columns["coulomb"],
-        *columns["viscous"],
+        **bands,
         net_energy_j=np.cumsum(own.sums.work_j)[kept],
         dissipated_j=own.sums.dissipated_j[kept],
         path_rad=own.sums.rectified_path_rad[kept],
@@ -200,15 +197,15 @@ def _conclude(
 def _determined(joint: results.JointFriction, largest: dict[str, float]) -> results.JointFriction:
     """Drop the coefficients, of the log and of its history, whose intervals are too wide."""
     changed: dict[str, Any] = {}
-    history = joint.history
+    bands: dict[str, Any] = {}
     for name in results.UNITS:
         one: results.Coefficient = getattr(joint, name)
         if one.high - one.low > 2.0 * largest[name]:
             changed[name] = results.UNDETERMINED
-        columns = history.of(name)
-        wide = columns[2] - columns[1] > 2.0 * largest[name]
-        history = history.with_coefficient(name, *(np.where(wide, results.NAN, column) for column in columns))
-    found = replace(joint, history=history, **changed)
+        band: results.Band = getattr(joint.history, name)
+        wide = band.high - band.low > 2.0 * largest[name]
+        bands[name] = results.Band(*np.where(wide, results.NAN, band))
+    found = replace(joint, history=joint.history._replace(**bands), **changed)
     if not changed or not all(np.isnan(getattr(found, name).value) for name in results.UNITS):
         return found
     return replace(found, reason=(Caution("wide_intervals", numbers={"most": MOST_UNCERTAIN}),))
@@ -226,7 +223,7 @@ def _covering(joint: results.JointFriction, *, alike: bool) -> results.JointFric
         one, other = getattr(joint, name), getattr(joint.regression, name)
         if (alike and np.isfinite(one.low)) or one.low > other.high or other.low > one.high:
             low, high = float(np.fmin(one.low, other.low)), float(np.fmax(one.high, other.high))
-            value, lows, highs = joint.history.of(name)
-            wider = joint.history.with_coefficient(name, value, lows - (one.low - low), highs + (high - one.high))
-            joint = replace(joint, history=wider, **{name: replace(one, low=low, high=high)})
+            value, lows, highs = getattr(joint.history, name)
+            wider: dict[str, Any] = {name: results.Band(value, lows - (one.low - low), highs + (high - one.high))}
+            joint = replace(joint, history=joint.history._replace(**wider), **{name: replace(one, low=low, high=high)})
     return joint

@@ -2,13 +2,15 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import isnan
+from math import isinf, isnan
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from friction_audit.joint_log import Float, Int
 from friction_audit.preprocessing.interaction import Caution, Reason
+
+NAN = float("nan")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -18,6 +20,19 @@ class Coefficient:
     value: float
     low: float
     high: float
+
+    @classmethod
+    def read(cls, found: Any) -> "Coefficient":  # noqa: ANN401 - any part of a document
+        """Return a coefficient of a document: an object with its interval, a number, or null where it is not known.
+
+        ValueError if a number is infinite or none.
+        """
+        one = found if isinstance(found, dict) else {"value": found}
+        three = one["value"], *(one.get("ci95") or (None, None))
+        value, low, high = (NAN if number is None else float(number) for number in three)
+        if isinf(value) or isinf(low) or isinf(high):
+            raise ValueError(found)
+        return cls(value=value, low=low, high=high)
 
     def __str__(self) -> str:
         return "unknown" if isnan(self.value) else f"{self.value:.4g} [{self.low:.4g}, {self.high:.4g}]"
@@ -32,11 +47,16 @@ class Coefficient:
         return Coefficient(value=float(of(self.value)), low=float(of(self.low)), high=float(of(self.high)))
 
 
-NAN = float("nan")
 UNDETERMINED = Coefficient(value=NAN, low=NAN, high=NAN)
 UNITS = {"coulomb": "nm", "viscous": "nms_per_rad"}
-# Names of value, low and high of each coefficient over time.
-COLUMNS = {name: tuple(f"{name}{part}_{unit}" for part in ("", "_low", "_high")) for name, unit in UNITS.items()}
+
+
+class Band(NamedTuple):
+    """A coefficient over time and its 95 % intervals, shape (m,) each."""
+
+    value: Float
+    low: Float
+    high: Float
 
 
 class CoefficientHistory(NamedTuple):
@@ -45,28 +65,16 @@ class CoefficientHistory(NamedTuple):
     cycle: Int  # number of the cycle among all of the joint's cycles, from 1, shape (m,)
     start_s: Float  # start of the cycle [s]
     stop_s: Float  # stop of the cycle: the moment at which the estimate becomes known [s]
-    coulomb_nm: Float  # Coulomb coefficient, shape (m,) [N m]
-    coulomb_low_nm: Float  # lower end of its 95 % interval
-    coulomb_high_nm: Float  # upper end
-    viscous_nms_per_rad: Float  # viscous coefficient [N m s/rad]
-    viscous_low_nms_per_rad: Float  # lower end of its 95 % interval
-    viscous_high_nms_per_rad: Float  # upper end
+    coulomb: Band  # Coulomb coefficient [N m]
+    viscous: Band  # viscous coefficient [N m s/rad]
     net_energy_j: Float  # net energy input since the first cycle's start, E_cyclic of the paper [J]
     dissipated_j: Float  # what friction took in this cycle, as the estimator counts it [J]
     path_rad: Float  # its path, the column of (18) that belongs to the Coulomb coefficient [rad]
     square_speed_rad2_s: Float  # integral of its squared velocity, the column of the viscous one [rad^2/s]
 
-    def of(self, name: str) -> tuple[Float, Float, Float]:
-        """Return value, low and high of ``"coulomb"`` or ``"viscous"``, shape (m,) each."""
-        value, low, high = (getattr(self, column) for column in COLUMNS[name])
-        return value, low, high
 
-    def with_coefficient(self, name: str, value: Float, low: Float, high: Float) -> "CoefficientHistory":
-        """Return the history with another value, low and high of ``"coulomb"`` or ``"viscous"``."""
-        return self._replace(**dict[str, Any](zip(COLUMNS[name], (value, low, high), strict=True)))
-
-
-NO_HISTORY = CoefficientHistory(np.empty(0, np.int64), *[np.empty(0)] * (len(CoefficientHistory._fields) - 1))
+NONE, NO_BAND = np.empty(0), Band(*[np.empty(0)] * 3)
+NO_HISTORY = CoefficientHistory(np.empty(0, np.int64), NONE, NONE, NO_BAND, NO_BAND, NONE, NONE, NONE, NONE)
 
 
 class TorqueRegression(NamedTuple):

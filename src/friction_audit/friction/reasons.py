@@ -68,7 +68,7 @@ def cautions_of(joint: JointFriction) -> tuple[Caution, ...]:
             found[f"{name}_disagrees"] = {}
     first = joint.window - 1 - (joint.cycles - len(joint.history.cycle))
     for name in UNITS if joint.cycles >= 2 * joint.window else ():
-        ends = np.column_stack(joint.history.of(name))[[first, -1]].tolist()
+        ends = np.column_stack(getattr(joint.history, name))[[first, -1]].tolist()
         early, late = (Coefficient(value=value, low=low, high=high) for value, low, high in ends)
         if _disagree(early, late):
             found[f"{name}_changes"] = {"early": early.value, "late": late.value, "cycles": joint.window}

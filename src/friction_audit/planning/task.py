@@ -19,6 +19,7 @@ from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, rea
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.effects.registry import effect_of, motion_to_decide, same_as
 from friction_audit.errors import AnalysisError, InputError, UsageError
+from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import AuditSettings, diagnosis_subjects, estimate_log
 from friction_audit.preprocessing.settings import CycleSettings
@@ -145,7 +146,7 @@ def task_of(
 ) -> Task:
     """Return what a joint of a document needs that a person or the robot moved; positions count from the start."""
     energy = found.get("from_energy", found)
-    coefficients = {key: _value(energy.get(key)) for key in ("coulomb_nm", "viscous_nms_per_rad")}
+    coefficients = {key: Coefficient.read(energy.get(key)).value for key in ("coulomb_nm", "viscous_nms_per_rad")}
     joint = replace(_joint(found, coefficients, start_rad, subject and subject[0]), hand=hand)
     verdict, reason = found.get("verdict", "estimate"), str(found.get("reason") or "")
     if verdict in ("not_testable", "data_fault"):
@@ -179,7 +180,7 @@ def _joint(
     found: Mapping[str, Any], coefficients: Mapping[str, float], start_rad: float, subject: Subject | None
 ) -> Joint:
     fitted = found.get("augmented") or found.get("nominal") or coefficients
-    numbers = {key: _value(number) for key, number in fitted.items()}
+    numbers = {key: Coefficient.read(number).value for key, number in fitted.items()}
     about: dict[str, Any] = {} if found.get("gap") is None else {"noise_nm": float(found["gap"]["noise_floor_rms_nm"])}
     if subject is not None:
         data = subject.data
@@ -195,11 +196,6 @@ def _joint(
             about["corner_hz"] = RegressionProblem.build(data, None).samples.corner_hz
     known: dict[str, Any] = {key: numbers[key] for key in COEFFICIENTS if numbers.get(key, 0.0) > 0.0}  # else usual
     return Joint(number=int(found["joint"]), name=str(found["name"]), parameters=JointParameters(**known), **about)
-
-
-def _value(number: Any) -> float:  # noqa: ANN401 - of a document: a number, an object with one, or null
-    value = number.get("value") if isinstance(number, dict) else number
-    return float("nan") if value is None else float(value)
 
 
 def _sets(

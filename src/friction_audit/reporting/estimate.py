@@ -28,8 +28,8 @@ REGRESSION = Record(
 
 def _over_time(name: str, unit: str) -> tuple[Column, ...]:
     """Return the columns of a coefficient of the last cycles."""
-    value = Column(name, float, f"{name} friction of the last cycles", unit=unit)
-    low, high = (Column(f"{name}_{end}", unit=unit, on="f") for end in ("low", "high"))
+    value = Column(name, float, f"{name} friction of the last cycles", f"{name}.value", unit=unit)
+    low, high = (Column(f"{name}_{end}", get=f"{name}.{end}", unit=unit, on="f") for end in ("low", "high"))
     both = lambda h: zip(low.value(h), high.value(h), strict=True)  # noqa: E731
     return value, Column(f"{value.key()}_ci95", INTERVAL, "its 95 % interval", both, on="j"), low, high
 

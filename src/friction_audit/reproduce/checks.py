@@ -8,21 +8,11 @@ import numpy as np
 
 from friction_audit.compensation.comparison.experiment import compare
 from friction_audit.compensation.comparison.methods import FULL, METHODS, PAPER, SETUPS
-from friction_audit.compensation.comparison.result import Comparison, Row
+from friction_audit.compensation.comparison.result import SECOND, Comparison, Row
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures.panels import smooth
 from friction_audit.reporting.figures.paper import Course, draw_adaptation
-from friction_audit.reproduce.claims import (
-    SECOND,
-    Claim,
-    Simulations,
-    claim,
-    make_course,
-    relative,
-    share,
-    spread,
-    within,
-)
+from friction_audit.reproduce.claims import Claim, Simulations, claim, make_course, relative, share, spread, within
 from friction_audit.simulation.bench import Progress
 from friction_audit.simulation.settings import CONTROL_RATE_HZ, Simulation
 

@@ -7,18 +7,15 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.compensation.controller import run
 from friction_audit.compensation.law import EnergyCompensator
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Bool, Float
 from friction_audit.reporting.figures.paper import Course
 from friction_audit.simulation import simulate
 from friction_audit.simulation.bench import Progress
 from friction_audit.simulation.scenarios import PAPER_SCENARIOS
 from friction_audit.simulation.settings import CONTROL_RATE_HZ, Simulation
-
-SECOND = 1  # row of the second cycle
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +38,7 @@ def spread(values: Float, unit: str) -> str:
     return worst if len(values) == 1 else f"median {np.median(values):.3f}, worst {worst}"
 
 
-def share(holds: NDArray[np.bool_]) -> str:
+def share(holds: Bool) -> str:
     """Return in words the number of seeds for which something holds."""
     return f"{int(holds.sum())} of {len(holds)} seeds"
 

@@ -250,7 +250,10 @@ def load_arm(
         _set_inertial(model, body, *inertials.get(model.body(body).name, ()))
     model.opt.gravity[:] = gravity_vector
     name, names = BUILT_IN if urdf is None else urdf.stem, tuple(model.joint(k).name for k in range(model.njnt))
-    arm = Arm(name=name, joint_names=names, flange=_flange(model), model=model, columns=tuple(range(len(names))))
+    links = [str(model.body(k).name) for k in range(1, model.nbody)]
+    moved = [link for k, link in enumerate(links, start=1) if model.body_weldid[k] == model.jnt_bodyid[-1]]
+    flange = next((link for ending in FLANGE_NAMES for link in links if link.endswith(ending)), moved[-1])
+    arm = Arm(name=name, joint_names=names, flange=flange, model=model, columns=tuple(range(len(names))))
     return arm if payload is None else arm.with_load(payload[0], np.array(payload[1:]), np.zeros((3, 3)))
 
 
@@ -264,15 +267,6 @@ def read_urdf(urdf: Path | None) -> bytes:
         return urdf.read_bytes()
     except OSError as error:
         raise UsageError(f"--urdf {urdf}: {error.strerror or error}; expected a URDF file") from error
-
-
-def _flange(model: "mujoco.MjModel") -> str:
-    names = [str(model.body(k).name) for k in range(1, model.nbody)]
-    usual = [name for ending in FLANGE_NAMES for name in names if name.endswith(ending)]
-    if usual:
-        return usual[0]
-    last = model.jnt_bodyid[-1]
-    return next(name for k, name in reversed(list(enumerate(names, start=1))) if model.body_weldid[k] == last)
 
 
 def _set_inertial(model: "mujoco.MjModel", body: int, *parts: Inertial) -> None:

@@ -5,10 +5,9 @@ from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
-from friction_audit.joint_log import Float, JointLog, Source
+from friction_audit.joint_log import Float, Int, JointLog, Source
 from friction_audit.simulation.effects.load_and_place import gravity_error_nm, ripple_reading_nm
 from friction_audit.simulation.effects.sensors import TORQUE_LATE, VELOCITY_LATE, crosstalk_mixed, delayed
 from friction_audit.simulation.settings import CONTROL_RATE_HZ, Moved, Sensors, SomeSettings, Streams, of_each_joint
@@ -130,7 +129,7 @@ def _by_joint(function: Callable[[Any, Float], Float], of: Sequence[object], sig
     return np.column_stack([function(one, column) for one, column in zip(of, signals.T, strict=True)])
 
 
-def record(times: Float, rate_hz: float, sensors: Sensors, rng: np.random.Generator) -> tuple[Float, NDArray[np.int64]]:
+def record(times: Float, rate_hz: float, sensors: Sensors, rng: np.random.Generator) -> tuple[Float, Int]:
     """Draw lost samples, stale samples and the jitter of the stamps for the states at the given times.
 
     Returns stamps from 0, strictly increasing [s], and which of the states each sample holds, shape (m,) each.

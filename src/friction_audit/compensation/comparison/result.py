@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from friction_audit.compensation.comparison.methods import Tuning
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import UNDETERMINED, Coefficient
-from friction_audit.joint_log import Float
+from friction_audit.friction.weighted import CONFIDENCE, t_quantile
+from friction_audit.joint_log import Bool, Float
 from friction_audit.simulation.settings import CONTROL_RATE_HZ, Simulation, TrueMotion
 
 VIBRATION_S = 0.1  # moving average over this time: the difference from it is vibration, too fast for a person. [s]
@@ -30,7 +31,7 @@ class Reference:
     """The trial without compensation, the reference of all trials of a seed."""
 
     ends: NDArray[np.intp]  # ticks at which cycles end, shape (m,)
-    resting: NDArray[np.bool_]  # ticks at the end of long rests of a joint, shape (n + 1, j)
+    resting: Bool  # ticks at the end of long rests of a joint, shape (n + 1, j)
     rms_torque_nm: Float  # rms interaction torque after the second cycle, shape (j,) [N m]
 
 
@@ -43,7 +44,6 @@ class Course:
     interaction_nm: Float  # interaction torque, shape (n, j) [N m]
     energy_j: Float  # net energy input of the person, all joints, shape (n,) [J]
     from_s: float  # end of the second cycle [s]
-    lost_s: float  # time at which the loop became unstable, or infinity [s]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -150,15 +150,14 @@ def find_instability(simulation: Simulation, reference: Reference) -> float:
 
 def make_course(simulation: Simulation, reference: Reference) -> Course:
     """Return the signals of a trial for figures, as long as it was stable."""
-    motion, lost = simulation.truth.motion, find_instability(simulation, reference)
-    shown = motion.t <= lost
+    motion = simulation.truth.motion
+    shown = motion.t <= find_instability(simulation, reference)
     return Course(
         t=motion.t[shown],
         dq=motion.dq[shown],
         interaction_nm=motion.interaction_nm[shown],
         energy_j=net_energy_j(motion)[shown],
         from_s=float(motion.t[reference.ends[SECOND]]),
-        lost_s=lost,
     )
 
 
@@ -170,18 +169,14 @@ def _rms(values: Float) -> Float:
 
 # Over persons.
 
-CONFIDENCE = 0.95
-
 
 def mean_interval(values: Sequence[float]) -> Coefficient:
     """Return the mean of independent values and its 95 % interval (Student's t)."""
-    from scipy.stats import t
-
     known = [value for value in values if isfinite(value)]
     if len(known) < 2:  # noqa: PLR2004
         return Coefficient(value=known[0] if known else nan, low=nan, high=nan)
     mean = float(np.mean(known))
-    half = float(t.ppf(0.5 + CONFIDENCE / 2, len(known) - 1) * np.std(known, ddof=1) / sqrt(len(known)))
+    half = t_quantile(len(known) - 1) * float(np.std(known, ddof=1)) / sqrt(len(known))
     return Coefficient(value=mean, low=mean - half, high=mean + half)
 
 

@@ -38,7 +38,7 @@ def _draw_energies(comparison: Comparison) -> Figure:
     for row in rows:
         (colour, dashes), course = LOOKS[row.method], row.course
         parts.draw_curve(axes, course.t, course.energy_j, 2000, color=colour, ls=dashes, lw=0.9, label=row.label)
-        if isfinite(course.lost_s):
+        if isfinite(row.outcomes[0].lost_s):
             axes.plot(course.t[-1], course.energy_j[-1], ms=5, mew=1.2, zorder=6, label="loop lost", **LOST)
     axes.axvline(rows[0].course.from_s, color=theme.MUTED, lw=0.6, ls=":", label="end of 2nd cycle")
     axes.margins(x=0.01)
@@ -65,7 +65,7 @@ def _draw_loops(comparison: Comparison) -> Figure:
             axes.plot(*_loop(rows[0], joint), color=GROUND, lw=0.5, zorder=1)
         axes.plot(*_loop(row, joint), color=LOOKS[row.method][0], lw=0.6, zorder=2)
         parts.label_panel(axes, fill(row.label, LONGEST_TITLE), across=3)
-        if isfinite(row.course.lost_s):
+        if isfinite(row.outcomes[0].lost_s):
             axes.text(0.04, 0.96, "loop lost", transform=axes.transAxes, va="top", fontsize=6.5, color=theme.BORDER)
     figure.supxlabel(f"Velocity of joint {joint + 1} [rad/s]")
     figure.supylabel("Interaction torque [N m]")

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 
-from friction_audit.friction.history import Coefficient, JointFriction
+from friction_audit.friction.history import UNITS, Band, Coefficient, JointFriction
 from friction_audit.joint_log import Float, median_step
 from friction_audit.pipeline import Estimate
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
@@ -107,38 +107,37 @@ WINDOW, INTERVAL = "moving window", "95 % interval"
 def _draw_coefficients(panels: Sequence[Axes], estimate: Estimate, friction: JointFriction) -> None:
     """Draw Coulomb and viscous friction as steps that hold until the next, with their bands, and of the whole log."""
     series, history = series_of(estimate, friction), friction.history
-    coulomb = (history.coulomb_nm, history.coulomb_low_nm, history.coulomb_high_nm)
-    viscous = (history.viscous_nms_per_rad, history.viscous_low_nms_per_rad, history.viscous_high_nms_per_rad)
     window = f"window: {count_of(min(friction.window, friction.cycles), 'cycle')}"
     title = window if friction.method == "energy" else "from torque regression"
     panels[-1].set_title(title * (not friction.reason), loc="right", color=theme.MUTED)
     t = np.maximum.accumulate(np.append(history.stop_s, series.t[-1]))
-    fits = (("Coulomb [N m]", coulomb, friction.coulomb), ("Viscous [N m s/rad]", viscous, friction.viscous))
-    for axes, (label, values, whole) in zip(panels, fits, strict=True):
+    for axes, name, label in zip(panels, UNITS, ("Coulomb [N m]", "Viscous [N m s/rad]"), strict=True):
+        band, whole = getattr(history, name), getattr(friction, name)
         axes.set_ylabel(label)
         axes.set_xlim(series.t[0], series.t[-1])
-        ends = y_limits(*values, whole)
+        ends = y_limits(band, whole)
         if ends is None:
             axes.set_yticks([])
-            fitted = friction.model in ("combined", label.partition(" ")[0].lower())
+            fitted = friction.model in ("combined", name)
             absence = "not determined" if fitted else f"not in the {friction.model} model"
             parts.write_message(axes, "" if friction.reason else absence)
             parts.write_reason(axes, "not determined", friction.reason)
             continue
         axes.set_ylim(*ends)
-        if np.isfinite(values[0]).any():
-            middle, low, high = values
+        middle, low, high = band
+        if np.isfinite(middle).any():
             axes.step(t, np.append(middle, middle[-1]), where="post", color=theme.FILTERED, label=WINDOW)
-            name = INTERVAL * bool(np.isfinite(low).any())  # the paper's estimator has none
-            axes.stairs(high, t, baseline=low, fill=True, color=theme.FILTERED, alpha=0.22, lw=0, label=name)
+            interval = INTERVAL * bool(np.isfinite(low).any())  # the paper's estimator has none
+            axes.stairs(high, t, baseline=low, fill=True, color=theme.FILTERED, alpha=0.22, lw=0, label=interval)
         if np.isfinite(whole.value):
             axes.axhline(whole.value, color=theme.FITTED, lw=0.9, ls=theme.DASHED, label="whole log")
         if np.isfinite(whole.low + whole.high):
             axes.axhspan(whole.low, whole.high, color=theme.FITTED, alpha=0.18, lw=0, label="95 %, whole log")
 
 
-def y_limits(value: Float, low: Float, high: Float, whole: Coefficient) -> tuple[float, float] | None:
+def y_limits(band: Band, whole: Coefficient) -> tuple[float, float] | None:
     """Return limits that show the values, NaN for none, the whole-log interval, and of the bands what is near."""
+    value, low, high = band
     width = high - low
     known = width[np.isfinite(width)]
     settled = ~(width > UNSETTLED * np.median(known)) if len(known) else np.isfinite(value)

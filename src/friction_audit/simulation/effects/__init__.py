@@ -1,4 +1,4 @@
-"""Effects that a synthetic log can hide, by families, and their registry: ``Hidden`` holds a group of each."""
+"""Hidden effects of a synthetic log, by families, and their registry: ``Hidden`` holds the parameters of each."""
 
 from dataclasses import dataclass, fields, replace
 from typing import Any, Self, get_type_hints
@@ -10,7 +10,7 @@ from friction_audit.simulation.effects.effect import HiddenEffect
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Hidden:
-    """One group per effect, named as the effect."""
+    """Parameters of every effect, by its name."""
 
     stribeck: velocity.Stribeck = velocity.Stribeck()
     stiction: velocity.Stiction = velocity.Stiction()
@@ -39,7 +39,7 @@ class Hidden:
     unlogged_compensation: slow_and_events.UnloggedCompensation = slow_and_events.UnloggedCompensation()
 
     def __post_init__(self) -> None:
-        """Refuse stiction where bristles hold the joint: it never rests as a whole."""
+        """Refuse stiction with presliding: on bristles a joint never sticks as a whole."""
         if self.presliding.displacement_rad != 0.0 and self.stiction.excess_nm != 0.0:
             raise UsageError(
                 "--effect presliding with --effect stiction in one joint: bristles have a break-away of their own and "

@@ -1,19 +1,20 @@
-"""What a hidden effect is: something that real joints and sensors do, as the simulator's own formula."""
+"""Hidden effects: deviations of real joints and sensors from the nominal model, with the simulator's own formulas."""
 
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field, fields
+from dataclasses import field, fields
 from functools import partial
 from math import inf, isclose, nan, sqrt
-from typing import Any, ClassVar, NamedTuple, Self, dataclass_transform
+from typing import Any, ClassVar, NamedTuple, Self
 
+from friction_audit.compensation.law import Checked
 from friction_audit.effects.parameter import Parameter
-from friction_audit.effects.registry import FAMILY_OF, effect_of
+from friction_audit.effects.registry import effect_of
 from friction_audit.errors import UsageError, kind_name, near_misses
 from friction_audit.simulation.settings import JointParameters
 
 FORM = "form"
-LARGEST = 1e4  # no parameter of a joint comes near it, in any unit: larger numbers are slips, infinite ones no numbers
+LARGEST = 1e4  # of a parameter, in any unit: far above those of any joint
 
 Values = Mapping[str, float]  # parameters of a term of a joint model, by name
 Given = dict[str, float | str]  # parameters of a hidden effect, the form as its word
@@ -23,7 +24,7 @@ alike = partial(isclose, rel_tol=ALIKE)
 
 
 class Setting(NamedTuple):
-    """What the meaning of a term of a joint model depends on."""
+    """Joint and recording, on which the parameters that equal a term of a joint model depend."""
 
     joint: JointParameters  # inertia and friction of the joint
     start_rad: float  # where the joint is at the start; the simulator counts some positions from there [rad]
@@ -41,7 +42,7 @@ class NoEqualError(Exception):
 
 
 def number(usual: float, meaning: str, unit: str = "1", *, off: bool = False, **bounds: Any) -> Any:  # noqa: ANN401
-    """Return a field of a hidden effect, at least zero unless bounds are given, and what is usual where it is named.
+    """Return a field of a hidden effect: usual value, meaning, unit and bounds, by default at least zero.
 
     Unit and bounds are those of the parameter ``like`` of the effect of the same name, where there is one.
     """
@@ -52,13 +53,10 @@ def number(usual: float, meaning: str, unit: str = "1", *, off: bool = False, **
 strength = partial(number, off=True)  # the first field: at zero, where it is not named, the effect does nothing
 
 
-@dataclass_transform(frozen_default=True, kw_only_default=True)
-@dataclass(frozen=True, kw_only=True)
-class HiddenEffect:
-    """A group of numbers that the mechanics read; made without arguments it does nothing.
+class HiddenEffect(Checked):
+    """Parameters of a hidden effect; with their defaults it has no influence.
 
-    Its name is that of its class and of the effect that a diagnosis names, from which it has family and bounds. Each is
-    a frozen dataclass, without a decorator.
+    Its name is that of its class and of the effect in a diagnosis, from which it has bounds.
     """
 
     summary: ClassVar[str] = ""  # one line
@@ -70,14 +68,12 @@ class HiddenEffect:
     stands_for: ClassVar[tuple[str, ...]] = ()  # other terms of a joint model that it equals
     name: ClassVar[str] = ""
     strength_name: ClassVar[str]  # of the parameter that switches it off at zero
-    family: ClassVar[str] = ""  # ``velocity``, ``load and place``, ``sensors``, ``structure`` or ``slow and events``
 
     form: int = 0  # index into ``forms``
 
     def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
         cls.name = kind_name(cls)
-        cls.family = FAMILY_OF.get(cls.name, "")
-        dataclass(frozen=True, kw_only=True)(cls)
         cls.strength_name = fields(cls)[1].name
 
     @classmethod

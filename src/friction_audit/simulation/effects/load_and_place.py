@@ -1,4 +1,4 @@
-"""Effects of load and place: friction and torques that follow the torque in the gear and the position."""
+"""Effects of load and position: friction and torques that depend on the transmitted torque and on the position."""
 
 import math
 from math import inf
@@ -22,7 +22,7 @@ from friction_audit.simulation.effects.effect import (
 LINEAR_LOAD, QUADRATIC_LOAD, BACKDRIVE = range(3)
 REFERENCE_NM = 10.0  # load at which the quadratic form equals the linear one. [N m]
 
-BACKDRIVE_EXCESS = 0.5  # share by which the loss exceeds its mean where the link drives the motor, else falls short
+BACKDRIVE_EXCESS = 0.5  # relative increase of the loss where the link drives the motor; a decrease otherwise
 
 
 class LoadDependentFriction(HiddenEffect):
@@ -44,12 +44,12 @@ class LoadDependentFriction(HiddenEffect):
 
 @compiled(inline=True)
 def load_friction_nm(group: Record, load_nm: float, power_w: float) -> float:
-    """Return the friction that the load adds to the Coulomb level (not negative, so passive). [N m]
+    """Return the friction that the load adds to the Coulomb friction (not negative, so passive). [N m]
 
     Linear after Bittencourt and Gunnarsson, Static friction in a robot joint (2012); quadratic after Duclusaud et al.,
     Extended friction models for the physics simulation of servo actuators (2025); backdrive after Wang and Kim,
-    Directional efficiency in geared transmissions (2015): the teeth lose more where the link drives the motor.
-    The power through the sensor into the motor's side is above 0 where the link drives the motor.
+    Directional efficiency in geared transmissions (2015): the losses are larger where the link drives the motor. There
+    the power through the sensor into the motor's side is positive.
     """
     load = abs(load_nm)
     if group.form == QUADRATIC_LOAD:
@@ -63,7 +63,7 @@ SINUSOID, HARMONICS, PATCH = range(3)
 SECOND_ORDER, THIRD_ORDER = math.sqrt(3.0), math.sqrt(7.0)
 FIRST_WEIGHT, SECOND_WEIGHT, THIRD_WEIGHT = 0.5, 0.3, 0.2
 PATCH_SHARPNESS = 8.0  # of a von Mises density: half as high at 0.42 rad of the cycle from the centre of the patch
-WIDE_RAD = 10.0  # a wave under a bell of this width fills the whole range
+WIDE_RAD = 10.0  # a Gaussian window of this width covers the whole range
 
 
 class PositionDependentFriction(HiddenEffect):
@@ -86,10 +86,10 @@ class PositionDependentFriction(HiddenEffect):
 
 @compiled(inline=True)
 def position_factor(group: Record, q: float) -> float:
-    """Return the factor of the Coulomb level at a position: 1 on average, never below 0, so passive.
+    """Return the factor of the Coulomb friction at a position: 1 on average, never negative, so passive.
 
     Periodic after Armstrong-Helouvry, Control of Machines with Friction (1991), who found several spatial frequencies
-    in one joint; the patch stands for a worn or dirty tooth.
+    in one joint; the patch models a worn or dirty tooth.
     """
     angle, phase = group.cycles_per_rev * q, group.phase_rad
     if group.form == HARMONICS:
@@ -127,7 +127,7 @@ class TorqueRipple(HiddenEffect):
 
 @compiled()
 def cogging_nm(group: Record, q: float) -> float:
-    """Return the cogging torque on the motor, which is conservative; 0 where the sensor ripples instead. [N m]"""
+    """Return the cogging torque on the motor, which is conservative; 0 with the form ``reading``. [N m]"""
     if group.form != COGGING or group.torque_nm == 0.0:
         return 0.0
     angle = group.cycles_per_rev * q
@@ -135,7 +135,7 @@ def cogging_nm(group: Record, q: float) -> float:
 
 
 def ripple_reading_nm(group: TorqueRipple, q: Float) -> Float:
-    """Return what a flexspline that is not round adds to the torque as read; 0 where the motor cogs instead. [N m]
+    """Return the sensor ripple of a flexspline that is not round; 0 with the form ``cogging``. [N m]
 
     Two and four cycles per turn of the wave generator: Taghirad and Belanger, Intelligent built-in torque sensor for
     harmonic drive systems (1999).
@@ -164,7 +164,7 @@ class GravityError(HiddenEffect):
 
 
 def gravity_error_nm(group: GravityError, q: Float) -> Float:
-    """Return by how much the gravity torque that is subtracted is too large, shape (n,). [N m]"""
+    """Return the error of the subtracted gravity torque, positive where it is too large, shape (n,). [N m]"""
     return np.asarray(group.torque_nm * np.sin(q + group.phase_rad))
 
 
@@ -194,7 +194,7 @@ class CableSpring(HiddenEffect):
 
 @compiled(inline=True)
 def cable_spring_nm(group: Record, q: float) -> float:
-    """Return the torque towards the centre; a slack cable pulls on both sides, a tether on the upper one. [N m]"""
+    """Return the restoring torque of a cable; beyond its play a slack one acts on both sides, a tether on one. [N m]"""
     stretch = q - group.centre_rad
     if group.form == HARDENING_CABLE:
         stretch *= 1.0 + (stretch / HARDENING_RAD) ** 2
@@ -222,11 +222,11 @@ class JointLimitStop(HiddenEffect):
 
 @compiled(inline=True)
 def limit_stop_nm(group: Record, q: float, velocity: float) -> float:
-    """Return the torque of both walls, on the motor's side of the sensor. [N m]
+    """Return the torque of both end stops, on the motor's side of the sensor. [N m]
 
-    A wall never pulls and never gives back more than it took. Spring and damper as in the virtual walls of haptics
+    A stop never pulls and is passive. Spring and damper as in the virtual walls of haptics
     (Colgate and Brown 1994), quadratic with the damping of Hunt and Crossley (1975), exponential as a repulsive
-    potential that is felt before the stop.
+    potential that acts before the stop.
     """
     torque, stiffness, damping = 0.0, group.stiffness_nm_per_rad, group.damping_s
     for side in (-1.0, 1.0):

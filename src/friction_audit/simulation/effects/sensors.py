@@ -1,4 +1,4 @@
-"""Effects of the torque sensor and of what brings its signal to the log."""
+"""Effects of the torque sensor and of the path of its signal to the log."""
 
 import math
 from collections.abc import Sequence
@@ -33,7 +33,7 @@ class TorqueDrift(HiddenEffect):
 
 
 def torque_drift_nm(group: TorqueDrift, t: Float, rng: np.random.Generator) -> Float:
-    """Return what is added to the interaction torque as read, shape (n,); only a random walk draws numbers. [N m]"""
+    """Return the drift of the measured interaction torque, shape (n,); only a random walk draws numbers. [N m]"""
     if group.torque_nm == 0.0:
         return np.zeros_like(t)
     elapsed = t - t[0]
@@ -63,7 +63,7 @@ class TimeDelay(HiddenEffect):
 
 
 def delayed(delay_s: float, signal: Float, dt: float = 1.0 / CONTROL_RATE_HZ) -> Float:
-    """Return a signal that comes late, linear between two samples, the first value held until it arrives."""
+    """Return a delayed signal, linear between two samples; its first value is held until it arrives."""
     ticks = np.arange(len(signal), dtype=np.float64)
     return np.interp(ticks - delay_s / dt, ticks, signal)
 
@@ -92,7 +92,7 @@ class TorqueCrosstalk(HiddenEffect):
 
 
 def crosstalk_mixed(groups: Sequence[TorqueCrosstalk], torque: Float) -> Float:
-    """Return the torques as sensors with crosstalk read them; without, the same to the bit, shape (n, j). [N m]"""
+    """Return the torques measured with crosstalk, without it unchanged to the bit, shape (n, j). [N m]"""
     read = torque.copy()
     joints = range(torque.shape[1])
     for joint, group in enumerate(groups):

@@ -1,4 +1,4 @@
-"""Slow effects and events: warmth, changes of friction, contacts, and a compensator that no log names."""
+"""Slow effects and events: warm-up, changes of friction, contacts, and a compensator that is not logged."""
 
 import math
 
@@ -12,7 +12,7 @@ AMBIENT, SELF_HEATING = range(2)
 
 
 class WarmUp(HiddenEffect):
-    """Friction of a warm joint over that of a cold one; warmth is 0 where cold and 1 where warm."""
+    """Friction that falls with the temperature; the warmth is the normalised temperature: 0 cold, 1 warm."""
 
     summary = "friction falls while the joint gets warm"
     forms = ("ambient", "self_heating")
@@ -27,21 +27,21 @@ class WarmUp(HiddenEffect):
 
 @compiled(inline=True)
 def warm_up_advance(group: Record, warmth: float, friction_power_w: float, h: float) -> float:
-    """Return the warmth after h, exact at constant power; self-heating after Simoni et al. (2015) may exceed 1."""
+    """Return the warmth after a step h, exact at constant power; self-heating (Simoni et al. 2015) may exceed 1."""
     target = friction_power_w / group.power_w if group.form == SELF_HEATING else 1.0
     return float(warmth - (target - warmth) * math.expm1(-h / group.time_s))
 
 
 @compiled(inline=True)
 def warm_up_coulomb_factor(group: Record, warmth: float) -> float:
-    """Return the Coulomb friction over that of the cold joint: falls about linearly, stays above 0."""
+    """Return the Coulomb friction relative to the cold joint: about linear in the temperature, always positive."""
     lost = group.reduction * group.coulomb_ratio
     return float(1.0 / (1.0 + warmth * lost / (1.0 - lost)))
 
 
 @compiled(inline=True)
 def warm_up_viscous_factor(group: Record, warmth: float) -> float:
-    """Return the viscous friction over that of the cold joint: exponential in temperature (Reynolds 1886)."""
+    """Return the viscous friction relative to the cold joint: exponential in the temperature (Reynolds 1886)."""
     return float((1.0 - group.reduction) ** warmth)
 
 
@@ -73,7 +73,7 @@ class FrictionStep(HiddenEffect):
 
 @compiled(inline=True)
 def friction_step_factor(group: Record, ratio: float, t: float, duration: float) -> float:
-    """Return a coefficient over that before the step, above 0; it takes part in the change by a ratio."""
+    """Return a coefficient relative to that before the step, always positive; the ratio scales the change."""
     since, done = t - group.at_share * duration, 1.0
     if since < 0.0:
         done = 0.0
@@ -124,7 +124,7 @@ def draw_events(group: ContactEvent, duration_s: float, rng: np.random.Generator
 
 @compiled(inline=True)
 def contact_event_nm(group: Record, events: Float, t: float, velocity: float) -> float:
-    """Return the torque of the events; a knock is half a sine, a step is constant, a drag only takes energy. [N m]"""
+    """Return the torque of the events; a knock is half a sine, a step is constant, a drag is dissipative. [N m]"""
     torque = 0.0
     k = np.searchsorted(events[:, 0], t, side="right") - 1  # the last that has begun
     while k >= 0 and events[k, 0] > t - LONGEST_S:
@@ -164,11 +164,11 @@ class UnloggedCompensation(HiddenEffect):
 
 @compiled(inline=True)
 def unlogged_nm(group: Record, velocity: float) -> float:
-    """Return the torque that helps the motion, of the sign of the velocity. [N m]
+    """Return the torque of the compensator, in the direction of the velocity. [N m]
 
-    Not passive by its nature: it feeds the joint, and above the joint's own friction it drives it. The sigmoid is that
-    of Gaz et al. (2019), shifted through the origin: phi1 is twice the Coulomb friction, phi2 one over the width; phi2
-    phi3 is that of the published joint 1, so that the plateaus differ by a fifth. As tanh it does not overflow.
+    It is not passive: where it exceeds the joint's own friction it drives the joint. The sigmoid is that of Gaz et al.
+    (2019), shifted through the origin: phi1 is twice the Coulomb friction, phi2 one over the width; phi2 phi3 is that
+    of the published joint 1, so that the plateaus differ by a fifth. As tanh it does not overflow.
     """
     if group.form == SIGMOID:
         shifted = math.tanh(0.5 * (velocity / group.width_rad_s + SKEW))

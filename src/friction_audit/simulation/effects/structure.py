@@ -1,4 +1,4 @@
-"""Effects of the structure: what is between motor and link, and inertia that the model does not know."""
+"""Effects of the structure: elasticity and backlash between motor and link, and unmodelled inertia."""
 
 import math
 from math import inf
@@ -11,14 +11,14 @@ from friction_audit.joint_log import Float
 from friction_audit.simulation.effects.effect import ALIKE, Given, HiddenEffect, Setting, Values, must, number, strength
 
 LINEAR, HARDENING = range(2)
-# A stiffer gear rings faster than the integration can follow, and is rigid for all that a log shows. [rad/(N m)]
+# A stiffer gear resonates too fast for the integration step, and no log distinguishes it from a rigid one. [rad/(N m)]
 LEAST_COMPLIANCE = 1e-5
-KNEE_NM = 1.0  # torque around which a strain-wave gear turns from soft to stiff. [N m]
+KNEE_NM = 1.0  # torque at which the stiffness of a strain-wave gear rises. [N m]
 SMALL_NM = 0.02  # a spring that stiffens at a smaller torque is a linear one
 
 
 class JointElasticity(HiddenEffect):
-    """A spring and a damper between motor and link; 1e-3 rad/(N m) and 0.3 kg m^2 ring at 9.2 Hz, the link held."""
+    """A spring and a damper between motor and link; 1e-3 rad/(N m) and 0.3 kg m^2 resonate at 9.2 Hz, link fixed."""
 
     summary = "the gear twists between motor and link"
     forms = ("linear", "hardening")
@@ -79,7 +79,7 @@ class Backlash(HiddenEffect):
 
 @compiled()
 def engaged(group: Record, stretch: float) -> float:
-    """Return the stretch beyond the gap, the dead zone of Nordin and Gutman (Automatica 38, 2002). [rad]"""
+    """Return the twist beyond the gap: the dead zone of Nordin and Gutman (Automatica 38, 2002). [rad]"""
     beyond = abs(stretch) - 0.5 * group.gap_rad
     return math.copysign(beyond, stretch) if beyond > 0.0 else 0.0
 

@@ -1,4 +1,4 @@
-"""Effects of the velocity: how friction follows the speed, the direction, the rest and the reversals of a joint."""
+"""Friction over velocity: Stribeck curve, stiction, viscous friction, asymmetry, presliding and frictional lag."""
 
 import math
 
@@ -21,7 +21,7 @@ class Stribeck(HiddenEffect):
 
 @compiled(inline=True)
 def stribeck_nm(group: Record, speed: float) -> float:
-    """Return the friction above the Coulomb level at a speed (not negative). [N m]"""
+    """Return the Stribeck friction above the Coulomb friction at a speed (not negative). [N m]"""
     ratio = speed / group.speed_rad_s
     if group.form == LORENTZIAN:
         return float(group.excess_nm / (1.0 + ratio * ratio))
@@ -46,11 +46,11 @@ class Stiction(HiddenEffect):
 
 @compiled(inline=True)
 def stiction_nm(group: Record, rest_s: float) -> float:
-    """Return the break-away level above the sliding level after a rest (not negative). [N m]
+    """Return the static friction above the kinetic friction after a dwell time (not negative). [N m]
 
     Saturating is Kato, Sato and Matsubayashi (1972) with exponent 1; logarithmic is the ageing of contacts (Rabinowicz
-    1958, Dieterich 1972): without a bound, but ten times the rest adds only a fixed amount; immediate is the stick
-    level of Karnopp (1985), there from the first moment of rest.
+    1958, Dieterich 1972), unbounded: ten times the dwell time adds a fixed amount; immediate is the static friction of
+    Karnopp (1985), which does not depend on the dwell time.
     """
     if group.form == LOGARITHMIC:
         share = math.log1p(rest_s / group.dwell_s) / math.log1p(LONG_REST_S / group.dwell_s)
@@ -61,8 +61,8 @@ def stiction_nm(group: Record, rest_s: float) -> float:
 
 
 POWER, EYRING, ARCTAN, CUBIC = range(4)
-BEND = 10.0
-SMALL_SPEED_RAD_S = 0.02  # a friction that bends at a lower speed is a power of the speed
+BEND = 10.0  # reference speed over that of the knee, eyring and arctan forms
+SMALL_SPEED_RAD_S = 0.02  # viscous friction with a knee at a lower speed is a power of the speed
 
 
 class NonlinearViscous(HiddenEffect):
@@ -82,10 +82,11 @@ class NonlinearViscous(HiddenEffect):
 
 @compiled(inline=True)
 def nonlinear_viscous_nm(group: Record, speed: float) -> float:
-    """Return the friction on top of the viscous line at a speed (not negative, never falling). [N m]
+    """Return the friction in addition to linear viscous friction at a speed (not negative, monotonic). [N m]
 
-    Power is Waiboer, Aarts and Jonker (2005); eyring is the shear thinning of a lubricant (Eyring 1936), arctan a curve
-    that saturates, both bent at a tenth of the reference speed; cubic is the odd polynomial of Simoni et al. (2015).
+    Power is Waiboer, Aarts and Jonker (2005); eyring is the shear thinning of a lubricant (Eyring 1936); arctan
+    saturates; both have their knee at a tenth of the reference speed; cubic is the odd polynomial of Simoni et al.
+    (2015).
     """
     ratio = speed / group.speed_rad_s
     if group.form == EYRING:
@@ -98,7 +99,7 @@ def nonlinear_viscous_nm(group: Record, speed: float) -> float:
 
 
 class AsymmetricCoulomb(HiddenEffect):
-    """What the level gains in a direction; passive up to the joint's own level, as the next up to its coefficient."""
+    """Passive up to the joint's Coulomb friction, as asymmetric viscous friction is up to its viscous coefficient."""
 
     summary = "Coulomb friction differs between the directions"
     same_law = ""
@@ -119,8 +120,8 @@ class AsymmetricViscous(HiddenEffect):
 
 LUGRE, DAHL, MAXWELL_SLIP = range(3)
 BRISTLES = 8
-# Elements of Maxwell-slip bear the same share of the level and yield at deflections that are spread evenly (Iwan 1966),
-# the first where their stiffness adds up to that at rest.
+# Maxwell-slip elements carry equal shares of the friction and yield at evenly spaced deflections (Iwan 1966), the first
+# such that their stiffnesses add up to that at rest.
 FIRST_YIELD = sum(1.0 / k for k in range(1, BRISTLES + 1)) / BRISTLES
 LINEAR = 1e-9
 LEAST_LEVEL = 1e-6
@@ -147,7 +148,7 @@ class Presliding(HiddenEffect):
 
 @compiled(inline=True)
 def dahl_advance(z: float, sigma0: float, level: float, velocity: float, h: float, exponent: float) -> float:
-    """Move the deflection on by h at constant velocity: the exact solution of Dahl (1976) for any exponent."""
+    """Return the deflection after a step h at constant velocity, by the exact solution of Dahl (1976). [rad]"""
     if velocity == 0.0:
         return z
     sign = 1.0 if velocity > 0.0 else -1.0
@@ -166,11 +167,10 @@ def dahl_advance(z: float, sigma0: float, level: float, velocity: float, h: floa
 def presliding_advance(
     group: Record, bristles: Float, coulomb_nm: float, level: float, velocity: float, h: float
 ) -> None:
-    """Move the deflections on by h at constant velocity, in place.
+    """Advance the deflections of the bristles by a step h at constant velocity, in place.
 
-    Without Coulomb friction there is nothing that holds the joint, and nothing happens.
-    LuGre and Dahl use the first deflection. Coulomb friction sets the stiffness; the level is that of steady sliding
-    without the viscous part, at least a millionth of it.
+    LuGre and Dahl use the first deflection. Coulomb friction determines the stiffness; without it there are no
+    bristles. The level is the friction of steady sliding without its viscous part, at least a millionth of Coulomb.
     """
     if coulomb_nm <= 0.0:
         return
@@ -192,18 +192,18 @@ def presliding_advance(
 
 @compiled(inline=True)
 def presliding_force_nm(group: Record, bristles: Float, coulomb_nm: float, level: float, velocity: float) -> float:
-    """Return the friction torque without the viscous part, positive in steady motion forward (there: level). [N m]
+    """Return the friction torque without its viscous part; in steady forward motion it is the level. [N m]
 
-    Passive in every form, also while the level changes: sigma0 z^2 / 2, summed over the elements, is the stored energy.
-    LuGre and Dahl creep under a load that swings below break-away (Dupont et al. 2002); Maxwell-slip does not.
+    Passive in every form, also for a varying level: the stored energy is sigma0 z^2 / 2, summed over the elements.
+    Under a load that oscillates below break-away, LuGre and Dahl creep (Dupont et al. 2002); Maxwell-slip does not.
     """
     if coulomb_nm <= 0.0:
         return 0.0
     level = max(level, LEAST_LEVEL * coulomb_nm)
     sigma0 = coulomb_nm / group.displacement_rad
     if group.form == LUGRE:
-        # The micro-damping is less at speed, so that LuGre is passive at every viscous coefficient: with the stored
-        # energy sigma0 z^2 / 2 it is as long as sigma1 |v| <= 4 level (Barabanov and Ortega 2000).
+        # The micro-damping falls with speed, so that LuGre is passive at every viscous coefficient: with the stored
+        # energy sigma0 z^2 / 2 this takes sigma1 |v| <= 4 level (Barabanov and Ortega 2000).
         sigma1 = group.damping_s * sigma0
         sigma1 = sigma1 / (1.0 + sigma1 * abs(velocity) / (4.0 * level))
         rate = velocity - sigma0 * abs(velocity) * bristles[0] / level
@@ -233,9 +233,9 @@ class FrictionalLag(HiddenEffect):
 
 @compiled(inline=True)
 def frictional_lag_speed(group: Record, memory: Float, speed: float, h: float) -> float:
-    """Move on by h to the present speed and return the speed that friction sees, in between those that were. [rad/s]
+    """Advance by a step h to the present speed and return the lagged speed, on which friction depends. [rad/s]
 
-    Relaxing is the first-order state of rate and state friction (Ruina 1983), delayed the pure time lag of Hess and
+    Relaxing is the first-order state of rate-and-state friction (Ruina 1983), delayed the pure time lag of Hess and
     Soom (1990). Passive: the direction is that of the present motion.
     The memory, shape (LAG_MEMORY,), is zero at rest and changed in place.
     """

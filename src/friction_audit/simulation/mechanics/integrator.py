@@ -7,8 +7,6 @@ from friction_audit.joint_log import Float
 from friction_audit.simulation.effects import load_and_place, slow_and_events, structure, velocity
 from friction_audit.simulation.mechanics.records import FREE, LOOP_MEMORY
 
-LEAST_LEVEL_NM = 1e-9  # the bristle equations divide by the level
-
 
 @compiled()
 def viscous_coefficient(joint: Record, state: Record, t: float) -> float:
@@ -57,12 +55,6 @@ def sliding_level(joint: Record, state: Record, q: float, speed: float, sign: fl
         # Asymmetric viscous friction may reduce the viscous part in one direction, to zero at most.
         level = max(level, -viscous_coefficient(joint, state, t) * speed)
     return float(level)
-
-
-@compiled(inline=True)
-def bristle_level(joint: Record, state: Record, q: float, dq: float, t: float) -> float:
-    """Return the friction of steady sliding for the bristle equations. [N m]"""
-    return max(LEAST_LEVEL_NM, sliding_level(joint, state, q, abs(dq), 1.0 if dq >= 0.0 else -1.0, t))
 
 
 @compiled(inline=True)
@@ -125,7 +117,7 @@ def set_friction(joint: Record, state: Record, body: Record, j: int, ahead: floa
     c = body.inner[j]
     q, dq, mode, bent = body.y[c] + ahead * body.v[c], body.v[c] + ahead * body.a[c], body.mode[c], state.bristles
     if mode == FREE:
-        level = bristle_level(joint, state, q, dq, t)
+        level = sliding_level(joint, state, q, abs(dq), 1.0 if dq >= 0.0 else -1.0, t)
         body.level[c] = velocity.presliding_force_nm(joint.hidden.presliding, bent, joint.coulomb_nm, level, dq)
     elif mode == 0.0:
         extra = velocity.stiction_nm(joint.hidden.stiction, state.rest_s) * coulomb_factor(joint, state, q, t)
@@ -305,7 +297,7 @@ def _drift(states: Record, body: Record, h: float) -> None:
 def _advance_bristles(joint: Record, state: Record, body: Record, j: int, t: float, h: float) -> None:
     q, dq = body.y[body.inner[j]], body.v[body.inner[j]]
     if joint.hidden.presliding.displacement_rad != 0.0:
-        level = bristle_level(joint, state, q, dq, t)
+        level = sliding_level(joint, state, q, abs(dq), 1.0 if dq >= 0.0 else -1.0, t)
         velocity.presliding_advance(joint.hidden.presliding, state.bristles, joint.coulomb_nm, level, dq, h)
 
 

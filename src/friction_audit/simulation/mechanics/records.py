@@ -10,9 +10,8 @@ from functools import cache
 from typing import Any, NamedTuple, TypeAlias, get_type_hints
 
 import numpy as np
-from numpy.typing import NDArray
 
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Bool, Float, Int
 from friction_audit.simulation.effects.velocity import BRISTLES, LAG_MEMORY
 from friction_audit.simulation.settings import TrueMotion
 
@@ -85,7 +84,7 @@ BODY = np.dtype(
 Body: TypeAlias = Any  # a record of type BODY
 
 
-def make_body(two_sided: NDArray[np.bool_], free: NDArray[np.bool_], position: Float) -> Body:
+def make_body(two_sided: Bool, free: Bool, position: Float) -> Body:
     """Return a body at rest."""
     n, extra = len(two_sided), np.flatnonzero(two_sided)
     c = n + len(extra)
@@ -124,7 +123,7 @@ class Loop(NamedTuple):
 
     settings: Any  # records of the compensators, shape (n,)
     memory: Any  # their memory, shape (n,); changed
-    memory_fields: NDArray[np.int64]  # a view of the memory, one column per field, shape (n, fields)
+    memory_fields: Int  # a view of the memory, one column per field, shape (n, fields)
     torque_noise: Float  # error of the torque as read, shape (ticks + 1, n) [N m]
     velocity_noise: Float  # error of the velocity as read, shape (ticks + 1, n) [rad/s]
     position_noise: Float  # error of the position as read, shape (ticks + 1, n); no compensator looks at it [rad]
@@ -143,4 +142,4 @@ class Mechanism(NamedTuple):
     dt: float  # time from tick to tick of the controller [s]
     substeps: int  # steps of the integration in half a tick
     out: Float  # truth of every tick, shape (ticks + 1, ROWS, n)
-    traced: NDArray[np.int64]  # TRACE of the compensators, shape (ticks + 1, n, fields); no fields without one
+    traced: Int  # TRACE of the compensators, shape (ticks + 1, n, fields); no fields without one
