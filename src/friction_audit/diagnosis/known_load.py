@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from friction_audit.dynamics.motion import INERTIAL_PARAMETERS, RigidBody
 from friction_audit.effects.joint_data import JointData
-from friction_audit.joint_log import Float, Int
+from friction_audit.joint_log import Float
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.even_grid import on_finer_grid
 from friction_audit.preprocessing.interaction import TorqueChoice
