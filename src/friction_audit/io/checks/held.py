@@ -148,15 +148,12 @@ def interpolate_held(recording: Recording, near: Stretches, step_s: float) -> Re
 
 def _period(values: Float, moving: Bool) -> float:
     """Return for how many rows the values of a joint are held while it moves, 0 where they are not."""
-    runs, jumps = list[Float](), list[Float]()
-    for column, moves in zip(values, moving, strict=True):
-        steps = np.diff(column)
-        updates = np.flatnonzero(steps)
-        own = moves[updates[:-1]] & moves[updates[1:]]
-        runs.append(np.diff(updates)[own])
-        jumps.append(np.abs(steps[updates[1:]])[own])
-    jump = np.concatenate(jumps)
-    length = np.concatenate(runs)[jump >= _STEPS * jump.min(initial=np.inf)]
+    steps = np.diff(values, axis=1)
+    stretch, update = np.nonzero(steps)
+    own = moving[stretch, update]
+    own = own[:-1] & own[1:] & (np.diff(stretch) == 0)
+    jump = np.abs(steps[stretch, update])[1:][own]
+    length = np.diff(update)[own][jump >= _STEPS * jump.min(initial=np.inf)]
     if len(length) < _FEWEST_UPDATES:
         return 0.0
     usual = float(np.median(length))
