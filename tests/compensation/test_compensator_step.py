@@ -178,7 +178,6 @@ LUGRE = competitors.LugreCompensation(coulomb_nm=COULOMB, breakaway_nm=0.4, visc
 @pytest.mark.parametrize(
     ("made", "message"),
     [
-        (lambda: settings_records([None], 0.0), "rate 0 Hz"),
         (lambda: replace(LUGRE, breakaway_nm=0.2), "breakaway_nm 0.2: expected coulomb_nm 0.3 or more"),
         (lambda: competitors.fit_sigmoid(0.0, 0.0), "friction above zero"),
     ],

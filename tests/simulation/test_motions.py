@@ -80,8 +80,7 @@ def test_range_and_speed_limits_hold(motion: StopAndGo | SlowSweep | Commanded, 
 
 def _intend(sinusoid: Sinusoid, duration_s: float, seed: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     ticks = round(duration_s / DT)
-    intention = sinusoid.reference(ticks, DT, _rng(seed))
-    return np.arange(ticks + 1) * DT, intention.position, intention.velocity
+    return np.arange(ticks + 1) * DT, *sinusoid.reference(ticks, DT, _rng(seed))
 
 
 def test_paper_s_sinusoid() -> None:

@@ -191,8 +191,6 @@ class DisturbanceObserver(CompensatorSettings):
 @compiled(inline=True)
 def update_observer(group: Record, state: Record, dq: float, interaction_nm: float, dt: float) -> None:
     """Integrate the observer over the interval before this tick, exactly for constant friction and F_m of its end."""
-    if dt <= 0.0:
-        return
     residual = interaction_nm + state.u_nm - group.inertia_kg_m2 * (dq - state.dq) / dt
     state.observed_friction_nm -= math.expm1(-group.observer_gain_per_s * dt) * (residual - state.observed_friction_nm)
 

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from friction_audit.compensation.competitors import COMPENSATORS, Compensator
 from friction_audit.compensation.law import LONGEST_WINDOW, MODELS, Coefficients, CompensatorSettings, EnergyCompensator
-from friction_audit.errors import UsageError
 
 NOT_FORCED = Coefficients(coulomb_nm=nan, viscous_nms_per_rad=nan)
 VISCOUS, COULOMB, COMBINED = range(len(MODELS))  # values of ``model``
@@ -80,8 +79,6 @@ STATE = np.dtype(
 
 def settings_records(compensators: Sequence[Compensator | None], rate: float) -> NDArray[np.void]:
     """Return records of SETTINGS of compensators, one per joint, None where none runs, for a controller rate. [Hz]"""
-    if not inf > rate > 0:
-        raise UsageError(f"compensator: rate {rate:g} Hz: expected a number above zero")
     records = np.zeros(len(compensators), SETTINGS)
     for record, compensator in zip(records, compensators, strict=True):
         # Estimation and passivity observer run with every kind of compensator.

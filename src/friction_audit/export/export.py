@@ -135,10 +135,8 @@ def export_friction(
     laws, lacking = friction_law.laws_of(joints, own, usual, wanted=wanted, armature=with_inertia)
     names, by_order, tags = [one.name for one in laws], False, dict[str, Tag]()
     if into is not None and target.joints_of is not None:
-        there = [(tag.attributes.get("name", ""), tag) for tag in target.joints_of(into)]
-        known = [name for name, _ in there]
-        names, by_order = friction_law.match_names(laws, len(joints.every), known, into.where)
-        tags = dict(there)
+        tags = {tag.attributes.get("name", ""): tag for tag in target.joints_of(into)}
+        names, by_order = friction_law.match_names(laws, len(joints.every), [*tags], into.where)
     fitted = [one.fit(target.highest_power) for one in laws]
     found = {one.number: one.found for one in joints.every}
     pairs = zip(names, laws, fitted, strict=True)

@@ -102,8 +102,6 @@ def significant(columns: Float) -> Bool:
     """Return which columns are linearly independent of those before them, shape (p,)."""
     size = float(np.max(np.sum(columns**2, axis=0), initial=0.0))
     kept = np.zeros(columns.shape[1], bool)
-    if size == 0.0:
-        return kept
     for k, column in enumerate(columns.T):
         before = columns[:, kept]
         left = column - before @ np.linalg.lstsq(before, column)[0] if kept.any() else column

@@ -145,9 +145,7 @@ def record(times: Float, rate_hz: float, sensors: Sensors, rng: np.random.Genera
     stale = rng.random(len(kept)) < sensors.stale
     stale[0] = False
     source = np.maximum.accumulate(np.where(stale, 0, np.arange(len(kept))))
-    stamps = times[kept]
-    if sensors.clock_jitter_s > 0:
-        room = STAMP_ROOM / rate_hz
-        stamps = stamps + np.clip(rng.normal(0.0, sensors.clock_jitter_s / np.sqrt(2.0), len(kept)), -room, room)
-    nanoseconds = np.rint(stamps * NANOSECONDS).astype(np.int64)
+    room = STAMP_ROOM / rate_hz
+    jitter = np.clip(rng.normal(0.0, sensors.clock_jitter_s / np.sqrt(2.0), len(kept)), -room, room)
+    nanoseconds = np.rint((times[kept] + jitter) * NANOSECONDS).astype(np.int64)
     return (nanoseconds - nanoseconds[0]) / NANOSECONDS, kept[source]

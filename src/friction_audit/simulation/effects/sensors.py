@@ -34,8 +34,6 @@ class TorqueDrift(HiddenEffect):
 
 def torque_drift_nm(group: TorqueDrift, t: Float, rng: np.random.Generator) -> Float:
     """Return the drift of the measured interaction torque, shape (n,); only a random walk draws numbers. [N m]"""
-    if group.torque_nm == 0.0:
-        return np.zeros_like(t)
     elapsed = t - t[0]
     if group.form == RANDOM_WALK:
         steps = rng.normal(0.0, 1.0, len(t) - 1) * np.sqrt(np.diff(t) / elapsed[-1])

@@ -169,11 +169,9 @@ def presliding_advance(
 ) -> None:
     """Advance the deflections of the bristles by a step h at constant velocity, in place.
 
-    LuGre and Dahl use the first deflection. Coulomb friction determines the stiffness; without it there are no
-    bristles. The level is the friction of steady sliding without its viscous part, at least a millionth of Coulomb.
+    LuGre and Dahl use the first deflection. Coulomb friction, above zero, determines the stiffness. The level is the
+    friction of steady sliding without its viscous part, at least a millionth of Coulomb friction.
     """
-    if coulomb_nm <= 0.0:
-        return
     level = max(level, LEAST_LEVEL * coulomb_nm)
     sigma0 = coulomb_nm / group.displacement_rad
     if group.form == LUGRE:
@@ -197,8 +195,6 @@ def presliding_force_nm(group: Record, bristles: Float, coulomb_nm: float, level
     Passive in every form, also for a varying level: the stored energy is sigma0 z^2 / 2, summed over the elements.
     Under a load that oscillates below break-away, LuGre and Dahl creep (Dupont et al. 2002); Maxwell-slip does not.
     """
-    if coulomb_nm <= 0.0:
-        return 0.0
     level = max(level, LEAST_LEVEL * coulomb_nm)
     sigma0 = coulomb_nm / group.displacement_rad
     if group.form == LUGRE:

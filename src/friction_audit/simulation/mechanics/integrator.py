@@ -296,7 +296,7 @@ def _drift(states: Record, body: Record, h: float) -> None:
 @compiled()
 def _advance_bristles(joint: Record, state: Record, body: Record, j: int, t: float, h: float) -> None:
     q, dq = body.y[body.inner[j]], body.v[body.inner[j]]
-    if joint.hidden.presliding.displacement_rad != 0.0:
+    if body.mode[body.inner[j]] == FREE:
         level = sliding_level(joint, state, q, abs(dq), 1.0 if dq >= 0.0 else -1.0, t)
         velocity.presliding_advance(joint.hidden.presliding, state.bristles, joint.coulomb_nm, level, dq, h)
 
