@@ -72,11 +72,9 @@ class Ledger(AbstractContextManager["Ledger"]):
         unclean = any(path.with_name(path.name + ending).exists() for ending in UNCLEAN)
         self._open()
         try:
-            with self._whole():
-                is_ledger = self._pragma("application_id") == APPLICATION_ID
-                is_old = is_ledger and self._pragma("user_version") < SCHEMA_VERSION
-            if is_old:  # its sessions are of older results, which are never asked for again
-                self._database.close()
+            is_ledger = self._ask("PRAGMA application_id")[0][0] == APPLICATION_ID
+            if is_ledger and self._ask("PRAGMA user_version")[0][0] < SCHEMA_VERSION:
+                self._database.close()  # its sessions are of older results, which are never asked for again
                 self.older = move_aside(path)
                 self._open()
             with self._whole():
@@ -184,9 +182,9 @@ class Ledger(AbstractContextManager["Ledger"]):
 
     def _set_up(self, *, unclean: bool) -> None:
         """Make the tables of an empty file; refuse a file that is something else, or in which SQLite finds faults."""
-        version = self._pragma("user_version")
+        ((version,),) = self._ask("PRAGMA user_version")
         holds_tables = bool(self._ask("SELECT 1 FROM sqlite_master LIMIT 1"))
-        if holds_tables and self._pragma("application_id") != APPLICATION_ID:
+        if holds_tables and self._ask("PRAGMA application_id")[0][0] != APPLICATION_ID:
             raise InputError(f"{self.path}: an SQLite database, but no ledger; {OTHER_PLACE}")
         if version > SCHEMA_VERSION:
             raise InputError(
@@ -206,9 +204,6 @@ class Ledger(AbstractContextManager["Ledger"]):
                 self._database.execute(statement)
             self._database.execute(f"PRAGMA application_id = {APPLICATION_ID}")
             self._database.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
-
-    def _pragma(self, name: str) -> int:
-        return int(self._database.execute(f"PRAGMA {name}").fetchone()[0])
 
     def _save_arm(self, one: Session | Fault, names: tuple[str, ...]) -> None:
         content = json.dumps(asdict(one), default=list, ensure_ascii=False)

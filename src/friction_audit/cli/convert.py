@@ -7,7 +7,7 @@ import typer
 
 from friction_audit.cli import chain, options as opt
 from friction_audit.cli.console import say_table
-from friction_audit.cli.outputs import show_written
+from friction_audit.cli.outputs import show
 from friction_audit.cli.parameters import OUTPUT, flag, parse_joints
 from friction_audit.joint_numbers import require_joints
 
@@ -52,5 +52,6 @@ def command(
     with voice.step(f"write {out}"):
         write_log(kept, out, dialect=writer.name, overwrite=overwrite)
     document = CONVERT.json({"source": kept, "output": {"path": str(out), "writer": writer, "log": kept}})
-    show_written(document, [out], voice)
+    voice.warn((warning["message"] for warning in document["warnings"]), held=True)
+    show(lambda: document, lambda: [str(out)], voice)
     chain.conclude(kept)

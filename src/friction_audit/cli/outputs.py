@@ -172,12 +172,6 @@ def write_junit(path: Path | None, text: str, *, overwrite: bool) -> None:
             draft.write_text(text, encoding="utf-8")
 
 
-def show_written(document: Mapping[str, Any], paths: Iterable[Path], voice: Voice) -> None:
-    """Print the document of files that were written, or its warnings and the files."""
-    voice.warn((warning["message"] for warning in document["warnings"]), held=True)
-    show(lambda: document, lambda: map(str, paths), voice)
-
-
 def show(document: str | Callable[[], Mapping[str, Any]], lines: Callable[[], Iterable[str]], voice: Voice) -> None:
     """Print the document, or the table for people."""
     if not voice.json:

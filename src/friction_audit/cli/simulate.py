@@ -8,7 +8,7 @@ import typer
 
 from friction_audit.cli import chain, options as opt
 from friction_audit.cli.console import say, say_table
-from friction_audit.cli.outputs import show_written
+from friction_audit.cli.outputs import show
 from friction_audit.cli.parameters import OUTPUT, SIMULATION, completed_by, flag, group, option
 from friction_audit.errors import UsageError
 from friction_audit.io.files import sha256_of, whole_file
@@ -87,8 +87,9 @@ def command(
             with whole_file(truth, overwrite=overwrite) as other:
                 text = documents.write_document(documents.TRUTH.json(simulated))
                 other.write_text(text, encoding="utf-8")
-    written = [path] if truth is None else [path, truth]
-    show_written(documents.SIMULATE.json(simulated), written, voice)
+    document = documents.SIMULATE.json(simulated)
+    voice.warn((warning["message"] for warning in document["warnings"]), held=True)
+    show(lambda: document, lambda: map(str, filter(None, (path, truth))), voice)
 
 
 def _choose_output(out: Path | None, dialect: str | None, truth: Path | None, overwrite: bool) -> "tuple[Path, Writer]":
