@@ -12,12 +12,12 @@ from hypothesis import given, settings, strategies as st
 
 from friction_audit.errors import InputError
 from friction_audit.io.checks import examine
-from friction_audit.io.readers import ReadOptions, read_log, to_joint_log
+from friction_audit.io.readers import ReadOptions, to_joint_log
 from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Finding, Float, JointLog
 from friction_audit.pipeline import AuditSettings, estimate_log
 from friction_audit.reporting.notices import NO_PHYSICS, minor
-from tests.io.synthetic_recordings import motion, recording, refused, tidy_frame
+from tests.io.synthetic_recordings import motion, read_text, recording, refused, tidy_frame
 
 Change = Callable[[Recording], None]
 NAN = np.nan
@@ -290,32 +290,28 @@ def test_a_rig_that_may_be_in_degrees_is_refused_with_the_way_to_say_it(tmp_path
     arrays = motion(3000, 1)
     columns = {"t": arrays["t"], "tau_J": arrays["tau_J"][:, 0]}
     columns |= {"q": arrays["q"][:, 0] * 116.0, "dq": arrays["dq"][:, 0] * 116.0}
-    pd.DataFrame(columns).to_csv(tmp_path / "rig.csv", index=False)
-    refused(r"degrees.*--map q=q:deg --map dq=dq:deg", read_log, tmp_path / "rig.csv")
+    frame = pd.DataFrame(columns)
+    refused(r"degrees.*--map q=q:deg --map dq=dq:deg", read_text, tmp_path, frame)
     for unit, largest in (("deg", np.deg2rad(58.0)), ("rad", 58.0)):
-        log = read_log(tmp_path / "rig.csv", ReadOptions(mapping={"q": f"q:{unit}", "dq": f"dq:{unit}"}))
+        log = read_text(tmp_path, frame, mapping={"q": f"q:{unit}", "dq": f"dq:{unit}"})
         assert log.q[:, 0].max() == pytest.approx(largest, rel=1e-3)
 
 
 @pytest.mark.parametrize(("name", "factor"), [("motor_position", 100.0), ("position", 2000.0)])
 def test_a_motor_or_an_encoder_of_an_arm_is_not_taken_for_degrees(tmp_path: Path, name: str, factor: float) -> None:
-    frame = tidy_frame(3000).rename(
-        columns=lambda column: column.replace("q_", f"{name}_") if column[0] == "q" else column
-    )
+    frame = tidy_frame(3000).rename(columns=lambda one: one.replace("q_", f"{name}_") if one[0] == "q" else one)
     turned = [column for column in map(str, frame) if column.startswith((name, "dq"))]
     frame[turned] *= factor
-    frame.to_csv(tmp_path / "arm.csv", index=False)
-    with pytest.raises(InputError, match=r"a motor of many turns; .* divide the columns of a motor by the gear ratio"):
-        read_log(tmp_path / "arm.csv")
+    words = r"a motor of many turns; .* divide the columns of a motor by the gear ratio"
+    refused(words, read_text, tmp_path, frame)
 
 
 def test_an_axis_in_millimetres_does_not_turn_the_others_into_radians(tmp_path: Path) -> None:
     frame = tidy_frame(3000)
     frame[["q_3", "dq_3"]] *= 500.0
-    frame.to_csv(tmp_path / "lift.csv", index=False)
-    refused("leave an axis in mm out", read_log, tmp_path / "lift.csv")
+    refused("leave an axis in mm out", read_text, tmp_path, frame)
     both = {"q": "q_1,q_2", "dq": "dq_1,dq_2", "tau_J": "tau_J_1,tau_J_2"}
-    log = read_log(tmp_path / "lift.csv", ReadOptions(mapping=both))
+    log = read_text(tmp_path, frame, mapping=both)
     np.testing.assert_array_equal(log.q, motion(3000)["q"][:, :2])
 
 
@@ -344,8 +340,8 @@ def test_a_jump_of_the_clock_holds_no_value_and_moves_no_joint() -> None:
 
 
 def test_two_recordings_in_one_file_are_named_with_the_row(tmp_path: Path) -> None:
-    pd.concat([tidy_frame(3000)] * 2).to_csv(tmp_path / "two.csv", index=False)
-    refused(r"2 recordings in one file: cut it before row 3001", read_log, tmp_path / "two.csv")
+    both = pd.concat([tidy_frame(3000)] * 2)
+    refused(r"2 recordings in one file: cut it before row 3001", read_text, tmp_path, both)
 
 
 def test_a_few_wild_torques_are_no_unit() -> None:

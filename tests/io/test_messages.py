@@ -153,9 +153,8 @@ def test_json_joint_states(tmp_path: Path) -> None:
         fields = {"position": values["q"][i].tolist(), "velocity": values["dq"][i].tolist(), "effort": effort}
         messages.append((bags.stamp_ns(i) + 1000, {"header": {"stamp": stamp}, "name": list(bags.JOINTS), **fields}))
     streams = [("/j", "JointState", [(time, json.dumps(message).encode()) for time, message in messages])]
-    recording = bags.read(
-        bags.write_payloads(tmp_path / "a.mcap", streams, {"JointState": b"{}"}, "json", "jsonschema")
-    )
+    path = bags.write_payloads(tmp_path / "a.mcap", streams, {"JointState": b"{}"}, "json", "jsonschema")
+    recording = bags.read(path)
     bags.assert_read(recording, values)
     assert recording.clock == "header_stamp"
     np.testing.assert_array_equal(recording.t, np.arange(40) * bags.STEP_NS / 1e9)

@@ -209,11 +209,8 @@ def test_position_and_torque_are_of_one_arm_and_of_the_joints() -> None:
     assert mapped(["t", *arms]).mapping == {"q": "follower.qpos.{i}", "tau_J": "follower.effort.{i}"}
     sides = [f"{side}_{what}" for side in ("motor", "joint") for what in ("position", "torque")]
     assert mapped(["t", *sides]).mapping == {"q": "joint_position", "tau_J": "joint_torque"}
-    for paths in (
-        ["leader.position", "follower.position", "follower.effort"],
-        ["motor.q", "follower.q", "follower.tau"],
-    ):
-        kind = kind_of(paths)
+    for paths in ("leader.position follower.position follower.effort", "motor.q follower.q follower.tau"):
+        kind = kind_of(paths.split())
         assert kind is not None
         assert all(path.startswith("follower") for path in kind.fields.values())
     both = [f"/{arm}/{what}[{i}]" for arm in ("left", "right") for what in ("position", "effort") for i in range(3)]

@@ -77,7 +77,7 @@ def test_a_list_column_by_mapping(tmp_path: Path) -> None:
             "row 201 of dq holds 1 values; expected 3",
         ),
         (
-            lambda: tidy_frame(300).assign(time=[pd.NaT, *pd.date_range("2024", periods=299, freq="ms")]),
+            lambda: tidy_frame(300).assign(time=pd.to_datetime([None, *range(1, 300)], unit="ms")),
             "time lacks 1 stamps; expected one in every row",
         ),
         (lambda: tidy_frame(300).assign(dq_2="fast"), r"dq_2 holds (large_)?string"),

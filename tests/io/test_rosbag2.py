@@ -227,9 +227,8 @@ def test_pages_that_are_broken_in_a_cut_file_lose_their_own_messages_alone(tmp_p
 
 def test_deleted_messages_do_not_come_back_from_a_cut_file(tmp_path: Path, long_bag: LongBag) -> None:
     bag = shutil.copytree(long_bag[0], tmp_path / "whole")
-    execute(
-        storage_file(bag), ("PRAGMA secure_delete = OFF",), ("DELETE FROM messages WHERE id BETWEEN 1001 AND 3000",)
-    )
+    commands = ("PRAGMA secure_delete = OFF", "DELETE FROM messages WHERE id BETWEEN 1001 AND 3000")
+    execute(storage_file(bag), *((one,) for one in commands))
     recording = bags.read(cut(bag, tmp_path / "bag", 0.5))
     kept = np.isin(long_bag[1]["q"][:, 0], recording.channels["q"][:, 0])
     assert not kept[1000:3000].any()

@@ -204,11 +204,8 @@ def test_rows_of_several_joints_are_never_read_as_one(tmp_path: Path, late_s: fl
 @pytest.mark.parametrize("suffix", ["csv", "parquet"])
 def test_rows_of_two_robots_are_refused_by_the_column_that_says_it(tmp_path: Path, suffix: str) -> None:
     path, one = tmp_path / f"two.{suffix}", tidy_frame(SAMPLES)
-    for names, refusal in (
-        (("left", "left"), None),
-        (("left", "right"), "several robots: column Arm_ID holds left, right"),
-    ):
-        both = pd.concat([one.assign(Arm_ID=names[0])[::2], one.assign(Arm_ID=names[1])[1::2]]).sort_values("time")
+    for other, refusal in (("left", None), ("right", "several robots: column Arm_ID holds left, right")):
+        both = pd.concat([one.assign(Arm_ID="left")[::2], one.assign(Arm_ID=other)[1::2]]).sort_values("time")
         both.to_csv(path, index=False) if suffix == "csv" else both.to_parquet(path)
         refused(refusal, read_log, path) if refusal else read_log(path)
 

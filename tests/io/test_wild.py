@@ -8,23 +8,20 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from friction_audit.io.readers import read_log
-from friction_audit.io.readers.reader import ReadOptions
 from friction_audit.joint_log import Float, JointLog
 from tests.in_this_process import run
-from tests.io.synthetic_recordings import motion, recording
+from tests.io.synthetic_recordings import motion, read_text, recording
 from tests.io.test_checks import codes, finding, vetted
 
 TRUTH = {"coulomb_nm": 0.3, "viscous_nms_per_rad": 0.1}
 
 
-def rig(samples: int = 1200) -> pd.DataFrame:
+def rig() -> pd.DataFrame:
     """Return the log of a joint with friction of known size, 0.3 N m and 0.1 N m s/rad, at 100 Hz."""
-    t = np.arange(samples) / 100.0
+    t = np.arange(1200) / 100.0
     dq = 1.5 * np.cos(3.0 * t)
-    return pd.DataFrame(
-        {"t": t, "q_1": 0.5 * np.sin(3.0 * t), "dq_1": dq, "tau_interaction_1": 0.3 * np.sign(dq) + 0.1 * dq}
-    )
+    friction = 0.3 * np.sign(dq) + 0.1 * dq
+    return pd.DataFrame({"t": t, "q_1": 0.5 * np.sin(3.0 * t), "dq_1": dq, "tau_interaction_1": friction})
 
 
 CASES: Mapping[str, tuple[str, list[int], list[float]]] = {
@@ -61,8 +58,7 @@ def test_a_wild_sample_is_left_out_and_named_and_the_estimate_is_as_without(case
 def test_the_time_of_a_wild_sample_in_a_part_is_that_of_the_whole_log(tmp_path: Path) -> None:
     table = rig()
     table.loc[600, "tau_interaction_1"] = 300.0
-    table.to_csv(tmp_path / "rig.csv", index=False)
-    message = finding(read_log(tmp_path / "rig.csv", ReadOptions(t_start_s=4.0, t_end_s=9.0)), "wild_samples").message
+    message = finding(read_text(tmp_path, table, t_start_s=4.0, t_end_s=9.0), "wild_samples").message
     assert "at 6 s" in message
     assert "(row " not in message or "(row 601)" in message
 
@@ -117,8 +113,7 @@ def test_the_row_s_number_is_not_named_where_rows_were_left_out_before() -> None
 def test_a_block_of_zeros_is_left_out(column: str, rows: tuple[int, int], tmp_path: Path) -> None:
     table = rig()
     table.loc[slice(rows[0], rows[1] - 1), column] = 0.0
-    table.to_csv(tmp_path / "rig.csv", index=False)
-    log = read_log(tmp_path / "rig.csv")
+    log = read_text(tmp_path, table)
     message = finding(log, "wild_samples").message
     assert f"{rows[1] - rows[0]} rows left out" in message
     assert len(log.t) == 1200 - (rows[1] - rows[0])
@@ -128,8 +123,7 @@ def test_frames_of_zeros_are_left_out(tmp_path: Path) -> None:
     table, lost = rig(), np.random.default_rng(3).choice(np.arange(1200), 60, replace=False)
     lost = lost[np.abs(table.loc[lost, "q_1"]) > 0.1]
     table.loc[lost, ["q_1", "dq_1", "tau_interaction_1"]] = 0.0
-    table.to_csv(tmp_path / "rig.csv", index=False)
-    kept = read_log(tmp_path / "rig.csv").q[:, 0]
+    kept = read_text(tmp_path, table).q[:, 0]
     assert np.count_nonzero(kept == 0.0) <= 1 + 0.1 * len(lost)
 
 
@@ -140,5 +134,4 @@ def test_zeros_that_a_joint_can_have_are_kept(tmp_path: Path) -> None:
     still = pd.concat([table.assign(q_1=0.0, dq_1=0.0, tau_interaction_1=0.0)[:300], table.assign(t=table["t"] + 3.0)])
     later = table.assign(t=table["t"] + 30.0)[20:]  # a pause of the recording, in which the joint left zero
     still = pd.concat([still, table.assign(t=table["t"] + 20.0, q_1=0.0, dq_1=0.0)[:100], later])
-    still.to_csv(tmp_path / "rig.csv", index=False)
-    assert "wild_samples" not in codes(read_log(tmp_path / "rig.csv"))
+    assert "wild_samples" not in codes(read_text(tmp_path, still))

@@ -52,7 +52,15 @@ def read(path: Path, options: ReadOptions) -> Recording:
         features = {name: one for name, one in features.items() if isinstance(one, dict)}
     except (ValueError, LookupError, AttributeError, TypeError, RecursionError) as error:
         raise InputError(f"{path}: {DATA_SET} holds no features of a data set ({error}); copy it again") from error
-    table = _EpisodeTable(path, _columns(episodes[name][0], name), features)
+    from pyarrow import compute
+
+    from friction_audit.io.readers.parquet import is_of, opened
+
+    with opened(file := episodes[name][0]) as parquet:
+        kinds = {one.name: one.type.value_type if is_of(one.type, "list") else one.type for one in parquet.schema_arrow}
+        frames = parquet.read([name for name, kind in kinds.items() if is_of(kind, "number")])
+    own = compute.equal(frames["episode_index"], int(name.rpartition("_")[2]))
+    table = _EpisodeTable(path, arrays_of_frame(frames.filter(own), str(file)), features)
     options = replace(options, topic=f"#{arm}" if arm else None, mapping={**table.mapping, **options.mapping})
     try:
         return replace(read_table(table, options), topic=name)
@@ -111,16 +119,3 @@ def _episodes(path: Path) -> dict[str, tuple[Path, int]]:
     if not any(frames for _, frames in found.values()):
         raise InputError(f"{path}: 0 frames; expected episodes in data/*/*.parquet; fetch or record them")
     return {f"episode_{number:06d}": found[number] for number in sorted(found)}
-
-
-def _columns(file: Path, episode: str) -> dict[str, NDArray[Any]]:
-    """Return the columns of numbers of an episode, by the names of their features."""
-    from pyarrow import compute
-
-    from friction_audit.io.readers.parquet import is_of, opened
-
-    with opened(file) as parquet:
-        kinds = {one.name: one.type.value_type if is_of(one.type, "list") else one.type for one in parquet.schema_arrow}
-        table = parquet.read([name for name, kind in kinds.items() if is_of(kind, "number")])
-    own = compute.equal(table["episode_index"], int(episode.rpartition("_")[2]))
-    return arrays_of_frame(table.filter(own), str(file))
