@@ -170,6 +170,40 @@ class NominalModel:
     y: Float  # torque of the samples without it, shape (m,) [N m]
     model: JointModel | None  # the model file's model of the joint, None without one
 
+    @classmethod
+    def build(cls, data: JointData, samples: Samples, model: JointModel | None) -> "NominalModel":
+        """Build the columns; the inertia of a model file and the terms that it holds are not fitted.
+
+        Raises:
+            AnalysisError: If everything is stated, so that nothing is left to fit.
+        """
+        fine = {"coulomb_nm": data.direction, "viscous_nms_per_rad": data.dq}
+        stated = np.zeros(len(data.t))
+        if model is None:
+            fine[INERTIA] = data.ddq
+        else:
+            rest = model.rest(data.motion())
+            stated = model.inertia_kg_m2 * data.ddq
+            for term in model.terms:
+                motion = _motion_of(term, model, data, samples) if term.effect.forward in RINGING else data.motion(rest)
+                columns = _columns(term, motion)
+                if term.name in model.held:
+                    stated = stated + term.torque(motion)
+                    fine = {name: column for name, column in fine.items() if name not in columns}
+                else:
+                    fine |= columns
+        if not fine:
+            raise AnalysisError((Caution("all_held"),))
+        stacked = np.column_stack(list(fine.values()))
+        return cls(
+            names=tuple(fine),
+            fine=stacked,
+            columns=samples.of(stacked),
+            stated=stated,
+            y=samples.y - samples.of(stated),
+            model=model,
+        )
+
     def baseline(self, coefficients: Float) -> Nominal:
         """The fitted model, from coefficients, shape (b,), as columns of effects need it."""
         stated = {}
@@ -184,40 +218,6 @@ class NominalModel:
             torque=self.fine @ coefficients + self.stated,
             declared=frozenset(stated),
         )
-
-
-def nominal_model(data: JointData, samples: Samples, model: JointModel | None) -> NominalModel:
-    """Build the columns of the nominal model; the inertia of a model file and the terms that it holds are not fitted.
-
-    Raises:
-        AnalysisError: If everything is stated, so that nothing is left to fit.
-    """
-    fine = {"coulomb_nm": data.direction, "viscous_nms_per_rad": data.dq}
-    stated = np.zeros(len(data.t))
-    if model is None:
-        fine[INERTIA] = data.ddq
-    else:
-        rest = model.rest(data.motion())
-        stated = model.inertia_kg_m2 * data.ddq
-        for term in model.terms:
-            motion = _motion_of(term, model, data, samples) if term.effect.forward in RINGING else data.motion(rest)
-            columns = _columns(term, motion)
-            if term.name in model.held:
-                stated = stated + term.torque(motion)
-                fine = {name: column for name, column in fine.items() if name not in columns}
-            else:
-                fine |= columns
-    if not fine:
-        raise AnalysisError((Caution("all_held"),))
-    stacked = np.column_stack(list(fine.values()))
-    return NominalModel(
-        names=tuple(fine),
-        fine=stacked,
-        columns=samples.of(stacked),
-        stated=stated,
-        y=samples.y - samples.of(stated),
-        model=model,
-    )
 
 
 def _motion_of(term: FittedTerm, model: JointModel, data: JointData, samples: Samples) -> Motion:
