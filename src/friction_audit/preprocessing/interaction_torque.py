@@ -112,13 +112,12 @@ def _hand_speed(log: JointLog, settings: TorqueSettings) -> Float:
 
 def _columns(log: JointLog, joints: tuple[int, ...] | None) -> list[int]:
     there = range(1, len(log.joint_names) + 1)
-    if joints is None:
-        return [number - 1 for number in there]
-    unknown = [str(number) for number in joints if number not in there]
-    if unknown or not joints:
+    chosen = sorted(set(there if joints is None else joints))
+    unknown = [str(number) for number in joints or () if number not in there]
+    if unknown or not chosen:
         listed = ", ".join(f"{number} ({name})" for number, name in zip(there, log.joint_names, strict=True))
         raise UsageError(f"--joints {','.join(unknown)}: not in {log.source.path}; its joints are {listed}")
-    return [number - 1 for number in sorted(set(joints))]
+    return [number - 1 for number in chosen]
 
 
 def _choose_row(log: JointLog, coarse: CoarseLog, plan: Plan, settings: TorqueSettings) -> tuple[Balance, bool]:
