@@ -29,7 +29,6 @@ from friction_audit.preprocessing.velocity import MEDIAN_OF_DENSITY, noise_densi
 
 INERTIA = "inertia_kg_m2"
 FRICTION = {"coulomb": "coulomb_nm", "viscous": "viscous_nms_per_rad"}  # terms with their one coefficient
-RINGING = ("spring", "gap")  # forward models of terms that amplify noise of the position
 SAMPLE_HZ = 100.0
 LOWEST_CORNER_HZ = 8.0
 # Of the torque's noise: what a regressor's may be. With a third, a delay of 4 ms is lost; with all of it, half of the
@@ -185,7 +184,7 @@ class NominalModel:
             rest = model.rest(data.motion())
             stated = model.inertia_kg_m2 * data.ddq
             for term in model.terms:
-                motion = _motion_of(term, model, data, samples) if term.effect.forward in RINGING else data.motion(rest)
+                motion = _motion_of(term, model, data, samples) if term.effect.transmits else data.motion(rest)
                 columns = _columns(term, motion)
                 if term.name in model.held:
                     stated = stated + term.torque(motion)
@@ -221,7 +220,7 @@ class NominalModel:
 
 
 def _motion_of(term: FittedTerm, model: JointModel, data: JointData, samples: Samples) -> Motion:
-    """The motion as measured or low-passed: the one with which the term explains more."""
+    """The motion as measured or low-passed, for a link amplifies noise: that with which the term explains more."""
     every = [data.motion(), data.motion_below(MOTION_BELOW_HZ)]
     motions = [replace(motion, rest=model.rest(motion)) for motion in every]
     simple = (data.direction, data.dq, data.ddq)

@@ -43,7 +43,7 @@ class Link(Effect):
     """A spring or a gap: those of many parameters are followed side by side."""
 
     screened = 2
-    needs_nominal = True
+    needs_nominal = follows = transmits = True
     # Share of the coefficient that it follows from above which it is possible.
     least: ClassVar[float]
 
