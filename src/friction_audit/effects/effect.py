@@ -108,7 +108,7 @@ class Effect:
     def regressors_of(
         self, data: JointData, nominals: Sequence[Nominal], grid: Sequence[Nonlinear], seen: Callable[[Float], Float]
     ) -> Iterator[tuple[Sequence[int], Float]]:
-        """Yield places and how their columns are seen, (n, k) as (k, m), with the nominal models; one, but of links."""
+        """Yield places and how their columns are seen, (n, k) as (k, m); each point of a link has a nominal model."""
         yield from (([place], seen(columns)) for place, columns in self.regressors(data, nominals[0], grid))
 
     def regressor(self, data: JointData, nominal: Nominal, at: Nonlinear) -> Float:

@@ -81,7 +81,7 @@ class EnergyCycles:
         return self.made_of(lambda own: own[0][mask])
 
     def made_of(self, of: Callable[[list[Any]], Any], later: Sequence["EnergyCycles"] = ()) -> "EnergyCycles":
-        """Return the structure of which each array is a function of those of these cycles, and of later ones."""
+        """Return the structure whose arrays are a function of the arrays of these cycles and of later ones."""
         every = [self, *later]
         names = [one.name for one in fields(self) if isinstance(getattr(self, one.name), np.ndarray)]
         arrays = {name: of([getattr(one, name) for one in every]) for name in names}
