@@ -19,7 +19,7 @@ from benchmarks.hidden_effects.run import NOT_REACHED, SIZES, scaled
 from benchmarks.hidden_effects.strength import prepared
 from benchmarks.resume import Row
 from friction_audit.diagnosis.problem import RegressionProblem
-from friction_audit.diagnosis.samples import NominalModel, Samples, least_squares, make_samples, nominal_model
+from friction_audit.diagnosis.samples import NominalModel, Samples, least_squares, make_samples
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.effects.registry import effects
@@ -50,7 +50,7 @@ def samples_of(data: JointData, model: JointModel | None, corner_hz: float | Non
     """Filter a joint; below the corner that its own noise allows unless another is given. [Hz]"""
     corner = RegressionProblem.build(data, model).samples.corner_hz if corner_hz is None else corner_hz
     rows = make_samples(data, corner)
-    return SampledJoint(data=data, rows=rows, nominal=nominal_model(data, rows, model))
+    return SampledJoint(data=data, rows=rows, nominal=NominalModel.build(data, rows, model))
 
 
 def integral_time(residual: Float, rows: Samples) -> float:

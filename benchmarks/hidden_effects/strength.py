@@ -7,7 +7,7 @@ import numpy as np
 from benchmarks.hidden_effects.draw import Case, model_of, settings_of
 from friction_audit.diagnosis.prepare import prepare
 from friction_audit.diagnosis.problem import RegressionProblem
-from friction_audit.diagnosis.samples import least_squares, make_samples, nominal_model
+from friction_audit.diagnosis.samples import NominalModel, least_squares, make_samples
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import ArmModel
 from friction_audit.errors import FrictionAuditError
@@ -34,7 +34,7 @@ def left_over(log: JointLog, joint: int, model: ArmModel | None = None, corner_h
     rows = make_samples(
         data, RegressionProblem.build(data, stated).samples.corner_hz if corner_hz is None else corner_hz
     )
-    declared = nominal_model(data, rows, stated)
+    declared = NominalModel.build(data, rows, stated)
     left = declared.y - declared.columns @ least_squares(declared.columns.T, declared.y)
     return float(np.sqrt(np.mean(left**2)))
 

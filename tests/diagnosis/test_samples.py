@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from friction_audit.diagnosis import samples as s
-from friction_audit.diagnosis.samples import least_squares, make_samples, nominal_model
+from friction_audit.diagnosis.samples import NominalModel, least_squares, make_samples
 from friction_audit.effects.joint_data import CORNER_HZ
 from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.errors import AnalysisError
@@ -118,7 +118,7 @@ SIMPLE = (FittedTerm("coulomb", (9.0,)), FittedTerm("viscous", (9.0,)))
 
 
 def test_exact_data_give_the_exact_coefficients() -> None:
-    nominal = nominal_model(EXACT, make_samples(EXACT), None)
+    nominal = NominalModel.build(EXACT, make_samples(EXACT), None)
     values = least_squares(nominal.columns.T, nominal.y)
     assert dict(zip(nominal.names, values, strict=True)) == pytest.approx(TRUTH, rel=1e-9)
     baseline = nominal.baseline(values)
@@ -131,7 +131,7 @@ def test_exact_data_give_the_exact_coefficients() -> None:
 
 def test_a_term_that_is_held_is_stated_and_no_column() -> None:
     held = JointModel(inertia_kg_m2=INERTIA_KG_M2, terms=(FittedTerm("coulomb", (0.4,)), SIMPLE[1]), held=("coulomb",))
-    nominal = nominal_model(EXACT, make_samples(EXACT), held)
+    nominal = NominalModel.build(EXACT, make_samples(EXACT), held)
     assert nominal.names == ("viscous_nms_per_rad",)
     assert nominal.stated == pytest.approx(INERTIA_KG_M2 * EXACT.ddq + 0.4 * EXACT.motion().direction)
     baseline = nominal.baseline(np.array([0.07]))
@@ -143,15 +143,15 @@ def test_a_term_that_is_held_is_stated_and_no_column() -> None:
 def test_a_model_that_holds_everything_leaves_nothing_to_fit() -> None:
     held = JointModel(inertia_kg_m2=INERTIA_KG_M2, terms=SIMPLE, held=("coulomb", "viscous"))
     with pytest.raises(AnalysisError, match="all_held"):
-        nominal_model(EXACT, make_samples(EXACT), held)
+        NominalModel.build(EXACT, make_samples(EXACT), held)
 
 
 def test_numbers_that_a_model_file_lacks_are_no_columns() -> None:
     of_angle = FittedTerm("gravity_error", (0.3, 0.1, *([0.0] * 15)))
-    nominal = nominal_model(EXACT, make_samples(EXACT), JointModel(inertia_kg_m2=0.5, terms=(*SIMPLE, of_angle)))
+    nominal = NominalModel.build(EXACT, make_samples(EXACT), JointModel(inertia_kg_m2=0.5, terms=(*SIMPLE, of_angle)))
     assert "gravity_cos_nm" in nominal.names
     assert "gravity_across_2_m_s2" in nominal.names
     assert not [name for name in nominal.names if name.startswith(("next", "last"))]
     several = FittedTerm("gravity_error", (0.0,) * 9 + (0.1,) + (0.0,) * 6 + (-2.0,))
-    nominal = nominal_model(EXACT, make_samples(EXACT), JointModel(inertia_kg_m2=0.5, terms=(*SIMPLE, several)))
+    nominal = NominalModel.build(EXACT, make_samples(EXACT), JointModel(inertia_kg_m2=0.5, terms=(*SIMPLE, several)))
     assert [name for name in nominal.names if name.startswith(("next", "last"))] == ["next_link_moment_y_kg_m"]

@@ -31,7 +31,8 @@ ODD = {"stribeck", "stiction", "nonlinear_viscous", "presliding", "frictional_la
 }  # fmt: skip
 AXES = {"speed", "position", "displacement", "time", "acceleration", "load", "neighbour"}
 MOST_FIELDS = 10
-OF_SOME = {"needs_nominal", "misses", "like_gravity", "screened", "recorder"}  # what some effects have of their own
+# What some effects have of their own.
+OF_SOME = {"needs_nominal", "misses", "like_gravity", "screened", "follows", "transmits", "recorder"}
 MOST_POINTS = 300  # a search tries all of them on every joint
 MOVING = two_sines(32.0)
 NOMINAL = baseline(MOVING)

@@ -10,11 +10,11 @@ from hypothesis import given, strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.dynamics.motion import Motion, Others, RigidBody
+from friction_audit.effects.instant import bend
 from friction_audit.effects.load import SEVERAL, TILT
 from friction_audit.effects.neighbours import AFTER, ALL, BEFORE, BOTH, JOINTS, MODEL, TIP
 from friction_audit.effects.presliding import bristle
 from friction_audit.effects.registry import term_of
-from friction_audit.effects.speed import bend
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.even_grid import first_order
 

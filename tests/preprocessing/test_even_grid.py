@@ -9,7 +9,7 @@ from scipy.signal import lfilter
 
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.preprocessing import even_grid
-from friction_audit.preprocessing.resampling import Grid, GridTorque, grids_of, motion_on
+from friction_audit.preprocessing.balance import Grid, GridTorque, grids_of, motion_on
 from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.robot.arm import load_arm
 from tests.synthetic_interaction import log_of

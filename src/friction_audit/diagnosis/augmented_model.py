@@ -24,7 +24,6 @@ from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Int, JointLog
 from friction_audit.preprocessing.interaction import Caution
 
-METHOD = "diagnose"
 FRICTION = ("coulomb_nm", "viscous_nms_per_rad")
 SHORTEST = 3  # fewest samples of a cycle that is simulated
 # A joint that its drive alone would bring to its usual speed sooner has hardly any inertia: its velocity would follow
@@ -44,7 +43,7 @@ def augment_models(
     lacking, known = [], {term.name for term in terms()}
     for joint in (joint for joint in found if joint.augmented):
         cycles = 0 if joint.traces is None else len(np.unique(joint.traces.cycle))
-        origin = Provenance(method=METHOD, log=log.source.path, sha256=log.source.sha256, cycles=cycles)
+        origin = Provenance(method="diagnose", log=log.source.path, sha256=log.source.sha256, cycles=cycles)
         try:
             joints[joint.joint - 1] = augment_model(joint, joints[joint.joint - 1], origin)
         except AnalysisError as error:

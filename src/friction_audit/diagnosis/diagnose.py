@@ -1,6 +1,6 @@
 """Where simulation and measurement disagree: joint by joint, the names that stand, their sizes and the verdict."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 
@@ -16,15 +16,7 @@ from friction_audit.diagnosis.nonlinear import Estimates, intervals
 from friction_audit.diagnosis.prepare import Subject
 from friction_audit.diagnosis.problem import refuse_few
 from friction_audit.diagnosis.procedure import State, accepted, select
-from friction_audit.diagnosis.result import (
-    ContactTrace,
-    JointDiagnosis,
-    NamedEffect,
-    Profile,
-    ResidualCheck,
-    Traces,
-    Verdict,
-)
+from friction_audit.diagnosis.result import ContactTrace, JointDiagnosis, NamedEffect, ResidualCheck, Traces, Verdict
 from friction_audit.diagnosis.samples import make_samples
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.effect import Effect
@@ -157,7 +149,7 @@ def _result(subject: Subject, state: State, settings: DiagnosisSettings) -> Join
     slow = (Caution("untested_time", numbers={"lacking": lacking}),) if verdict == "not_testable" else ()
     return replace(
         _answer(subject, verdict, slow),
-        effects=(*contact_effects(state, first), *named),
+        effects=(*contact_effects(state, before.residual, tests.curves), *named),
         nominal=plain.nominal,
         augmented=estimates.nominal,
         gap=closed,
@@ -281,8 +273,8 @@ def _traces(state: State, before: Float, after: Float) -> Traces:
     )
 
 
-def contact_effects(state: State, profiles: tuple[Profile, ...]) -> tuple[NamedEffect, ...]:
-    """Contacts as one effect of the answer."""
+def contact_effects(state: State, residual: Float, p_values: Mapping[str, float]) -> tuple[NamedEffect, ...]:
+    """Contacts as one effect of the answer, along the time of what the nominal model leaves."""
     problem, X, whole, contacts = state.problem, state.problem.X, state.disturbed, state.contacts
     if whole is None:
         return ()
@@ -303,7 +295,7 @@ def contact_effects(state: State, profiles: tuple[Profile, ...]) -> tuple[NamedE
             gap_before_nm=before,
             gap_after_nm=after,
             torque=np.zeros(len(problem.y)),
-            curve=next((one for one in profiles if one.axis == ContactEvent.axis), profiles[0]),
+            curve=residual_checks.profiles_of(problem, residual, p_values, ContactEvent.axis)[0],
             size_nm=size,
             residual_share=(size / before) ** 2 if before > 0 else 0.0,
             grade="major",

@@ -18,7 +18,6 @@ from friction_audit.preprocessing.interaction import Caution
 # Every so many points of a grid: neighbours are refined afterwards.
 EVERY = {"frictional_lag": 3, "presliding": 2, "nonlinear_viscous": 2}
 LEAST_BEND = 0.05  # of the log's high speed: a curve in speed below is Coulomb friction with a smoothed sign
-EVENT = "contact_event"  # found by its own detector
 FARTHEST = 0.5  # by what share a link may change the nominal coefficients
 # By what share it must, for its columns to be built again with them. With 2 %, effects_backlash_60009 ends in another
 # minimum, 1.7 % off, and has one contact more.
@@ -103,7 +102,7 @@ class Dictionary:
         Effects whose columns take long are screened by some points, links by some of one kind (sure independence
         screening: J. Fan, J. Lv, J. R. Stat. Soc. B 70 (2008) 849): to build all of them takes a third of the time.
         """
-        made = cls(problem, tuple(e for e in effects if e.name != EVENT), baseline, problem.y)
+        made = cls(problem, tuple(e for e in effects if e.coefficients), baseline, problem.y)
 
         def of(k: int) -> tuple[Caution | None, list[Block]]:
             effect, data = made.effects[k], problem.data

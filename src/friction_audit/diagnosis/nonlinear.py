@@ -68,6 +68,7 @@ class Point(NamedTuple):
     left: Float
     inside: Float
     columns: Float
+    nominal: Nominal  # fitted with the effect where that acts on it
 
 
 class Projection:
@@ -90,22 +91,18 @@ class Projection:
         possible = self.block.effect.possible(self.block.whole(coefficients), shape)
         cost = self.cost(float(left @ left)) if possible else np.inf
         inside = np.vstack([self.given.basis, np.linalg.qr(free.T)[0].T])
-        return Point(x, cost, coefficients, left, inside, columns)
+        return Point(x, cost, coefficients, left, inside, columns, self.baseline)
 
     def cost(self, rss: float) -> float:
         """2 ln of the likelihood, with its sign turned, up to a constant."""
         return self.samples * float(np.log(max(rss, 1e-300)))
 
-    def nominal_at(self, _coefficients: Float) -> Nominal:
-        """The nominal model of a fit with these coefficients."""
-        return self.baseline
-
     def gauss_newton(self, point: Point, difference: float) -> Point:
         """The first better point along a step with Kaufman's Jacobian, damped a little; the same without one."""
         here, ahead = self.scale.at(point.x), difference * np.eye(len(point.x))
         ahead[[self.scale.at(point.x + one) == here for one in ahead]] *= -1.0
-        shapes, nominal = [here, *(self.scale.at(point.x + one) for one in ahead)], self.nominal_at(point.coefficients)
-        torques = self.gram.whiten(self.dictionary.torques_at(self.block, shapes, nominal, point.coefficients))
+        shapes = [here, *(self.scale.at(point.x + one) for one in ahead)]
+        torques = self.gram.whiten(self.dictionary.torques_at(self.block, shapes, point.nominal, point.coefficients))
         slopes = (torques[1:] - torques[0]) / ahead.sum(axis=1)[:, None]
         slopes -= (slopes @ point.inside.T) @ point.inside
         normal = slopes @ slopes.T
@@ -158,22 +155,20 @@ class JointProjection(Projection):
 
     def at(self, x: Float, near: Point | None = None) -> Point:
         """Fit at a point, from the nominal coefficients of another."""
-        shape, rows = self.scale.at(x), self.rows
+        shape, rows, many = self.scale.at(x), self.rows, len(self.gram.problem.X)
         coefficients = self.start if near is None else near.coefficients
         size = np.sqrt(np.maximum(np.sum(rows**2, axis=1), 1e-300))
         whole = (rows @ rows.T + np.diag(self.precision)) / size[:, None] / size
         for _ in range(INNER_STEPS):
-            nominal = self.nominal_at(coefficients)
+            nominal = self.gram.problem.nominal.baseline(coefficients[:many])
             torque = self.dictionary.torques_at(self.block, [shape], nominal, coefficients)
             response = self.gram.y - self.gram.whiten(torque)[0]
             coefficients = np.linalg.lstsq(whole, rows @ response / size, rcond=1e-11)[0] / size
         left = response - coefficients @ rows
         cost = self.cost(float(left @ left + self.precision @ coefficients**2))
-        return Point(x, cost, coefficients, left, self.inside, self.dictionary.columns_at(self.block, shape, nominal))
-
-    def nominal_at(self, coefficients: Float) -> Nominal:
-        """The nominal model that is fitted with the effect."""
-        return self.gram.problem.nominal.baseline(coefficients[: len(self.gram.problem.X)])
+        columns = self.dictionary.columns_at(self.block, shape, nominal)
+        nominal = self.gram.problem.nominal.baseline(coefficients[:many])
+        return Point(x, cost, coefficients, left, self.inside, columns, nominal)
 
 
 def refine(

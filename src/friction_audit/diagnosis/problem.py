@@ -11,15 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from friction_audit.diagnosis.known_load import chain_basis, left_to_effects, with_gravity
-from friction_audit.diagnosis.samples import (
-    SAMPLE_HZ,
-    NominalModel,
-    Samples,
-    corner_for,
-    least_squares,
-    make_samples,
-    nominal_model,
-)
+from friction_audit.diagnosis.samples import SAMPLE_HZ, NominalModel, Samples, corner_for, least_squares, make_samples
 from friction_audit.effects.joint_data import JointData, Nominal, displacement
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.errors import AnalysisError
@@ -118,7 +110,7 @@ class RegressionProblem:
         """
         data = with_gravity(data)
         samples = make_samples(data)
-        nominal = nominal_model(data, samples, model)
+        nominal = NominalModel.build(data, samples, model)
         # Noise of the acceleration makes its coefficient too small, below the first corner hardly (Fuller 1987).
         for least in (1.0, SETTLED):
             inertia = abs(nominal.baseline(least_squares(nominal.columns.T, nominal.y)).inertia_kg_m2)
@@ -129,7 +121,7 @@ class RegressionProblem:
                 raise AnalysisError((Caution("coarse_steps", numbers=numbers | {"largest": step / coarse}),))
             if corner < least * samples.corner_hz:
                 samples = make_samples(data, corner)
-                nominal = nominal_model(data, samples, model)
+                nominal = NominalModel.build(data, samples, model)
         # A signal without content above the corner needs two samples per period of the corner.
         step = max(1, int(np.ceil(SAMPLE_HZ / (2.0 * samples.corner_hz) - 0.25)))
         kept = (samples.place % step == 0) | samples.breakaway

@@ -36,7 +36,6 @@ STRETCHES = 24  # of the axis, with equally many samples each
 MOST_HIDDEN = 0.5  # share of the torque's mean square that may lie off the curve
 ORDER = "ripple_order"  # parameter of an effect that repeats with the position: its waves per revolution
 SOURCE = "gravity_error_source"  # 0 where the error follows the joint's own angle
-OF_SEVERAL_JOINTS = ("inertial_coupling", "torque_crosstalk")
 
 
 def run(model: FittedModel) -> tuple[ResidualCheck, ...]:
@@ -287,7 +286,7 @@ def own_axis(effect: NamedEffect, traces: Traces, *, free_of_chain: bool = False
         label, values = "Position within a wave [waves]", np.mod(waves, 1.0)
     else:
         source = effect.parameters.get(SOURCE)
-        alone = effect.name not in OF_SEVERAL_JOINTS and (source is None or (source.value == 0.0 and not free_of_chain))
+        alone = effect.axis != "neighbour" and (source is None or (source.value == 0.0 and not free_of_chain))
         if alone and shows_along(effect.torque, traces.along[effect.curve.axis], traces.dq):
             return None
         label, values = f"Fitted torque of {effect.name} [N m]", effect.torque

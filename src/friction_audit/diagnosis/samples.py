@@ -29,7 +29,6 @@ from friction_audit.preprocessing.velocity import MEDIAN_OF_DENSITY, noise_densi
 
 INERTIA = "inertia_kg_m2"
 FRICTION = {"coulomb": "coulomb_nm", "viscous": "viscous_nms_per_rad"}  # terms with their one coefficient
-RINGING = ("spring", "gap")  # forward models of terms that amplify noise of the position
 SAMPLE_HZ = 100.0
 LOWEST_CORNER_HZ = 8.0
 # Of the torque's noise: what a regressor's may be. With a third, a delay of 4 ms is lost; with all of it, half of the
@@ -170,6 +169,40 @@ class NominalModel:
     y: Float  # torque of the samples without it, shape (m,) [N m]
     model: JointModel | None  # the model file's model of the joint, None without one
 
+    @classmethod
+    def build(cls, data: JointData, samples: Samples, model: JointModel | None) -> "NominalModel":
+        """Build the columns; the inertia of a model file and the terms that it holds are not fitted.
+
+        Raises:
+            AnalysisError: If everything is stated, so that nothing is left to fit.
+        """
+        fine = {"coulomb_nm": data.direction, "viscous_nms_per_rad": data.dq}
+        stated = np.zeros(len(data.t))
+        if model is None:
+            fine[INERTIA] = data.ddq
+        else:
+            rest = model.rest(data.motion())
+            stated = model.inertia_kg_m2 * data.ddq
+            for term in model.terms:
+                motion = _motion_of(term, model, data, samples) if term.effect.transmits else data.motion(rest)
+                columns = _columns(term, motion)
+                if term.name in model.held:
+                    stated = stated + term.torque(motion)
+                    fine = {name: column for name, column in fine.items() if name not in columns}
+                else:
+                    fine |= columns
+        if not fine:
+            raise AnalysisError((Caution("all_held"),))
+        stacked = np.column_stack(list(fine.values()))
+        return cls(
+            names=tuple(fine),
+            fine=stacked,
+            columns=samples.of(stacked),
+            stated=stated,
+            y=samples.y - samples.of(stated),
+            model=model,
+        )
+
     def baseline(self, coefficients: Float) -> Nominal:
         """The fitted model, from coefficients, shape (b,), as columns of effects need it."""
         stated = {}
@@ -186,42 +219,8 @@ class NominalModel:
         )
 
 
-def nominal_model(data: JointData, samples: Samples, model: JointModel | None) -> NominalModel:
-    """Build the columns of the nominal model; the inertia of a model file and the terms that it holds are not fitted.
-
-    Raises:
-        AnalysisError: If everything is stated, so that nothing is left to fit.
-    """
-    fine = {"coulomb_nm": data.direction, "viscous_nms_per_rad": data.dq}
-    stated = np.zeros(len(data.t))
-    if model is None:
-        fine[INERTIA] = data.ddq
-    else:
-        rest = model.rest(data.motion())
-        stated = model.inertia_kg_m2 * data.ddq
-        for term in model.terms:
-            motion = _motion_of(term, model, data, samples) if term.effect.forward in RINGING else data.motion(rest)
-            columns = _columns(term, motion)
-            if term.name in model.held:
-                stated = stated + term.torque(motion)
-                fine = {name: column for name, column in fine.items() if name not in columns}
-            else:
-                fine |= columns
-    if not fine:
-        raise AnalysisError((Caution("all_held"),))
-    stacked = np.column_stack(list(fine.values()))
-    return NominalModel(
-        names=tuple(fine),
-        fine=stacked,
-        columns=samples.of(stacked),
-        stated=stated,
-        y=samples.y - samples.of(stated),
-        model=model,
-    )
-
-
 def _motion_of(term: FittedTerm, model: JointModel, data: JointData, samples: Samples) -> Motion:
-    """The motion as measured or low-passed: the one with which the term explains more."""
+    """The motion as measured or low-passed, for a link amplifies noise: that with which the term explains more."""
     every = [data.motion(), data.motion_below(MOTION_BELOW_HZ)]
     motions = [replace(motion, rest=model.rest(motion)) for motion in every]
     simple = (data.direction, data.dq, data.ddq)

@@ -99,7 +99,7 @@ class TimeDelay(Effect):
         "backlash": "reverse sharply with and without a load: a gap opens where the load changes its sign",
         "joint_elasticity": "reverse sharply, slowly and fast: a spring rings, a delay shifts",
     }
-    needs_nominal = True
+    needs_nominal = follows = True
     recorder = (
         "a low-pass filter in the recorder or the torque's electronics does the same: filter q and dq alike, or record "
         "the torque unfiltered"

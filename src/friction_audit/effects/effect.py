@@ -52,6 +52,10 @@ class Effect:
     # True if it is a constant or a curve of position, which the gravity of other joints in the torque resembles.
     like_gravity: ClassVar[bool] = False
     screened: ClassVar[int] = 1  # every so many points of its grid come first, the others where these show promise
+    follows: ClassVar[bool] = (
+        False  # True on the way of the torque to the sensor: its coefficient follows from the others
+    )
+    transmits: ClassVar[bool] = False  # True for a link between the measured side and that of inertia and friction
     recorder: ClassVar[str] = ""  # what in the recording makes the same torque, and what to do
 
     def __init_subclass__(cls) -> None:
@@ -104,7 +108,7 @@ class Effect:
     def regressors_of(
         self, data: JointData, nominals: Sequence[Nominal], grid: Sequence[Nonlinear], seen: Callable[[Float], Float]
     ) -> Iterator[tuple[Sequence[int], Float]]:
-        """Yield places and how their columns are seen, (n, k) as (k, m), with the nominal models; one, but of links."""
+        """Yield places and how their columns are seen, (n, k) as (k, m); each point of a link has a nominal model."""
         yield from (([place], seen(columns)) for place, columns in self.regressors(data, nominals[0], grid))
 
     def regressor(self, data: JointData, nominal: Nominal, at: Nonlinear) -> Float:
@@ -127,16 +131,6 @@ class Effect:
     def memoryless(self) -> bool:
         """Whether it follows from the joint's own motion and load at the same instant."""
         return self.axis in ("speed", "position", "load")
-
-    @property
-    def follows(self) -> bool:
-        """Whether it is on the way of the torque to the sensor: its one coefficient follows from the others."""
-        return self.forward in ("delay", "spring", "gap")
-
-    @property
-    def transmits(self) -> bool:
-        """Whether it is a link between the measured side and that of inertia and friction."""
-        return self.forward in ("spring", "gap")
 
     def torque(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return the torque, given the values of ``parameters`` in order. [N m], shape (n,)."""

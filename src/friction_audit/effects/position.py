@@ -56,10 +56,7 @@ class PositionDependentFriction(Effect):
     friction = True
     requires = staticmethod(lambda data, nominal: both_directions(data, nominal) or span(data, nominal, 0.5))
     record = "pass every place four times in each direction"
-    separate = {
-        "torque_ripple": "pass every place four times in each direction",
-        "gravity_error": "pass every place four times in each direction",
-    }
+    separate = dict.fromkeys(("torque_ripple", "gravity_error"), record)
 
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield sgn(dq) exp(-((q - c) / w)^2 / 2) times cos and sin of k (q - c), two columns."""

@@ -14,11 +14,11 @@ if TYPE_CHECKING:
 # defines the effect as a class of its name.
 FAMILIES = {
     "velocity": {
-        "stribeck": "speed",
+        "stribeck": "instant",
         "stiction": "breakaway",
-        "nonlinear_viscous": "speed",
-        "asymmetric_coulomb": "one_column",
-        "asymmetric_viscous": "one_column",
+        "nonlinear_viscous": "instant",
+        "asymmetric_coulomb": "instant",
+        "asymmetric_viscous": "instant",
         "presliding": "presliding",
         "frictional_lag": "delays",
     },
@@ -31,7 +31,7 @@ FAMILIES = {
         "joint_limit_stop": "position",
     },
     "sensors": {
-        "torque_bias": "one_column",
+        "torque_bias": "instant",
         "torque_drift": "slow",
         "time_delay": "delays",
         "torque_crosstalk": "neighbours",
@@ -39,14 +39,14 @@ FAMILIES = {
     "structure": {
         "joint_elasticity": "transmission",
         "backlash": "transmission",
-        "inertia_error": "one_column",
+        "inertia_error": "instant",
         "inertial_coupling": "neighbours",
     },
     "slow and events": {
         "warm_up": "slow",
         "friction_step": "slow",
         "contact_event": "slow",
-        "unlogged_compensation": "speed",
+        "unlogged_compensation": "instant",
     },
 }
 # Effects that no motion of one kind separates, and effects that may be a part of others where these are found too.
@@ -72,7 +72,7 @@ def effects() -> tuple["Effect", ...]:
 @cache
 def terms() -> tuple["Effect", ...]:
     """Return everything that may be a term of a joint model: the nominal terms, then the effects with a formula."""
-    nominal: tuple[Effect, ...] = import_module("friction_audit.effects.one_column").NOMINAL
+    nominal: tuple[Effect, ...] = import_module("friction_audit.effects.instant").NOMINAL
     return nominal + tuple(effect for effect in effects() if effect.coefficients)
 
 

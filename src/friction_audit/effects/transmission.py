@@ -4,6 +4,7 @@ Both have a far side, which carries friction and most of the inertia, and are fo
 """
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import fields
 from math import sqrt
 from typing import Any, ClassVar
 
@@ -35,12 +36,14 @@ RATIO: dict[str, Any] = {"lower": 0.0, "upper": 2.0, "optional": True}  # bounds
 MEANING = "part of the inertia on the link side, the rest on the measured side"
 FAR_SHARE = Parameter("far_share", "1", MEANING, lower=0.0, upper=1.0, optional=True, default=1.0)
 
+LinkPoint = tuple[FrictionSide, float, Sequence[float]]  # far side, usual torque [N m], nonlinear parameters
+
 
 class Link(Effect):
     """A spring or a gap: those of many parameters are followed side by side."""
 
     screened = 2
-    needs_nominal = True
+    needs_nominal = follows = transmits = True
     # Share of the coefficient that it follows from above which it is possible.
     least: ClassVar[float]
 
@@ -54,21 +57,18 @@ class Link(Effect):
 
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield columns for many values; all have one far side."""
-        torque = simple_torque(motion)
-        usual = sqrt(torque @ torque / len(torque))
-        for places, rows in self._follow(
-            motion, [fit_friction_side(motion)] * len(many), [usual] * len(many), many, np.transpose
-        ):
+        torque, far = simple_torque(motion), fit_friction_side(motion)
+        points = [(far, sqrt(torque @ torque / len(torque)), values) for values in many]
+        for places, rows in self._follow(motion, points, np.transpose):
             yield from zip(places, rows[..., None], strict=True)
 
     def regressors_of(
         self, data: JointData, nominals: Sequence[Nominal], grid: Sequence[Nonlinear], seen: Callable[[Float], Float]
     ) -> Iterator[tuple[Sequence[int], Float]]:
         """Yield what the link adds to the torque, along the motion as measured or below a frequency."""
-        names = ("inertia_kg_m2", "coulomb_nm", "viscous_nms_per_rad")
         # Negative inertia or friction of the nominal model counts as none.
+        names = [one.name for one in fields(FrictionSide)]
         numbers = np.maximum([[getattr(one, name) for name in names] for one in nominals], 0.0)
-        far = [FrictionSide(**dict(zip(names, own, strict=True))) for own in numbers.tolist()]
         # Points with ``motion_below_hz`` go along the motion below that frequency, all others as measured.
         for below_hz in dict.fromkeys(at.get("motion_below_hz") for at in grid):
             own = [place for place, at in enumerate(grid) if at.get("motion_below_hz") == below_hz]
@@ -76,23 +76,18 @@ class Link(Effect):
             every = max(len(motion.t) // MANY_SAMPLES, 1)
             simple = np.stack([motion.ddq[::every], motion.direction[::every], motion.dq[::every]])
             usual = np.sqrt(np.mean((numbers[own] @ simple) ** 2, axis=1)).tolist()
-            values = [self.values(grid[place]) for place in own]
-            for places, rows in self._follow(motion, [far[place] for place in own], usual, values, seen):
+            far = [FrictionSide(**dict(zip(names, one, strict=True))) for one in numbers[own].tolist()]
+            points = [*zip(far, usual, (self.values(grid[place]) for place in own), strict=True)]
+            for places, rows in self._follow(motion, points, seen):
                 yield [own[k] for k in places], rows
 
     def _follow(
-        self,
-        motion: Motion,
-        far: Sequence[FrictionSide],
-        usual_nm: Sequence[float],
-        many: Sequence[Sequence[float]],
-        seen: Callable[[Float], Float],
+        self, motion: Motion, points: Sequence[LinkPoint], seen: Callable[[Float], Float]
     ) -> Iterator[tuple[Sequence[int], Float]]:
-        links = [self.link(*one) for one in zip(far, usual_nm, many, strict=True)]
-        for places, added in added_torques(motion, far, links):
+        for places, added in added_torques(motion, [far for far, *_ in points], [self.link(*one) for one in points]):
             rows = seen(added.T)
             if self.forward == "spring":  # torque per compliance
-                rows = rows * np.array([[many[place][0]] for place in places])
+                rows = rows * np.array([[points[place][-1][0]] for place in places])
             yield places, rows
 
     @staticmethod

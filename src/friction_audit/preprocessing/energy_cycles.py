@@ -78,18 +78,15 @@ class EnergyCycles:
 
     def rows(self, mask: Bool) -> "EnergyCycles":
         """Return the rows selected by a mask of shape (m,)."""
-        return self.made_of(lambda one: one[mask])
+        return self.made_of(lambda own: own[0][mask])
 
-    def followed_by(self, others: Sequence["EnergyCycles"]) -> "EnergyCycles":
-        """Return these cycles and later ones of the joint as one structure."""
-        return self.made_of(lambda *pieces: np.concatenate(pieces), others)
-
-    def made_of(self, of: Callable[..., Any], others: Sequence["EnergyCycles"] = ()) -> "EnergyCycles":
-        """Return the structure of which each array is a function of those of these cycles, and of others."""
-        every = [self, *others]
+    def made_of(self, of: Callable[[list[Any]], Any], later: Sequence["EnergyCycles"] = ()) -> "EnergyCycles":
+        """Return the structure whose arrays are a function of the arrays of these cycles and of later ones."""
+        every = [self, *later]
         names = [one.name for one in fields(self) if isinstance(getattr(self, one.name), np.ndarray)]
-        arrays = {name: of(*(getattr(one, name) for one in every)) for name in names}
-        return replace(self, **arrays, sums=EnergySums(*map(of, *(one.sums for one in every))))
+        arrays = {name: of([getattr(one, name) for one in every]) for name in names}
+        sums = EnergySums(*(of([*own]) for own in zip(*(one.sums for one in every), strict=True)))
+        return replace(self, **arrays, sums=sums)
 
 
 # Sums of ``add_up``, with the names of ``EnergySums``.

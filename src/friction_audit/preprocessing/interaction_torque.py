@@ -8,9 +8,8 @@ import numpy as np
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Bool, Float, Int, JointLog, LogPart
-from friction_audit.preprocessing.balance import SIGNS, Balance, gravity_cautions, not_used, sign_cautions
+from friction_audit.preprocessing.balance import Balance, gravity_cautions, grids_of, motion_on, not_used, sign_cautions
 from friction_audit.preprocessing.interaction import Caution, Interaction, TorqueChoice
-from friction_audit.preprocessing.resampling import GridTorque, grids_of, motion_on
 from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.preprocessing.sign import CoarseLog, coarse_log, most, prove_sign
 from friction_audit.preprocessing.torque_source import CHANNELS, Plan, arm_for_hand, make_plan
@@ -113,18 +112,17 @@ def _hand_speed(log: JointLog, settings: TorqueSettings) -> Float:
 
 def _columns(log: JointLog, joints: tuple[int, ...] | None) -> list[int]:
     there = range(1, len(log.joint_names) + 1)
-    if joints is None:
-        return [number - 1 for number in there]
-    unknown = [str(number) for number in joints if number not in there]
-    if unknown or not joints:
+    chosen = sorted(set(there if joints is None else joints))
+    unknown = [str(number) for number in joints or () if number not in there]
+    if unknown or not chosen:
         listed = ", ".join(f"{number} ({name})" for number, name in zip(there, log.joint_names, strict=True))
         raise UsageError(f"--joints {','.join(unknown)}: not in {log.source.path}; its joints are {listed}")
-    return [number - 1 for number in sorted(set(joints))]
+    return [number - 1 for number in chosen]
 
 
 def _choose_row(log: JointLog, coarse: CoarseLog, plan: Plan, settings: TorqueSettings) -> tuple[Balance, bool]:
     """Return the row of the balance whose energy rises, and whether it is not the one tried first."""
-    rows = (_row(log, coarse, plan, drive, settings.model_rate_hz) for drive in plan.drives)
+    rows = (Balance.of(log, coarse, plan, drive, settings.model_rate_hz) for drive in plan.drives)
     first, tried = next(rows), list[Balance]()
     others = [first._replace(sign=-first.sign)] if plan.source == "interaction" else rows
     for row in chain([first], others):
@@ -132,27 +130,6 @@ def _choose_row(log: JointLog, coarse: CoarseLog, plan: Plan, settings: TorqueSe
         if most(tried[-1].evidence, "rises"):
             return tried[-1], len(tried) > 1
     return tried[0], False
-
-
-def _row(log: JointLog, coarse: CoarseLog, plan: Plan, drive: str, model_rate_hz: float) -> Balance:
-    arm, inertial, source = plan.arm, None, coarse.mean(getattr(log, CHANNELS[plan.source]))
-    left = source - coarse.mean(log.gravity) if plan.gravity == "logged" and log.gravity is not None else source.copy()
-    if arm is not None and plan.gravity == "model":
-        left -= arm.gravity(coarse.q)
-    if arm is not None and drive == "robot" and plan.inertia:
-        grids = grids_of(log, model_rate_hz)
-        torques = [arm.inverse_dynamics(q, dq, ddq) - arm.gravity(q) for q, dq, ddq in motion_on(grids, log)]
-        inertial = GridTorque(grids=grids, values=tuple(torques))
-        inertial.subtract_from(left, coarse.t, list(range(len(log.joint_names))))
-    return Balance(
-        plan=plan,
-        drive=drive,
-        sign=1 if plan.source == "interaction" else SIGNS[drive],
-        inertial=inertial,
-        source=source,
-        left=left,
-        has_model=plan.gravity == "model" or inertial is not None,
-    )
 
 
 def _refuse_wrong_model(log: JointLog, balance: Balance, settings: TorqueSettings) -> None:

@@ -92,7 +92,8 @@ class CycleSearch:
         if len(borders) > 1:
             self._found.append(self._cycles_between(part, borders))
             if len(self._found) > MOST_PIECES + self._joined:
-                self._found[self._joined :] = [self._found[self._joined].followed_by(self._found[self._joined + 1 :])]
+                first, *others = self._found[self._joined :]
+                self._found[self._joined :] = [first.made_of(np.concatenate, others)]
                 self._joined += 1
             self._go_on(int(borders[-1]), moving=False)
             self._begun, self._at_border = None, True
@@ -191,7 +192,7 @@ class CycleSearch:
 
     def cycles(self) -> cycles.EnergyCycles:
         """Return the cycles, once, after the last part."""
-        found, self._found = self._found[0].followed_by(self._found[1:]), []
+        found, self._found = self._found[0].made_of(np.concatenate, self._found[1:]), []
         samples = self.first + len(self._filtered)
         # The net path of a closed path is short against its length, whether it closes within one cycle or over several.
         one_way = abs(found.sums.displacement_rad.sum()) > ONE_WAY_SHARE * found.sums.path_rad.sum()
