@@ -38,6 +38,9 @@ WORDS: Mapping[str, Callable[[Mapping[str, Any]], dict[str, str]]] = {
         ("gravity_in_torque", "inertia_in_torque"),
         lambda one: {"remedy": one["command"] and f"; {one['lead']}{one['command']}"},
     ),
+    "torque_limited": lambda one: {
+        "limits": ", ".join(f"{one[n]:g} {unit}" for n, unit in (("torque", "N m"), ("rate", "N m/s")) if one[n] < inf)
+    },
     "model_not_used": lambda one: {"options": ", ".join(one["options"])},
     "torque_constant": lambda one: {
         "level": range_of(one["reads"], lambda read: f"{read:.3g}" if len({*one["reads"]}) > 1 else f"{read:.4g}")
