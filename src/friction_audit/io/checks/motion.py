@@ -264,10 +264,8 @@ def turn_degrees(recording: Recording, columns: Mapping[str, Column], ratio: flo
         degrees = ["q", "dq"]
     for channel in degrees:
         largest, unit = (largest_q, "degrees") if channel == "q" else (largest_dq, "degrees per second")
-        message = (
-            f"{channel} is in {unit}: it reaches {largest:.4g}, and the change of q is {ratio:.3g} times the "
-            "integral of dq; it was turned into radians"
-        )
+        of_dq = "q hardly moves" if np.isnan(ratio) else f"the change of q is {ratio:.3g} times the integral of dq"
+        message = f"{channel} is in {unit}: it reaches {largest:.4g}, and {of_dq}; it was turned into radians"
         finding = Finding("degrees", message, amount=largest)
         recording = recording.scaled(channel, 1.0 / _DEGREES_PER_RADIAN).with_findings(finding)
     return recording
