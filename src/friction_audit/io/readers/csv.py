@@ -141,7 +141,11 @@ class CsvTable(Table):
     def _time_kind(self, time: TimeColumn) -> type:
         """Return how stamps are read: as integers where a float would lose digits, as text where they are dates."""
         texts = [row[cell].strip() for row in self._dialect.rows for cell in time.cells if cell < len(row)]
-        if texts and all(value_of(text, float, self._dialect.decimal) is None for text in texts):
+        if (
+            texts
+            and len(time.cells) == 1
+            and all(value_of(text, float, self._dialect.decimal) is None for text in texts)
+        ):
             return str
         whole = [text for text in texts if text.lstrip("-").isdigit()]
         is_split = len(time.cells) > 1 and len(whole) == len(texts)
