@@ -101,7 +101,7 @@ def test_pickled_arrays_are_never_unpacked(tmp_path: Path) -> None:
 
 def test_transposed_arrays_are_refused_also_where_they_are_wide(tmp_path: Path) -> None:
     arrays = motion(3000)
-    np.savez(tmp_path / "run.npz", t=arrays["t"], **{name: arrays[name].T for name in ("q", "dq", "tau_J")})
+    np.savez(tmp_path / "run.npz", t=arrays["t"], **{name: arrays[name].T for name in ("q", "dq", "tau_J")})  # type: ignore[arg-type]
     refused(r"q has shape \(3, 3000\), .*transpose it", read_log, tmp_path / "run.npz")
 
 
