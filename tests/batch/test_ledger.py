@@ -114,10 +114,17 @@ def newer_ledger(path: Path) -> None:
     database(path, f"PRAGMA user_version = {SCHEMA_VERSION + 1}")
 
 
+def damaged_names(path: Path) -> None:
+    with Ledger(path):
+        pass
+    path.write_bytes(path.read_bytes().replace(b"CREATE TABLE", b"CREATE \xbeABLE"))
+
+
 FAULTY: dict[str, tuple[Callable[[Path], object], str]] = {
     "text": (lambda path: path.write_text("hello, this is a text " * 20), "no SQLite database, and so no ledger"),
     "other": (lambda path: database(path, "CREATE TABLE songs (title TEXT)"), "an SQLite database, but no ledger"),
     "newer": (newer_ledger, f"a ledger of schema {SCHEMA_VERSION + 1}; this friction-audit knows {SCHEMA_VERSION}"),
+    "names": (damaged_names, "can't decode byte 0xbe .*; if the file is broken, choose another folder"),
     "folder": (lambda path: path.mkdir(), "cannot be opened"),
 }
 

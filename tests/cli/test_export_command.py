@@ -28,6 +28,11 @@ def test_a_log_and_its_estimate_give_the_same_file(run: Run, tmp_path: Path) -> 
     (joint,), (gap,) = document["joints"], document["simulated"]
     assert joint["inertia_kg_m2"] == pytest.approx(0.3, rel=0.02)  # a person drives: it is that of the motor
     assert gap["with_rad"] < 0.1 * gap["without_rad"]
+    frame = pd.read_parquet("run.parquet")
+    frame.loc[len(frame) // 2 :, "time"] += 3e7  # a second part, a year later
+    frame.to_parquet("parts.parquet")
+    (gap,) = run("export", "parts.parquet", "parts.xml", "--json").document()["simulated"]
+    assert gap["with_rad"] < 0.1 * gap["without_rad"]
     assert run("estimate", "run.parquet", "-o", "results", "--figures", "velocity-torque", "-q").code == 0
     for source, out in (("results", "folder.xml"), ("results/estimate.json", "document.xml")):
         assert run("export", source, out).code == 0

@@ -184,7 +184,9 @@ def test_limits_of_an_arm_hold_and_are_reported() -> None:
     joint = found.joints[0]
     assert joint.numbers.peak_compensation_nm == pytest.approx(0.1)
     assert joint.numbers.limited_fraction > 0.3
-    assert [caution.code for caution in found.warnings] == ["torque_limited"]
+    (caution,) = found.warnings
+    assert caution.code == "torque_limited"
+    assert "at a limit (0.1 N m, 1000 N m/s) in" in sentence_of(caution)
 
 
 def test_too_few_cycles_say_so() -> None:

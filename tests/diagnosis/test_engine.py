@@ -11,6 +11,7 @@ from scipy.signal import lfilter
 
 from friction_audit.diagnosis.data_audit import DataFinding
 from friction_audit.diagnosis.diagnose import FEWEST_CYCLES, diagnose_joint
+from friction_audit.diagnosis.dictionary import Block
 from friction_audit.diagnosis.prepare import Subject
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.effect import Effect
@@ -264,3 +265,14 @@ def test_a_step_of_friction_is_found_at_its_moment() -> None:
     (effect,) = diagnosed(data, [effect_of("friction_step")]).effects
     assert effect.parameters["step_time_s"].value == pytest.approx(31.3, abs=0.05)
     assert effect.parameters["step_coulomb_nm"].value == pytest.approx(0.1, rel=0.1)
+
+
+def test_a_transmission_that_has_no_torque_in_the_joint_fit_is_no_effect(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As backlash where the inertia of the nominal model becomes zero."""
+
+    def emptied(_dictionary: Any, _training: Any, block: Block, *_: Any) -> Block:
+        return block.moved(block.shape, np.zeros(block.columns.shape))
+
+    monkeypatch.setattr("friction_audit.diagnosis.procedure.refine", emptied)
+    found = diagnosed(moved_joint(rising, noise_nm=NOISE_NM), [altered(SQUARE, forward="delay")])
+    assert (names(found), found.negligible) == ([], ())

@@ -92,6 +92,8 @@ def test_time_starts_at_zero_and_the_start_follows() -> None:
         (times("t", 2.0), r"q is 0\.5 times the integral of dq over time; .*--time-scale 0\.5"),
         (times("dq", 1e3), r"q is 0\.001 times the integral of dq over time; .*dq has another scale or unit"),
         (put("dq", ..., 0.0), r"dq .* is 0 in all 3000 rows while q moves by 1"),
+        (times("t", 2e-5), r"advances by 2e-08 s a row; expected 5e-07 to 100 s; .*--time-scale"),
+        (times("t", 2e8), r"advances by 2e\+05 s a row; expected"),
         (put("t", slice(1, None), NAN), r"1 sample; .*2999 of 3000 rows hold NaN"),
     ],
 )
@@ -106,6 +108,7 @@ def test_recordings_that_cannot_be_used_are_refused(change: Change, words: str) 
         (put("temperature", slice(1, None, 2), NAN), "sparse_channel", None, 1500),
         (put("tau_J", (..., 1), NAN), "empty_joint", None, 3000),
         (put("q", (10, 0), 1e300), "non_finite", None, 1),
+        *((put("t", row, -1.7e9), "non_finite", None, 1) for row in (0, 50, 2999)),  # 0 where others are of an epoch
         (put("t", 50, lambda t: t[49]), "duplicate_stamps", None, 1),
         (put("dq", (..., 1), 0.0), "velocity_dead", 2, None),
         (put("tau_J", (..., 2), lambda a: 1500.0 * np.sign(a[:, 2])), "torque_unit_suspected", 3, 1500),
@@ -274,6 +277,14 @@ def test_other_units_are_turned_into_radians(turned: str, factor: float, named: 
     assert codes(log) == named
     np.testing.assert_allclose(log.q, recording().channels["q"], atol=1e-12)
     np.testing.assert_allclose(log.dq, recording().channels["dq"], atol=1e-12)
+
+
+def test_degrees_of_an_arm_at_rest_are_named_without_a_ratio() -> None:
+    log = vetted(changed(put("q", ..., 40.0), put("dq", ..., 0.0)))
+    assert (
+        finding(log, "degrees").message
+        == "q is in degrees: it reaches 40, and q hardly moves; it was turned into radians"
+    )
 
 
 def test_a_rig_that_turns_without_end_is_not_turned_into_radians() -> None:

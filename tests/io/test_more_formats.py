@@ -99,6 +99,12 @@ def test_pickled_arrays_are_never_unpacked(tmp_path: Path) -> None:
     refused(r"array 'q' is pickled, .*numpy\.savez", read_log, path)
 
 
+def test_transposed_arrays_are_refused_also_where_they_are_wide(tmp_path: Path) -> None:
+    arrays = motion(3000)
+    np.savez(tmp_path / "run.npz", t=arrays["t"], **{name: arrays[name].T for name in ("q", "dq", "tau_J")})  # type: ignore[arg-type]
+    refused(r"q has shape \(3, 3000\), .*transpose it", read_log, tmp_path / "run.npz")
+
+
 def rewrite(path: Path, name: str, change: Callable[[bytes], bytes]) -> None:
     """Change an entry, and make its checksum right."""
     with zipfile.ZipFile(path) as archive:
@@ -182,6 +188,8 @@ def test_matlab_files_without_a_log(tmp_path: Path) -> None:
     struct.pack_into("<I", content, 176, 200)  # SciPy ends the process at an element of this type
     path.write_bytes(content)
     refused(r"a damaged MATLAB file: an element of type 200", read_log, path)
+    path.write_bytes(content[:100])
+    refused(r"a damaged MATLAB file: it ends within its header", read_log, path)
 
 
 @pytest.mark.parametrize(

@@ -1,3 +1,4 @@
+import csv
 import gzip
 import re
 from pathlib import Path
@@ -13,10 +14,12 @@ from tests.io.synthetic_recordings import motion, read_text, refused, tidy_frame
 
 FRAME = tidy_frame(300)
 PLAIN = FRAME.to_csv(index=False)
+QUOTED = FRAME.to_csv(index=False, quoting=csv.QUOTE_ALL)
 HEAD, *LINES = PLAIN.splitlines()
 SAME: dict[str, str | bytes] = {
     **{f"{sign!r} between": FRAME.to_csv(index=False, sep=sign) for sign in ",;\t "},
     **{f"decimal commas, {sign!r}": FRAME.to_csv(index=False, sep=sign, decimal=",") for sign in ";\t "},
+    **{f"quotes, {between!r} between": QUOTED.replace(",", between) for between in (",", ", ", " ")},
     "comments after the header": "\n".join([HEAD, *LINES[:200], "# a pause", *LINES[200:], "# the end"]) + "\n",
     **{f"header in a comment, {mark!r}": f"{mark} " + FRAME.to_csv(index=False, sep=" ") for mark in ("#", "%", "//")},
     "lines of Windows, byte order mark": b"\xef\xbb\xbf" + PLAIN.replace("\n", "\r\n").encode() + b"\r\n\r\n",
@@ -88,6 +91,7 @@ def test_dates(tmp_path: Path, zone: str | None) -> None:
     log = read_text(tmp_path, frame)
     np.testing.assert_array_equal(log.t, np.arange(300) / 1e3)
     assert log.source.start_s == pd.Timestamp("2024-01-01 12:00", tz=zone or "UTC").timestamp()
+    np.testing.assert_array_equal(read_text(tmp_path, "# " + frame.to_csv(index=False)).t, log.t)
     if zone is None:
         frame["time"] = frame["time"].dt.strftime("%d.%m.%Y %H:%M:%S,%f")
         np.testing.assert_array_equal(read_text(tmp_path, frame).t, log.t)

@@ -111,7 +111,7 @@ def test_a_joint_that_stands_still_is_not_accused_of_its_vibration() -> None:
     assert velocity.on_time(log, coarse_log(log)) == (log, ())
 
 
-@pytest.mark.parametrize(("rate_hz", "samples"), [(40.0, 100), (1000.0, 15)])
+@pytest.mark.parametrize(("rate_hz", "samples"), [(40.0, 100), (50.0 + 1e-9, 100), (1000.0, 15)])
 def test_what_cannot_be_filtered_is_left_alone(rate_hz: float, samples: int) -> None:
     dq = np.random.default_rng(0).normal(size=samples)
     assert velocity.filter_velocity(dq, rate_hz=rate_hz, cutoff_hz=20) is dq

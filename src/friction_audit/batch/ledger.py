@@ -229,7 +229,7 @@ class Ledger(AbstractContextManager["Ledger"]):
         try:
             with self._database:
                 yield
-        except sqlite3.DatabaseError as error:
+        except (sqlite3.DatabaseError, UnicodeDecodeError) as error:  # the latter from damaged names of tables
             if getattr(error, "sqlite_errorname", "") == "SQLITE_NOTADB":
                 raise InputError(f"{self.path}: no SQLite database, and so no ledger; {OTHER_PLACE}") from error
             raise InputError(

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import fields, replace
-from math import isnan
+from math import isfinite, isnan
 from typing import Any
 
 import numpy as np
@@ -229,8 +229,10 @@ def _cautions(joint: JointReplay) -> Iterator[Caution]:
         energies = {"reserve": passivity.reserve_j, "hidden": -passivity.lowest_since_activation_j}
         yield Caution("over_compensation_hidden", joint.joint, energies)
     if numbers.limited_fraction > 0:
-        held = {"torque": limits.torque_nm, "rate": limits.rate_nm_s, "percent": 100 * numbers.limited_fraction}
-        yield Caution("torque_limited", joint.joint, held)
+        of = ((limits.torque_nm, "N m"), (limits.rate_nm_s, "N m/s"))
+        held = [f"{limit:g} {unit}" for limit, unit in of if isfinite(limit)]
+        found = {"limits": held, "percent": 100 * numbers.limited_fraction}
+        yield Caution("torque_limited", joint.joint, found)
 
 
 def seems_compensated(

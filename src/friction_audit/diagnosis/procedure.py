@@ -115,6 +115,8 @@ def _selected(problem: RegressionProblem, effects: Sequence[Effect]) -> State:
         if moved is not None:
             state.gram.add([moved])
             state.active[k] = moved
+    # Where the joint fit leaves the nominal model no inertia, a transmission has no torque.
+    state.active = [block for block in state.active if block.columns.any()]
     return state
 
 

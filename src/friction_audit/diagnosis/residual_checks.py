@@ -191,7 +191,7 @@ def _changes(model: FittedModel) -> list[ResidualCheck]:
             whole = gram.whiten(column)[0]
             free = whole - (given.basis @ whole) @ given.basis
             size = float(free @ free)
-            if size < 0.1 * float(whole @ whole):
+            if size <= 0.1 * float(whole @ whole):  # and a torque of zero
                 continue
             change = float(free @ given.left) / size
             if abs(change) > LARGE_CHANGE and abs(change) * np.sqrt(size / variance) > CHOW_Z:

@@ -190,26 +190,28 @@ def _gaps(
     usual = float(np.median(np.diff(t)))
     step = min(STEP_S, usual)
     steps = round(WINDOW_S / step)
-    times = np.arange(t[0], t[-1], step)
-    q, dq, torque = (np.column_stack([np.interp(times, t, one) for one in signal.T]) for signal in signals)
-    starts = np.arange(0, len(times) - steps, steps)
-    breaks = t[:-1][np.diff(t) > GAP_STEPS * usual]
-    begins = times[starts]
-    starts = starts[np.searchsorted(breaks, begins) == np.searchsorted(breaks, begins + WINDOW_S)]
+    # Only windows that hold samples: a log of two days would have millions between its parts.
+    starts = steps * np.unique(((t - t[0]) / (steps * step)).astype(np.int64))
+    starts = starts[starts < np.ceil((t[-1] - t[0]) / step) - steps]
+    breaks = np.flatnonzero(np.diff(t) > GAP_STEPS * usual)
+    begins = t[0] + step * starts
+    starts = starts[np.searchsorted(t[breaks + 1], begins, "right") == np.searchsorted(t[breaks], begins + WINDOW_S)]
     if not len(starts):
         return
     starts = starts[np.linspace(0, len(starts) - 1, min(len(starts), MOST_WINDOWS)).astype(np.int64)]
+    times = t[0] + step * (starts[:, None] + np.arange(steps + 1))
+    q, dq, torque = (np.stack([np.interp(times, t, one) for one in signal.T], axis=-1) for signal in signals)
     bare = copy(model)
     bare.opt.timestep = step
     rubbing = copy(bare)
     for dof, powers in ((dof, friction[number]) for dof, number in enumerate(numbers) if number in friction):
         rubbing.dof_frictionloss[dof], rubbing.dof_damping[dof], *rubbing.dof_dampingpoly[dof] = powers
-    begun = np.column_stack([np.zeros(len(starts)), q[starts], dq[starts]])
-    pushes = (0.5 * (torque[:-1] + torque[1:]))[starts[:, None] + np.arange(steps)]
+    begun = np.column_stack([np.zeros(len(starts)), q[:, 0], dq[:, 0]])
+    pushes = 0.5 * (torque[:, :-1] + torque[:, 1:])
     applied, found = int(mujoco.mjtState.mjSTATE_QFRC_APPLIED), []
     for one in (bare, rubbing):
         states, _ = rollout.rollout(one, mujoco.MjData(one), begun, pushes, control_spec=applied)
-        error = states[:, -1, 1 : 1 + model.nq] - q[starts + steps]
+        error = states[:, -1, 1 : 1 + model.nq] - q[:, -1]
         found.append(np.sqrt(np.mean(error**2, axis=0)).tolist())
     for number, without, rubbed in zip(numbers, *found, strict=True):
         if number in friction:

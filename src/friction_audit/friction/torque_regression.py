@@ -188,7 +188,7 @@ class RegressionRows:
         self.around = around = block + block // 2 + 1
         self._spacing = max(int(1.0 / (ROW_RATE_HZ * self._step_s) + NEARLY_WHOLE), samples // MOST_ROWS, 1)
         self._index = np.arange(around, samples - around, self._spacing)
-        self._turn = int(0.5 * TURN_S / self._step_s)
+        self._turn = int(0.5 * TURN_S / self._step_s + NEARLY_WHOLE)
         self._smooth = partial(filter_velocity, rate_hz=rate_hz, cutoff_hz=CUTOFF_HZ)
         # The step of the clock, weighted as the filter weighs the samples around. The filter counts samples: its slope
         # belongs to their mean step, not to two stamps around a lost sample, of which each may err by a part of a step.

@@ -17,7 +17,7 @@ from friction_audit.preprocessing.interaction import Caution
 from friction_audit.preprocessing.sign import CoarseLog
 
 RESTING_RAD = 0.05  # a joint without a cycle whose position stays within this does not move, and velocities are noise
-HIGHEST_SHARE_OF_RATE = 0.4  # a corner closer to the Nyquist frequency filters nothing
+HIGHEST_SHARE_OF_RATE = 0.396  # a corner closer to the Nyquist frequency filters nothing; for 20 Hz, 50 Hz is too low
 PADDING = 9  # samples by which the signal is continued at each end, as scipy's sosfiltfilt does
 MINIMUM_LENGTH = 16
 FILTER_BLOCK = 32  # samples: a longer block costs more products, a shorter one more states

@@ -14,7 +14,15 @@ import numpy as np
 
 from friction_audit.errors import InputError
 from friction_audit.io.checks import motion
-from friction_audit.io.checks.clock import Clock, Steps, drop_repeats, sort_rows, spread_batches, take_window
+from friction_audit.io.checks.clock import (
+    Clock,
+    Steps,
+    drop_repeats,
+    leave_out_undated,
+    sort_rows,
+    spread_batches,
+    take_window,
+)
 from friction_audit.io.checks.held import Stale, Stretches, drop_stale_samples, interpolate_held, noisy_velocity
 from friction_audit.io.checks.values import Missing, check_torque, find_frozen, leave_out_columns, leave_out_rows
 from friction_audit.io.checks.wild import TO_ZERO, leave_out_wild
@@ -123,6 +131,7 @@ def examine(recording: Recording, options: "ReadOptions", listen: Listen = lambd
     look = _Look(recording, (lambda _: None) if options.has_window else listen)
     look = look.after(leave_out_columns(look.recording, look.missing))
     look = look.after(leave_out_rows(look.recording, look.missing))
+    look = look.after(leave_out_undated(look.recording, look.clock))
     look = look.after(sort_rows(look.recording, look.clock))
     look = look.after(drop_repeats(look.recording, look.clock))
     look = look.after(spread_batches(look.recording, look.steps))

@@ -15,6 +15,7 @@ from friction_audit.joint_log import Finding, Float, check_window, step_places
 Window = tuple[float | None, float | None]  # start and end of the part asked for, None for those of the log [s]
 
 _MOST_BACKWARDS = 0.01
+_YEARS_S = 1e8
 _SHOWN = 5
 _JUMP_RAD = 0.02  # usual change of q from row to row that is none of one joint
 
@@ -54,6 +55,19 @@ class Clock:
         self.median = float(np.median(every_step.values))
         # The median of mean steps over more than a batch: holes do not count.
         self.rough = float(np.median(end - begin)) / reach
+
+
+def leave_out_undated(recording: Recording, clock: Clock) -> Recording:
+    """Leave out the rows, if they are few, whose stamps lie years from those of the others: most often 0, for none."""
+    middle, marks = float(np.median(clock.sample)), Marks(recording.rows)
+    if max(abs(clock.first_s - middle), abs(clock.last_s - middle), clock.late_s) > _YEARS_S:
+        for first, t, _ in recording.read(()):
+            marks.add(first, np.abs(t - middle) > _YEARS_S)
+    if not 0 < marks.count <= max(_MOST_BACKWARDS * (recording.rows - 1), 1.0):
+        return recording
+    text = f"{marks.count} of {recording.rows} rows carry a time stamp years from that of the others; they are left out"
+    finding = Finding("non_finite", text, amount=float(marks.count), damaged=True)
+    return recording.without(marks).with_findings(finding)
 
 
 def sort_rows(recording: Recording, clock: Clock) -> Recording:

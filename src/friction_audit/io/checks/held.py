@@ -136,7 +136,7 @@ def interpolate_held(recording: Recording, near: Stretches, step_s: float) -> Re
         of = "" if all(periods) else f" of {', '.join(held)}"
         message = (
             f"{name} ({recording.mapping.get(name, name)}){of} changes only every {1e3 * period_s:.3g} ms (held values "
-            f"of a slower topic), {500 * period_s:.2g} ms late on average; it is interpolated between its updates"
+            f"of a slower topic), {500 * period_s:.3g} ms late on average; it is interpolated between its updates"
         )
         findings.append(Finding("held_values", message, amount=period_s))
     if not found:

@@ -174,6 +174,7 @@ _STRETCHED_TOO_FAR = 1.5
 _TINY = 1e-3  # no clock is wrong by more than units are: with a smaller ratio q does not follow dq at all
 _UNIT_FACTORS = (1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9)
 _STEPS_S = (5e-5, 0.5)  # between samples of a log of 2 Hz to 20 kHz
+_LOG_STEPS_S = (5e-7, 100.0)  # of any log at all
 _TURNS, _OF_A_TURN = (2.0 * np.pi, 360.0), 0.08  # by which q jumps at the end of a turn, to this share
 
 
@@ -280,9 +281,10 @@ def turn_to_radians(recording: Recording, columns: Mapping[str, Column], ratio: 
         units = ["degrees", "degrees per second"]
     for unit in units:
         channel, factor, _ = _OTHER_UNITS[unit]
+        of_dq = "q hardly moves" if np.isnan(ratio) else f"the change of q is {ratio:.3g} times the integral of dq"
         message = (
-            f"{channel} is in {unit}: it reaches {largest[channel]:.4g}, and the change of q is {ratio:.3g} times the "
-            f"integral of dq; it was turned into radians, times {factor:.4g}"
+            f"{channel} is in {unit}: it reaches {largest[channel]:.4g}, and {of_dq}; it was turned into radians, "
+            f"times {factor:.4g}"
         )
         position, velocity = Finding("position_unit", message), Finding("velocity_unit", message, amount=1.0 / factor)
         finding = position if channel == "q" else velocity
@@ -312,10 +314,17 @@ def _near(value: float, target: float, tolerance: float = 0.1) -> bool:
 def mend_unit(recording: Recording, ratio: float, step_s: float) -> Recording:
     """A factor of a thousand between motion and clock is a unit misjudged from the time step, and mended.
 
-    Where that would give a sampling rate of no log, it is a unit of q or dq.
+    Where that would give a sampling rate of no log, it is a unit of q or dq. InputError if the clock runs too fast or
+    too slowly for any log, and the motion does not say by what factor.
     """
     factor = next((factor for factor in _UNIT_FACTORS if _near(ratio, factor, 0.3)), None)
     if factor is None or not _STEPS_S[0] <= factor * step_s <= _STEPS_S[1]:
+        low, high = _LOG_STEPS_S
+        if not low <= step_s <= high:
+            raise InputError(
+                f"{recording.path}: time ({recording.mapping.get('t', recording.clock)}) advances by {step_s:.3g} s a "
+                f"row; expected {low:g} to {high:g} s; its unit is another one: give the factor with --time-scale"
+            )
         return recording
     message = (
         f"the motion runs {ratio:.4g} times too fast for the clock ({recording.mapping.get('t', recording.clock)}): "

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError, UsageError
+from friction_audit.io.readers.channel_names import parse_name
 from friction_audit.io.readers.columns import MOST_JOINTS, ColumnMap
 from friction_audit.io.readers.reader import ReadOptions, Topic, by_number
 from friction_audit.io.readers.table import ALL, ColumnTable, Piece, Rows, read_table
@@ -27,6 +28,10 @@ class ArrayTable(ColumnTable):
         """Keep arrays, or what has the shape and type of one and is read by ``pieces``."""
         self._arrays, self.damage = arrays, findings
         widths = {name: prod(array.shape[1:]) for name, array in arrays.items()}
+        for name, width in widths.items():
+            if width > MOST_JOINTS and len(arrays[name].shape) == _PLANE and parse_name(f"{name}[0]"):
+                what = f"{name} has shape {arrays[name].shape}, more columns than an arm has joints"
+                raise InputError(f"{path}: {what}; expected one row per sample; transpose it")
         self.arrays = [(name, cell) for name, n in widths.items() if n <= MOST_JOINTS for cell in range(n)]
         super().__init__(path, [name if widths[name] == 1 else f"{name}[{cell}]" for name, cell in self.arrays])
 

@@ -84,7 +84,11 @@ class CsvTable(Table):
         texts = [row[c].strip() for row in self._dialect.rows for c in columns.time.cells if c < len(row)]
         whole = [text for text in texts if text.lstrip("-").isdigit()]
         is_split = len(columns.time.cells) > 1 and len(whole) == len(texts)
-        if texts and all(value_of(text, float, self._dialect.decimal) is None for text in texts):
+        if (
+            texts
+            and len(columns.time.cells) == 1
+            and all(value_of(text, float, self._dialect.decimal) is None for text in texts)
+        ):
             kind = str
         elif is_split or any(len(text) >= _LONG_INTEGER for text in whole):
             kind = np.int64

@@ -149,10 +149,10 @@ def value_of(field: str, kind: Any, decimal: str) -> Any:  # noqa: ANN401
 
 def split_line(line: str, separator: str) -> tuple[str, ...]:
     """Split one line into its fields, quotes respected."""
-    if separator == " ":
-        return tuple(line.split())
+    is_blank = separator == " "
+    line = " ".join(line.split()) if is_blank else line.replace("\r", " ")
     try:
-        return tuple(next(csv.reader([line.replace("\r", " ")], delimiter=separator), []))
+        return tuple(next(csv.reader([line], delimiter=separator, skipinitialspace=not is_blank), []))
     except csv.Error:  # a field beyond the module's limit: no quotes are respected there
         return tuple(line.split(separator))
 
@@ -229,13 +229,12 @@ def _names_and_first(texts: Sequence[str], start: int, separator: str) -> tuple[
     if joints and len(fields) == 3 + 4 * joints and fields[0].isdigit() and fields[1].isdigit():
         arrays = (f"{name}.{joint}" for name in ("name", "position", "velocity", "effort") for joint in range(joints))
         return ("header.stamp.sec", "header.stamp.nanosec", "header.frame_id", *arrays), True, start
-    has_header = any(words)
-    first, header = start + has_header, texts[start - (not has_header)] if has_header or start else ""
-    mark = _COMMENT.match(header)
-    names = split_line(header[mark.end() :] if mark else header, separator)
-    if not has_header:
-        has_header = mark is not None and len(names) == len(fields)
-        names = names if has_header else tuple(f"#{column}" for column in range(1, len(fields) + 1))
+    two = (texts[start - 1] if start else "", texts[start])
+    above, own = (split_line(t[m.end() :] if (m := _COMMENT.match(t)) else t, separator) for t in two)
+    # A comment that names as many columns is the header of a line with numbers, also where that begins with a date.
+    is_above = len(above) == len(fields) and not all(words)
+    has_header, first = is_above or any(words), start + (any(words) and not is_above)
+    names = above if is_above else own if has_header else tuple(f"#{column}" for column in range(1, len(fields) + 1))
     below = [field.strip() for line in texts[first : first + has_header] for field in split_line(line, separator)]
     units = [_UNIT.fullmatch(field) for field in below]
     is_number = any(field and value_of(field, float, ".") is not None for field in below)

@@ -77,6 +77,8 @@ def _from_version_5(path: Path) -> Iterator[tuple[str, NDArray[Any]]]:
     from scipy.io import loadmat, whosmat
 
     with path.open("rb") as stream, mmap(stream.fileno(), 0, access=ACCESS_READ) as content:
+        if len(content) < _HEADER_BYTES:
+            raise ValueError("it ends within its header")
         _check_elements(content, _HEADER_BYTES, len(content), ">" if content[_ORDER_BYTES] == b"MI" else "<")
     refuse_too_large(path, 8 * sum(prod(shape) for _, shape, _ in whosmat(str(path))), path.stat().st_size)
     variables = loadmat(str(path), simplify_cells=True)
