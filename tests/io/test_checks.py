@@ -283,7 +283,7 @@ def test_degrees_of_an_arm_at_rest_are_named_without_a_ratio() -> None:
     log = vetted(changed(put("q", ..., 40.0), put("dq", ..., 0.0)))
     assert (
         finding(log, "degrees").message
-        == "q is in degrees: it reaches 40, and q hardly moves; it was turned into radians"
+        == "q is in degrees: it reaches 40, and q hardly moves; it was turned into radians, times 0.01745"
     )
 
 
