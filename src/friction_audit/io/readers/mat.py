@@ -35,8 +35,7 @@ _DAMAGED = (ValueError, TypeError, LookupError, OSError, EOFError, OverflowError
 
 def read(path: Path, options: ReadOptions) -> Recording:
     """Read the variables of a MATLAB file."""
-    arrays, others = _arrays(path)
-    return read_table(ArrayTable(path, arrays, others), options)
+    return read_table(ArrayTable(path, *_arrays(path)), options)
 
 
 def topics(path: Path) -> tuple[Topic, ...]:

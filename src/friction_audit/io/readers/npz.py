@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from math import prod
 from pathlib import Path
-from typing import IO, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.lib import format as npy
@@ -132,23 +132,16 @@ def _entry(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> Entry:
 
 
 def _pieces(archive: zipfile.ZipFile, entry: Entry) -> Iterator[Piece]:
-    """Yield an array as it lies in the file."""
+    """Yield an array as it lies in the file; ValueError where it ends early."""
     width = 1 if entry.by_column else entry.width
     with archive.open(entry.info) as stream:
-        _read_exactly(stream, entry.offset)
+        stream.read(entry.offset)
         for column in range(0, entry.width, width or 1):
             for first in range(0, entry.shape[0], _BLOCK_ROWS):
                 rows = min(_BLOCK_ROWS, entry.shape[0] - first)
-                content = _read_exactly(stream, rows * width * entry.dtype.itemsize)
+                content = stream.read(rows * width * entry.dtype.itemsize)
                 yield column, np.frombuffer(content, entry.dtype).reshape(rows, width)
         stream.read(1)  # which verifies the checksum
-
-
-def _read_exactly(stream: IO[bytes], size: int) -> bytes:
-    content = stream.read(size)
-    if len(content) < size:
-        raise EOFError("the archive ends within an array")
-    return content
 
 
 def recognises(path: Path) -> bool:
