@@ -21,6 +21,14 @@ def test_the_name_of_the_arm_is_not_lost_in_silence(run: Run, logs: Path, out: s
     assert ("the name of the arm (read it with --robot panda)" in answer.err) is lost
 
 
+@pytest.mark.parametrize("dialect", [writer.name for writer in WRITERS])
+def test_every_dialect_keeps_the_arm_that_joint_names_say_or_says_so(run: Run, tmp_path: Path, dialect: str) -> None:
+    out = "out" + next(writer.suffix for writer in WRITERS if writer.name == dialect)
+    answer = run("convert", LOG.with_name("parquet.parquet"), out, "--dialect", dialect)
+    is_kept = read_log(tmp_path / out).source.robot == "panda"
+    assert (answer.code, "the name of the arm" in answer.err) == (0, not is_kept)
+
+
 def test_joints_and_time_are_cut(run: Run, logs: Path, tmp_path: Path) -> None:
     asked = ("--joints", "2", "--t-start", "2", "--t-end", "5")
     output = run("convert", logs / "moved2.csv", "part.parquet", *asked, "--json").document()["output"]

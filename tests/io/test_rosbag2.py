@@ -198,6 +198,9 @@ def test_packed_file_that_is_cut_off_is_salvaged(tmp_path: Path, long_bag: LongB
     assert 0.4 < saved / ROWS < 0.6
     bags.assert_read(recording, {name: array[:saved] for name, array in long_bag[1].items()})
     assert "truncated" in [finding.code for finding in bags.damage(recording)]
+    (tmp_path / "b.db3.zstd").write_bytes(zstandard.ZstdCompressor().compress(b""))
+    with pytest.raises(InputError, match=f"^{tmp_path}/b.db3: is empty"):  # not the place of what was unpacked
+        bags.read(tmp_path / "b.db3.zstd")
 
 
 def test_part_of_a_cut_file(tmp_path: Path, long_bag: LongBag, monkeypatch: pytest.MonkeyPatch) -> None:

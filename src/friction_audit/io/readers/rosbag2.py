@@ -67,14 +67,18 @@ def _opened(path: Path) -> Iterator[MessageStream]:
         is_packed = any(file.suffix in COMPRESSED for file in files)
         folder = Path(stack.enter_context(TemporaryDirectory()) if is_packed else path)
         streams = list[MessageStream]()
-        for packed in files:  # by what it holds; by its name if it holds neither
-            file = _decompress_file(packed, folder) if packed.suffix in COMPRESSED else packed
-            is_sqlite = starts_with(file, Sqlite3Stream.magic)
-            is_mcap = starts_with(file, McapStream.magic) or (file.suffix == ".mcap" and not is_sqlite)
-            streams.append(McapStream(file) if is_mcap else Sqlite3Stream(file))
-        stream = Rosbag2Stream(path, streams, metadata)
-        stream.is_lasting = not is_packed
-        yield stream
+        try:
+            for packed in files:  # by what it holds; by its name if it holds neither
+                file = _decompress_file(packed, folder) if packed.suffix in COMPRESSED else packed
+                is_sqlite = starts_with(file, Sqlite3Stream.magic)
+                is_mcap = starts_with(file, McapStream.magic) or (file.suffix == ".mcap" and not is_sqlite)
+                streams.append(McapStream(file) if is_mcap else Sqlite3Stream(file))
+            stream = Rosbag2Stream(path, streams, metadata)
+            stream.is_lasting = not is_packed
+            yield stream
+        except InputError as error:  # of a decompressed file the name that the user knows
+            own = path if path.is_dir() else path.parent
+            raise InputError(str(error).replace(f"{folder}/", f"{own}/")) from error
 
 
 def _storage_files(path: Path, metadata: str) -> list[Path]:

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     import pyarrow as pa
 
 
+NUMBERED = ("csv", "libfranka", "franka-state", "flat")  # endings of dialects that number the joints, without names
+
+
 class Writer(NamedTuple):
     """A file format or dialect; of several of one suffix the first in WRITERS is its default."""
 
@@ -37,8 +40,9 @@ class Writer(NamedTuple):
 
     def left_out(self, log: JointLog) -> tuple[str, ...]:
         """Return what of a log this dialect has no place for: channels, and the arm where joint names do not say it."""
-        robot, kept = log.source.robot, self.name.startswith(("parquet", "csv-libfranka"))
-        known = kept or robot == "unknown" or candidates(log.joint_names) == (robot,)
+        robot, named = log.source.robot, not self.name.endswith(NUMBERED)
+        known = self.name.startswith("parquet") or (named and candidates(log.joint_names) == (robot,))
+        known |= robot == "unknown" or (self.name, robot) == ("csv-libfranka-0.9", "panda")  # which is no other arm's
         lost = [] if known else [f"the name of the arm (read it with --robot {robot})"]
         if (unit := log.source.torque_unit) != "N m" and self.name not in ("parquet", "csv"):
             lost.append(f"the unit of the torque, {unit} (read it with --map tau_J=NAME:{unit})")
