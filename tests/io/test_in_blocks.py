@@ -289,8 +289,8 @@ def test_a_long_log_is_judged_by_stretches_that_are_spread_over_it(
     assert not found.whole[ends + 1].any()
     one, other = (estimate_log(log, AuditSettings()) for log in (usual, log))
     assert other.interaction.choice.sign_proved
-    for own, whole in zip(other.interaction.choice.sign_evidence, one.interaction.choice.sign_evidence, strict=True):
-        assert own.moving_s == pytest.approx(whole.moving_s, rel=0.1)  # of the log, not of the stretches
+    for seen, whole in zip(other.interaction.choice.sign_evidence, one.interaction.choice.sign_evidence, strict=True):
+        assert seen.moving_s == pytest.approx(whole.moving_s, rel=0.1)  # of the log, not of the stretches
     for own, same_joint in zip(other.friction.joints, one.friction.joints, strict=True):
         assert own.coulomb.value == pytest.approx(same_joint.coulomb.value, rel=1e-9, nan_ok=True)
 
