@@ -14,6 +14,7 @@ import numpy as np
 
 from friction_audit.diagnosis.noise import NoiseModel
 from friction_audit.diagnosis.problem import RegressionProblem
+from friction_audit.effects.joint_data import SIGMA_PER_MEDIAN
 from friction_audit.joint_log import Bool, Float, Int
 
 LENGTHS_S = (0.1, 0.2, 0.4, 0.8)  # twice as long each: half a sine between two of them loses 5 % of its size
@@ -32,7 +33,7 @@ LEAST_OF_MODEL = 0.06  # of what a filter gives on the modelled torque: a smalle
 MOST_CYCLES = 0.6  # share of the cycles with a contact: what is more frequent is no event, and little is left to fit
 MOST = 100  # moments that are looked at: what stands out more often is no event
 TINY = float(np.finfo(float).tiny)
-SIGMA_PER_MEDIAN, SIGMA_PER_NINTH_DECILE = 1.4826, 0.6080  # of the absolute value of a normal variable
+SIGMA_PER_NINTH_DECILE = 0.6080  # of the absolute value of a normal variable
 
 
 class Contact(NamedTuple):
