@@ -139,6 +139,7 @@ def test_neither_speed_nor_noise_nor_warming_up_is_a_step() -> None:
     assert find_step(path, square, friction * np.linspace(2.0, 1.0, len(path))) is None
     assert find_step(path[:5], square[:5], friction[:5]) is None
     assert find_step(0.0 * path, square, friction) is None
+    assert find_step(np.ones(8), np.full(8, 2.0), np.ones(8)) is None
 
 
 # With a model file: its joint moves otherwise than recorded, or its friction is applied.

@@ -232,7 +232,8 @@ def find_step(path: Float, square: Float, friction: Float) -> tuple[int, float] 
     left = left_before + left_after
     best = int(np.argmin(left))
     row, one = int(splits[best]), float(_fit_friction(whole[-1:])[1][0])
-    ratio = (one - left[best]) / 2.0 / max(left[best] / max(cycles - 4, 1), np.finfo(float).eps * one)
+    least = np.finfo(float).eps * one + np.finfo(float).tiny  # friction may be one number to the last digit
+    ratio = (one - left[best]) / 2.0 / max(left[best] / max(cycles - 4, 1), least)
     law, later = rows[:, :2] @ before[best], rows[:, :2] @ after[best]
     change = float(later.sum() / law.sum())
     level = np.divide(rows[:, 2], law, out=np.ones(cycles), where=law != 0.0)
