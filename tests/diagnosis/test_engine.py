@@ -274,5 +274,5 @@ def test_a_transmission_that_has_no_torque_in_the_joint_fit_is_no_effect(monkeyp
         return block.moved(block.shape, np.zeros(block.columns.shape))
 
     monkeypatch.setattr("friction_audit.diagnosis.procedure.refine", emptied)
-    found = diagnosed(moved_joint(rising, noise_nm=NOISE_NM), [altered(SQUARE, forward="delay")])
+    found = diagnosed(moved_joint(rising, noise_nm=NOISE_NM), [altered(SQUARE, follows=True)])
     assert (names(found), found.negligible) == ([], ())

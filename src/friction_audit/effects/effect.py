@@ -52,9 +52,8 @@ class Effect:
     # True if it is a constant or a curve of position, which the gravity of other joints in the torque resembles.
     like_gravity: ClassVar[bool] = False
     screened: ClassVar[int] = 1  # every so many points of its grid come first, the others where these show promise
-    follows: ClassVar[bool] = (
-        False  # True on the way of the torque to the sensor: its coefficient follows from the others
-    )
+    # True on the way of the torque to the sensor: its one coefficient follows from the others.
+    follows: ClassVar[bool] = False
     transmits: ClassVar[bool] = False  # True for a link between the measured side and that of inertia and friction
     recorder: ClassVar[str] = ""  # what in the recording makes the same torque, and what to do
 
