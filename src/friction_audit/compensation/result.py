@@ -254,11 +254,11 @@ def _fit_friction(moments: Float) -> tuple[Float, Float]:
 
 
 def missing_estimate(history: ReplayHistory, friction: JointFriction, compensator: Compensator) -> Reason:
-    """Return why there was no estimate to apply; empty if there was one."""
+    """Return why there was no cycle with an estimate to apply; empty if there was one."""
     cycles = len(history)
     if not cycles:
         return friction.reason or (Caution("no_cycle_ended"),)
-    if not isinstance(compensator, EnergyCompensator) or compensator.forced or (history.status == ESTIMATED).any():
+    if not isinstance(compensator, EnergyCompensator) or compensator.forced or (history.status[:-1] == ESTIMATED).any():
         return ()
     refused = history.status[history.status >= NOT_MOVED]
     if len(refused):
