@@ -52,11 +52,11 @@ def test_the_version_has_a_changelog_section() -> None:
 
 # Of src/ and tests/. A number goes up only with its reason in the same commit; it goes down with what is saved.
 SIZE = {
-    "lines": 43_107,  # templates, definitions and SQL are files of their own, sentences a table
-    "files": 234,
+    "lines": 42_510,  # templates, definitions and SQL are files of their own, sentences a table
+    "files": 226,
     "code lines of the longest function": 59,  # dynamics/transmission.py: one compiled loop, split it is 13 % slower
     "per cent of functions of at most 3 code lines": 21,
-    "lines of tests": 23_570,
+    "lines of tests": 23_537,
 }
 
 
