@@ -3,7 +3,7 @@
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,7 +17,7 @@ from friction_audit.errors import AnalysisError, UsageError, few
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.io.files import check_place, keep_input
 from friction_audit.joint_numbers import parse_joint_numbers
-from friction_audit.parallel import aside
+from friction_audit.parallel import aside, one_joint_at_a_time
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 
 if TYPE_CHECKING:
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 BUG = 1  # exit code: part of the result is missing because of a bug
 LARGE_LOG = 1 << 26  # bytes of a file that takes about as long to read as compiled loops to load
+FEW_SAMPLES = 40_000  # of a log whose joints take longer to share than to work through
 
 
 @contextmanager
@@ -84,7 +85,7 @@ def estimate(log: "JointLog", settings: "AuditSettings", voice: Voice) -> "Estim
     """Run the chain on a log."""
     from friction_audit.pipeline import estimate_log
 
-    with voice.step("estimate friction"):
+    with voice.step("estimate friction"), one_joint_at_a_time() if log.samples < FEW_SAMPLES else nullcontext():
         return estimate_log(log, settings)
 
 

@@ -106,7 +106,8 @@ class Motion:
     def take(self, first: int, t: Float, before: tuple[float, Float], q: Float, dq: Float) -> None:
         """Take the rows of a piece, given stamp and dq of the row before it."""
         several = [windows.rows_in(first, t) for windows in self._windows]
-        rows = np.unique(np.concatenate([*several, [len(t) - 1]]))
+        # As np.unique, which loads numpy.ma first.
+        rows = np.flatnonzero(np.bincount(np.concatenate([*several, [len(t) - 1]])))
         # Each dq counts for half of the steps on both of its sides; the step after a row is not yet in its integral.
         steps = 0.5 * np.diff(t, prepend=before[0])
         after = np.append(steps[1:], 0.0)

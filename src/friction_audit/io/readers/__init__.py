@@ -6,7 +6,6 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
-from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -113,6 +112,8 @@ def log_from_frame(frame: Any, options: ReadOptions = _DEFAULT, *, name: str = "
 
     Messages and results call it by the name. UsageError if it is no frame.
     """
+    from hashlib import sha256
+
     arrays = arrays_of_frame(frame, name)
     recording = replace(read_table(ArrayTable(Path(name), arrays), _asked(options)), path=name)
     recording = _checked(recording, options, lambda _: None)

@@ -24,7 +24,7 @@ from friction_audit.presets import PRESETS
 
 # Of a batch, of which about ten are in memory; of fewer rows, calls take the time. What is kept of the cycles of a log
 # grows by ten bytes in so many numbers, and the batches of a long one leave it room.
-_BATCH_ROWS, _BATCH_BYTES, _FEWEST_BYTES, _NUMBERS_PER_BYTE = 1 << 16, 10 << 20, 4 << 20, 450
+_BATCH_ROWS, _BATCH_BYTES, _FEWEST_BYTES, _NUMBERS_PER_BYTE = 1 << 16, 9 << 20, 4 << 20, 450
 _BUFFER_BYTES = 1 << 17
 _LOOK_ROWS = 1000  # the first list that is not empty is among them: the first messages of a topic may be empty
 KINDS = {
