@@ -52,7 +52,7 @@ def test_the_version_has_a_changelog_section() -> None:
 
 # Of src/ and tests/. A number goes up only with its reason in the same commit; it goes down with what is saved.
 SIZE = {
-    "lines": 42_513,  # templates, definitions and SQL are files of their own, sentences a table
+    "lines": 42_514,  # templates, definitions and SQL are files of their own, sentences a table
     "files": 226,
     "code lines of the longest function": 59,  # dynamics/transmission.py: one compiled loop, split it is 13 % slower
     "per cent of functions of at most 3 code lines": 21,

@@ -94,7 +94,8 @@ def _column_of(table: Any, name: str) -> NDArray[Any]:  # noqa: ANN401 - a table
 
     from friction_audit.io.readers.parquet import is_of
 
-    column = table[name].combine_chunks()
+    column = table[name]
+    column = column.chunk(0) if column.num_chunks == 1 else column.combine_chunks()  # which would copy one too
     if not is_of(column.type, "list"):
         return np.asarray(column.to_numpy(zero_copy_only=False))
     if len(lengths := compute.unique(compute.list_value_length(column))) > 1:
